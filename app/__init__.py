@@ -1,1 +1,1 @@
-"""Observer Lab: control what you cannot fully see."""
+"""Serve Observer Lab, an interactive course on state observers and estimate feedback."""

@@ -1,11 +1,11 @@
-"""The lessons, in the order in which they are taught."""
+"""List the lessons in the order in which they are taught."""
 
 from __future__ import annotations
 
 from pathlib import Path
 from types import MappingProxyType
 
-from app.lesson.lesson import Lesson
+from observer_lab.course.lesson import Lesson
 
 from .arm.lesson import LESSON as arm
 from .bilinear_observer.lesson import LESSON as bilinear_observer

@@ -1,40 +1,40 @@
-"""Where each lesson stands in the course, and three ways through it."""
+"""Place each lesson in the course and define three learning paths."""
 
 from __future__ import annotations
 
 from pathlib import Path
 from types import MappingProxyType
 
-from app.lesson.course import Place, Way
-from app.text import text
+from observer_lab.course.course_map import CoursePlace, LearningPath
+from observer_lab.text import text
 
-FIRST = Way("first", text("A first course in observers"),
+FIRST_COURSE = LearningPath("first", text("A first course in observers"),
             text("From the virtual sensor to noise: design an observer, steer by it, and see where that ends."))
-ESTIMATION = Way("estimation", text("Estimation"),
+ESTIMATION = LearningPath("estimation", text("Estimation"),
                  text("How a filter knows what to trust: from noise over Kalman to lost packets and sensors that lie."))
-PLATFORM = Way("platform", text("The platform"),
+PLATFORM_PATH = LearningPath("platform", text("The platform"),
                text("One machine, start to finish: a table that is to stand still while the ground shakes, by LQG and what rivals it."))
 MINUTES = 90
 
 
-def _place(id: str, needs: str, *ways: Way) -> tuple[str, Place]:
-    return id, Place(MINUTES, tuple(needs.split()), ways, Path(__file__).parent / id.replace("-", "_") / "card.webp")
+def _place(id: str, needs: str, *ways: LearningPath) -> tuple[str, CoursePlace]:
+    return id, CoursePlace(MINUTES, tuple(needs.split()), ways, Path(__file__).parent / id.replace("-", "_") / "card.webp")
 
 
-PLACES = MappingProxyType(dict((
-    _place("virtual-sensor", "", FIRST, ESTIMATION),
-    _place("error-dynamics", "virtual-sensor", FIRST),
-    _place("observability", "error-dynamics", FIRST, ESTIMATION),
-    _place("separation", "error-dynamics", FIRST, PLATFORM),
-    _place("duality", "observability separation", FIRST),
-    _place("hidden-modes", "observability separation", FIRST),
-    _place("saturation", "separation", FIRST),
-    _place("noise", "error-dynamics", FIRST, ESTIMATION),
-    _place("kalman", "noise", ESTIMATION, PLATFORM),
-    _place("lqg", "separation kalman", PLATFORM),
-    _place("decoupling", "lqg", PLATFORM),
-    _place("weak-states", "observability lqg", PLATFORM),
-    _place("showdown", "lqg decoupling", PLATFORM),
+COURSE_PLACES = MappingProxyType(dict((
+    _place("virtual-sensor", "", FIRST_COURSE, ESTIMATION),
+    _place("error-dynamics", "virtual-sensor", FIRST_COURSE),
+    _place("observability", "error-dynamics", FIRST_COURSE, ESTIMATION),
+    _place("separation", "error-dynamics", FIRST_COURSE, PLATFORM_PATH),
+    _place("duality", "observability separation", FIRST_COURSE),
+    _place("hidden-modes", "observability separation", FIRST_COURSE),
+    _place("saturation", "separation", FIRST_COURSE),
+    _place("noise", "error-dynamics", FIRST_COURSE, ESTIMATION),
+    _place("kalman", "noise", ESTIMATION, PLATFORM_PATH),
+    _place("lqg", "separation kalman", PLATFORM_PATH),
+    _place("decoupling", "lqg", PLATFORM_PATH),
+    _place("weak-states", "observability lqg", PLATFORM_PATH),
+    _place("showdown", "lqg decoupling", PLATFORM_PATH),
     _place("nonlinear", "kalman", ESTIMATION),
     _place("robust-observer", "separation duality"),
     _place("bilinear-observer", "observability hidden-modes"),

@@ -12,7 +12,7 @@ from pathlib import Path
 from babel.messages.extract import extract_from_file
 from syntax import nodes
 
-from app.export.spoken import comments_of
+from observer_lab.export.scripts.comment_translation import comments_of
 
 ROOT = Path(__file__).resolve().parent.parent
 KEYWORDS = {"text": None, "phrase": None, "text_in": ((1, "c"), 2),
@@ -36,15 +36,16 @@ def said() -> dict[Message, str]:
     return found
 
 
-WRITERS = [ROOT / "app" / "export" / f"{name}.py" for name in ("gains", "matlab", "matlab_told", "script", "told")]
-NOTED = {"Given": 2, "array_text": 2, "array": 2, "Code": 3}  # calls, and which of their arguments is a comment
+WRITERS = [ROOT / "app" / "export" / "scripts" / f"{name}.py"
+           for name in ("gains", "matlab", "matlab_code_record", "script", "code_record_script")]
+NOTED = {"GivenValue": 2, "array_text": 2, "array": 2, "Code": 3}  # calls, and which of their arguments is a comment
 NAMED = re.compile(r"[A-Za-z]{2}")  # a comment without a word reads the same in every language
 
 
 def comments() -> Iterator[tuple[str, str]]:
     """What comments of exported scripts say, and where it stands: the parts, and what writers and lessons put beside numbers."""
-    for path in sorted((ROOT / "app" / "export" / "parts").glob("*.txt")):
-        for comment in comments_of(path.read_text(encoding="utf-8"), "%" if path.stem.startswith("matlab") else "#"):
+    for path in sorted((ROOT / "app" / "export" / "templates").rglob("*.txt")):
+        for comment in comments_of(path.read_text(encoding="utf-8"), "%" if "matlab" in path.parts else "#"):
             yield comment, path.name
     for path in (*WRITERS, *(ROOT / "lessons").glob("*/*.py")):
         for comment in _noted(nodes(path.read_text(encoding="utf-8")), path in WRITERS):
@@ -56,14 +57,14 @@ def _noted(all_nodes: tuple[ast.AST, ...], writer: bool) -> Iterator[str]:
     for node in all_nodes:
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and len(node.args) > (at := NOTED.get(node.func.id, 99)):
             yield from (words for words in _written(node.args[at], filled) if not words.startswith(","))
-        elif isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name) and node.targets[0].id == "UNSAID":
+        elif isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name) and node.targets[0].id == "NOT_IN_SCRIPT":
             yield from _written(node.value, filled)
         elif writer and isinstance(node, ast.Yield) and isinstance(node.value, ast.Tuple):
             yield from _written(node.value.elts[0], filled)
         elif writer and isinstance(node, ast.Constant) and isinstance(node.value, str):
             whole = re.match(r"^(?:#|%%?) ([^\n]{4,})$", node.value) if id(node) not in filled else None
             said = whole or re.search(r"  [#%] (.+?)(?:\n|$)", node.value)
-            if said and not said[1].endswith(" "):  # else a value follows, and app/export/spoken.py has the whole
+            if said and not said[1].endswith(" "):  # else a value follows, and app/export/scripts/comment_translation.py has the whole
                 yield said[1]
 
 

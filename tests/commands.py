@@ -1,6 +1,6 @@
 """What the tests of the command line ask it with."""
 
-from app.cli.entry import main
+from observer_lab.cli.entry import main
 
 
 def refused(capsys, *words: str) -> str:

@@ -6,8 +6,8 @@ from typing import Any
 
 from hypothesis import strategies as st
 
-from app.lesson.knobs import Choice, Knob, Number, Poles, Switch, Track
-from app.lesson.lesson import Design, Lesson
+from observer_lab.course.knobs import Choice, Knob, Number, Poles, Switch, Track
+from observer_lab.course.lesson import Design, Lesson
 
 LONGEST_TRACK = 6  # pairs of a random hand track
 LATEST = 20.0  # s

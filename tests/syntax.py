@@ -8,12 +8,14 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
+from types import MappingProxyType
 
 import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 ROOT = Path(__file__).resolve().parent.parent
+PACKAGES = MappingProxyType({"app": ("observer_lab",), "lessons": ("observer_lab", "lessons")})  # folder → what it is installed as
 DISPLAYS = (ast.List, ast.Dict, ast.Set, ast.ListComp, ast.DictComp, ast.SetComp)
 MUTABLE_MAKERS = {"list", "dict", "set", "bytearray", "defaultdict", "OrderedDict", "Counter", "deque"}
 
@@ -64,8 +66,9 @@ def _imported(module: Module) -> tuple[str, ...]:
 
 
 def name_of(path: Path) -> str:
-    """The dotted name of a module below ROOT; a package is named without `__init__`."""
-    parts = path.relative_to(ROOT).with_suffix("").parts
+    """The name by which a module below ROOT is imported; a package is named without `__init__`."""
+    folder, *inner = path.relative_to(ROOT).with_suffix("").parts
+    parts = [*PACKAGES.get(folder, (folder,)), *inner]
     return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
 
 

@@ -17,19 +17,19 @@ from laws import each
 from websockets.datastructures import Headers
 from websockets.http11 import Request, Response
 
-from app.engine.kernels import shelf
-from app.text import languages
-from app.view.access import BYTES, Access, draw_word
-from app.view.gate import Gate
-from app.view.handed import HandedListener, Taken, hand
-from app.view.handshake import Page, Reception
-from app.view.phrases import ASKS_FOR_TOKEN
-from app.view.shell import page_for_a_stranger
-from app.view.tally import Seat, Tally
+from observer_lab.engine.kernels import compile_cache
+from observer_lab.page.access.access_policy import AccessPolicy
+from observer_lab.page.access.handshake import AdmissionControl, PackedPage
+from observer_lab.page.access.shared_counters import SharedCounters, WorkerSlot
+from observer_lab.page.access.socket_handoff import HandedListener, HandedSocket, send_connection
+from observer_lab.page.access.tokens import TOKEN_BYTES, AccessToken, draw_token
+from observer_lab.page.web.html_page import token_required_page
+from observer_lab.page.words.phrases import ASKS_FOR_TOKEN
+from observer_lab.text import languages
 
 WORD, PORT = "s3cret.Word_of~this-test", 8080
-ACCESS = Access(WORD, PORT)
-RECEPTION = Reception(Gate.of("127.0.0.1", False), ACCESS, lambda refusal: None, dict, str, page_for_a_stranger("zh"))
+ACCESS = AccessToken(WORD, PORT)
+RECEPTION = AdmissionControl(AccessPolicy.of("127.0.0.1", False), ACCESS, lambda refusal: None, dict, str, token_required_page("zh"))
 WAYS: dict[str, Callable[[str], tuple[str, list[tuple[str, str]]]]] = {
     "address": lambda word: (f"/?token={word}", []),
     "address among others": lambda word: (f"/index.html?darkMode=1&token={word}", []),
@@ -42,7 +42,7 @@ WRONG = ["", WORD[:-1], WORD + "x", WORD.upper(), f"x{WORD}", "é" * 8, "\xff", 
 def asked(path: str, fields: list[tuple[str, str]], upgrade: bool = False, host: str = "127.0.0.1:8080") -> Response | None:
     """What is answered to a request; None where it gets its WebSocket."""
     head = [("Host", host), *fields, *([("Upgrade", "websocket")] if upgrade else [])]
-    return RECEPTION.answer(Request(path, Headers(head)), Page.of("<html>"), True)
+    return RECEPTION.answer(Request(path, Headers(head)), PackedPage.of("<html>"), True)
 
 
 @each("way", list(WAYS))
@@ -88,16 +88,16 @@ def test_a_foreign_name_is_refused_to_whoever_a_page_could_be_and_open_to_a_prox
 def test_no_text_of_the_record_holds_the_word_and_words_are_long_enough() -> None:
     assert WORD not in repr(ACCESS) + str(RECEPTION)
     assert ACCESS.at("http://[::1]:8080") == f"http://[::1]:8080/?token={WORD}"
-    assert len({draw_word() for _ in range(100)}) == 100 and all(len(draw_word()) >= BYTES for _ in range(9))
+    assert len({draw_token() for _ in range(100)}) == 100 and all(len(draw_token()) >= TOKEN_BYTES for _ in range(9))
     for bad in ("", "short", "x" * 201, "a b c d e", "semi;colon", "new\nline-x", "ünïcödé-wörd"):
         with pytest.raises(ValueError, match="8 to 200"):
-            Access(bad, PORT)
+            AccessToken(bad, PORT)
 
 
 @given(st.lists(st.tuples(st.integers(0, 2), st.booleans()), max_size=60), st.integers(1, 5))
 def test_several_together_hold_no_more_tabs_than_there_are_places(moves: list[tuple[int, bool]], most: int) -> None:
-    tally, open_ = Tally(3), [0, 0, 0]
-    seats = [Seat(tally, worker, most) for worker in range(3)]
+    tally, open_ = SharedCounters(3), [0, 0, 0]
+    seats = [WorkerSlot(tally, worker, most) for worker in range(3)]
     for worker, comes in moves:
         if comes:
             free = sum(open_) < most
@@ -122,10 +122,12 @@ def test_a_connection_is_handed_over_whole_and_its_end_is_heard_once() -> None:
             listener.accept()
         with socket.create_connection(door.getsockname()) as browser:
             connection, address = door.accept()
-            assert hand(ours, connection)
+            assert send_connection(ours, connection)
             connection.close()
             taken, peer = listener.accept()
-            assert isinstance(taken, Taken) and peer == address == browser.getsockname() and listener.getsockname() == ("127.0.0.1", 1)
+            assert (
+                isinstance(taken, HandedSocket) and peer == address == browser.getsockname() and listener.getsockname() == ("127.0.0.1", 1)
+            )
             browser.sendall(b"?")
             assert taken.recv(9) == b"?" and not over
             taken.close()
@@ -138,12 +140,12 @@ def test_kernels_are_compiled_by_one_of_all_who_want_them(tmp_path: Path, monkey
 
     def compile_beside() -> None:
         compiled.append(1)
-        (tmp_path / shelf.DONE).touch()
-    monkeypatch.delenv(shelf.SWITCH, raising=False)
-    monkeypatch.setattr(shelf, "cache_folder", lambda: tmp_path)
-    monkeypatch.setattr(shelf, "_compile_beside", compile_beside)
-    monkeypatch.setattr(shelf.Shelf, "fill", lambda shelf: True)
-    threads = [threading.Thread(target=shelf._prepare) for _ in range(8)]
+        (tmp_path / compile_cache.DONE).touch()
+    monkeypatch.delenv(compile_cache.KERNELS_VARIABLE, raising=False)
+    monkeypatch.setattr(compile_cache, "cache_folder", lambda: tmp_path)
+    monkeypatch.setattr(compile_cache, "_compile_beside", compile_beside)
+    monkeypatch.setattr(compile_cache.CompileCache, "fill", lambda shelf: True)
+    threads = [threading.Thread(target=compile_cache._prepare) for _ in range(8)]
     for thread in threads:
         thread.start()
     for thread in threads:
@@ -153,12 +155,12 @@ def test_kernels_are_compiled_by_one_of_all_who_want_them(tmp_path: Path, monkey
 
 CREW = """
 import os, signal, socket, threading, time
-from app.cli.workers import Crew
-from app.view.handed import READY
-from app.view.tally import Tally
+from observer_lab.cli.workers import WorkerPool
+from observer_lab.page.access.socket_handoff import READY
+from observer_lab.page.access.shared_counters import SharedCounters
 
 signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell may have it ignored
-tally, kind = Tally(2), {kind!r}
+tally, kind = SharedCounters(2), {kind!r}
 
 def work(number, channel):
     first = number == 0 and tally.of(number).starts == 1
@@ -177,7 +179,7 @@ def end():
 
 threading.Thread(target=end, daemon=True).start()
 try:
-    Crew(socket.create_server(("127.0.0.1", 0)), tally, work, stuck=0.5, silent=60.0 if kind == "stuck" else 0.5,
+    WorkerPool(socket.create_server(("127.0.0.1", 0)), tally, work, stuck=0.5, silent=60.0 if kind == "stuck" else 0.5,
          check=0.05).run(lambda: None)
 except KeyboardInterrupt:
     pass

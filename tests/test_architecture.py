@@ -6,6 +6,7 @@ import ast
 import re
 import subprocess
 import sys
+from collections import Counter
 from collections.abc import Iterable, Iterator
 from functools import lru_cache
 from pathlib import Path
@@ -18,14 +19,15 @@ ROOM = re.compile(r"│ (\S+) +│(?:──► (.+))?$")
 
 
 def drawn(page: str) -> dict[str, tuple[str, ...]]:
-    """Room → the rooms it may import, as the picture of the house in CONTRIBUTING.md has it; rooms of the engine by
-    full name."""
+    """Room → the rooms it may import, as the picture of the house in CONTRIBUTING.md has it, by full names."""
     picture = page.split("```")[1]
-    house, _, engine = picture.partition("app.engine, its own rooms")
-    found = [(name, arrows) for name, arrows in map(_row, house.splitlines()) if name]
-    inner = [(f"app.engine.{name}", tuple(f"app.engine.{other}" for other in arrows))
-             for name, arrows in map(_row, engine.splitlines()) if name]
-    return dict(found + inner)
+    house, _, engine = picture.partition("observer_lab.engine, its own rooms")
+    return dict(_rooms(house, "observer_lab") + _rooms(engine, "observer_lab.engine"))
+
+
+def _rooms(picture: str, parent: str) -> list[tuple[str, tuple[str, ...]]]:
+    return [(f"{parent}.{name}", tuple(f"{parent}.{other}" for other in arrows))
+            for name, arrows in map(_row, picture.splitlines()) if name]
 
 
 def _row(line: str) -> tuple[str, tuple[str, ...]]:
@@ -35,10 +37,12 @@ def _row(line: str) -> tuple[str, tuple[str, ...]]:
 
 PICTURE = drawn((ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8"))
 # Layer → the layers it may import. A module belongs to the longest prefix of its name that is listed here.
-MAY_IMPORT = {"app": (), **PICTURE, "app.engine": ("app.engine",)}
+MAY_IMPORT = {"observer_lab": ("observer_lab.cli",), **PICTURE, "observer_lab.engine": ("observer_lab.engine",)}
 ENGINE_LIBRARIES = {"numpy", "scipy", "control"}
-COMPILER, SHELF = "numba", "app.engine.kernels.shelf"  # imported there alone, when kernels are compiled
+PRIVATE = "observer_lab.page.viser_private.viser_internals"  # the one module that may use private names of viser
+COMPILER, SHELF = "numba", "observer_lab.engine.kernels.compile_cache"  # imported there alone, when kernels are compiled
 ROOMS = ("lesson", "knobs", "study", "figures", "tasks")  # of every lesson, beside job and own where there are such
+MOST_FILES, LONGEST_FIRST_LINE = 24, 100
 LONGEST, LONGEST_LESSON = 300, 80  # lines of a module, and of the one that assembles a lesson
 # --- reading -------------------------------------------------------------------------------------------------------
 def layer_of(name: str) -> str | None:
@@ -56,7 +60,7 @@ def forbidden_imports(source: str, module: str, package: bool = False) -> list[s
         if target is None:
             continue
         if target == layer:
-            if layer == "lessons" and not lesson_may(module, name):
+            if layer == "observer_lab.lessons" and not lesson_may(module, name):
                 out.append(name)
         elif not any(within(target, allowed) for allowed in MAY_IMPORT[layer]):
             out.append(name)
@@ -65,8 +69,9 @@ def forbidden_imports(source: str, module: str, package: bool = False) -> list[s
 
 def lesson_may(module: str, name: str) -> bool:
     """A lesson knows itself, the toolkit and its place in the course; only the table of contents knows the lessons."""
-    own = ".".join(module.split(".")[:2])
-    return module == "lessons" or within(name, own) or within(name, "lessons.toolkit") or within(name, "lessons.course")
+    own = ".".join(module.split(".")[:3])
+    homes = (own, "observer_lab.lessons.toolkit", "observer_lab.lessons.course")
+    return module == "observer_lab.lessons" or any(within(name, home) for home in homes)
 
 
 def tracked() -> list[Path]:
@@ -99,23 +104,47 @@ def test_there_is_something_to_judge() -> None:
 
 
 def test_imports_run_one_way_through_the_house() -> None:
-    assert violations((m, forbidden_imports(m.source, m.name, m.package)) for m in modules("app", "lessons")) == []
+    assert violations((m, forbidden_imports(m.source, m.name, m.package)) for m in modules("observer_lab")) == []
 
 
 def test_no_modules_import_each_other_in_a_circle() -> None:
-    assert circles(arrows(modules("app", "lessons"))) == []
+    assert circles(arrows(modules("observer_lab"))) == []
+
+
+def wing_of(name: str) -> str:
+    """The sub-folder of a room that a module belongs to; a module that stands in the room itself is a wing of its own."""
+    return ".".join(name.split(".")[:3])
+
+
+def test_no_wings_of_a_room_import_each_other_in_a_circle() -> None:
+    graph: dict[str, set[str]] = {}
+    for module, targets in arrows(m for m in modules("observer_lab") if not m.package).items():
+        graph.setdefault(wing_of(module), set()).update(wing_of(target) for target in targets)
+    assert any(name == "observer_lab.page.stage" for name in graph)
+    assert circles({name: targets - {name} for name, targets in graph.items()}) == []
+
+
+def test_no_folder_is_too_full_to_be_seen_at_once() -> None:
+    """At most MOST_FILES files of one level; the catalogues of a language and the lessons are lists by nature."""
+    counted = Counter(path.parent.relative_to(ROOT).as_posix() for path in tracked())
+    assert {folder: n for folder, n in counted.items() if folder.startswith("app") and "locale" not in folder and n > MOST_FILES} == {}
+
+
+def test_every_module_says_in_one_line_what_it_does() -> None:
+    assert violations((m, [(ast.get_docstring(m.tree) or "no docstring").splitlines()[0]]) for m in modules("observer_lab")
+                      if not 0 < len((ast.get_docstring(m.tree) or "").partition("\n")[0]) <= LONGEST_FIRST_LINE) == []
 
 
 def test_no_module_is_too_long_to_be_read_at_once() -> None:
-    lengths = [(m, len(m.source.splitlines())) for m in modules("app", "lessons")]
+    lengths = [(m, len(m.source.splitlines())) for m in modules("observer_lab")]
     assert violations((m, [f"{n} lines"]) for m, n in lengths if n > LONGEST) == []
     assert violations((m, [f"{n} lines"]) for m, n in lengths
-                      if re.fullmatch(r"lessons\.\w+\.lesson", m.name) and n > LONGEST_LESSON) == []
+                      if re.fullmatch(r"observer_lab\.lessons\.\w+\.lesson", m.name) and n > LONGEST_LESSON) == []
 
 
 def test_every_lesson_has_the_standard_rooms() -> None:
-    names = {m.name for m in modules("lessons")}
-    homes = {name.removesuffix(".lesson") for name in names if re.fullmatch(r"lessons\.\w+\.lesson", name)}
+    names = {m.name for m in modules("observer_lab.lessons")}
+    homes = {name.removesuffix(".lesson") for name in names if re.fullmatch(r"observer_lab\.lessons\.\w+\.lesson", name)}
     assert [f"{home}.{room}" for home in sorted(homes) for room in ROOMS if f"{home}.{room}" not in names] == []
 
 
@@ -126,7 +155,7 @@ def test_every_arrow_of_the_picture_points_down() -> None:
 
 
 def test_the_picture_has_no_arrow_that_no_import_needs() -> None:
-    needed = {(layer_of(m.name), layer_of(name)) for m in modules("app", "lessons") for name in m.imports()}
+    needed = {(layer_of(m.name), layer_of(name)) for m in modules("observer_lab") for name in m.imports()}
     idle = [f"{room} ──► {other}" for room, arrows in PICTURE.items() for other in arrows
             if not any(layer == room and target is not None and within(target, other) for layer, target in needed)]
     assert not idle, f"rub out of the picture in CONTRIBUTING.md: {idle}"
@@ -141,34 +170,34 @@ def test_the_table_of_folders_names_every_room() -> None:
 
 
 def test_the_engine_stands_on_numpy_scipy_and_control_alone() -> None:
-    allowed = ENGINE_LIBRARIES | set(sys.stdlib_module_names) | {"app"}
+    allowed = ENGINE_LIBRARIES | set(sys.stdlib_module_names) | {"observer_lab"}
     assert violations((m, {name.split(".")[0] for name in m.imports()} - allowed - ({COMPILER} if m.name == SHELF else set()))
-                      for m in modules("app.engine")) == []
+                      for m in modules("observer_lab.engine")) == []
 
 
 def test_the_compiler_of_kernels_is_not_loaded_with_the_engine() -> None:
-    assert not [node for m in modules("app.engine.kernels") for node in m.tree.body
+    assert not [node for m in modules("observer_lab.engine.kernels") for node in m.tree.body
                 if isinstance(node, (ast.Import, ast.ImportFrom)) and COMPILER in ast.unparse(node)]
 
 
-@pytest.mark.parametrize("library, home", [("viser", "app.view"), ("matplotlib", "app.export")])
+@pytest.mark.parametrize("library, home", [("viser", "observer_lab.page"), ("matplotlib", "observer_lab.export")])
 def test_a_library_of_one_room_is_imported_there_alone(library: str, home: str) -> None:
-    elsewhere = (m for m in modules("app", "lessons") if not within(m.name, home))
+    elsewhere = (m for m in modules("observer_lab") if not within(m.name, home))
     assert violations((m, (name for name in m.imports() if within(name, library))) for m in elsewhere) == []
 
 
 def test_private_names_of_viser_are_touched_in_quirks_alone() -> None:
-    assert violations((m, private_uses(m.source)) for m in modules("app.view") if m.name != "app.view.quirks") == []
+    assert violations((m, private_uses(m.source)) for m in modules("observer_lab.page") if m.name != PRIVATE) == []
 
 
 def test_every_script_that_is_called_by_name_is_there_and_each_that_is_there_is_called() -> None:
     """A file that is named as another one was, or anew, would break each page, and only where a browser looks."""
-    called = {node.args[place].value for m in modules("app.view") for node in m.nodes if isinstance(node, ast.Call)
-              for name, place in (("call", 0), ("run", 1)) if ast.unparse(node.func).split(".")[-1] == name
+    called = {node.args[place].value for m in modules("observer_lab.page") for node in m.nodes if isinstance(node, ast.Call)
+              for name, place in (("script_call", 0), ("run_script", 1)) if ast.unparse(node.func).split(".")[-1] == name
               and len(node.args) > place and isinstance(node.args[place], ast.Constant)}
-    once = [ast.literal_eval(node.value) for m in modules("app.view.manners") for node in m.tree.body
-            if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "ONCE"]
-    there = {path.stem for path in (ROOT / "app" / "view" / "page").glob("*.js")}
+    once = [ast.literal_eval(node.value) for m in modules("observer_lab.page.screen.page_setup") for node in m.tree.body
+            if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "PAGE_SCRIPTS"]
+    there = {path.stem for path in (ROOT / "app" / "page" / "web").glob("*/*.js")}
     assert {name for name in called if isinstance(name, str)}.union(*once, {"apart"}) == there  # "apart" holds another
 
 
@@ -180,20 +209,20 @@ def test_no_star_imports() -> None:
 def test_nothing_waits_or_ends_by_a_clock_that_can_be_set() -> None:
     """Whoever sets the clock of a machine moves no deadline: the log alone tells the time of day."""
     clock = re.compile(r"\b(time\.time\(|datetime\.(now|utcnow|today)\()")
-    assert violations((m, clock.findall(m.source)) for m in modules("app", "lessons")) == []
+    assert violations((m, clock.findall(m.source)) for m in modules("observer_lab")) == []
 
 
 def test_no_mutable_globals() -> None:
     """Wrap a table in MappingProxyType, a sequence in a tuple, a set in a frozenset."""
     assert violations((m, [*mutable_globals(m.source), *(f"line {n.lineno}: global" for n in m.nodes
                                                          if isinstance(n, ast.Global))])
-                                                         for m in modules("app", "lessons")) == []
+                                                         for m in modules("observer_lab")) == []
 
 
 def test_any_is_said_in_lessons_and_the_tab_only_with_the_reason_beside_it() -> None:
     """A comment that names `Any` says why no type can stand there."""
     assert violations((m, [name for name in m.imports() if name == "typing.Any" and not re.search(r"# .*`Any`", m.source)])
-                      for m in modules("lessons", "app.tab")) == []
+                      for m in modules("observer_lab.lessons", "observer_lab.session")) == []
 
 
 def test_top_level_folders_are_those_agreed_and_no_others() -> None:
@@ -216,26 +245,26 @@ def test_no_tracked_file_names_a_path_of_some_machine() -> None:
 
 # --- the rules catch what they are for -----------------------------------------------------------------------------
 BREACHES = (
-    ("app.engine.systems.plant", "from ...text import Text"),
-    ("app.engine.systems.plant", "import app.plants"),
-    ("app.engine.systems.plant", "from ..design.optimal import lqr"),
-    ("app.text.message", "from ..engine import Plant"),
-    ("app.plants.chip", "from ..lesson.figures import Curve"),
-    ("app.lesson.figures", "from ..tab.state import write_tab"),
-    ("app.tab.session", "def f():\n    from ..view.screen import Screen"),
-    ("app.export.image", "from ..tab.session import Session"),
-    ("app.tab.session", "from lessons import LESSONS"),
-    ("lessons.duality.lesson", "from ..separation.lesson import MODEL"),
-    ("lessons.duality.lesson", "from app.tab.session import Session"),
-    ("lessons.toolkit.gains", "from ..separation import lesson"),
-    ("app.lesson.figures", "import importlib\nimportlib.import_module('app.tab.session')"),
+    ("observer_lab.engine.systems.plant", "from ...text import Text"),
+    ("observer_lab.engine.systems.plant", "import observer_lab.plants"),
+    ("observer_lab.engine.systems.plant", "from ..design.optimal import lqr"),
+    ("observer_lab.text.message", "from ..engine import Plant"),
+    ("observer_lab.plants.chip", "from ..course.figures.records import Curve"),
+    ("observer_lab.course.figures.records", "from ...session.state.tab_memory import write_memory"),
+    ("observer_lab.session.session", "def f():\n    from ..page.screen.screen import Screen"),
+    ("observer_lab.export.image", "from ..session.session import Session"),
+    ("observer_lab.session.session", "from observer_lab.lessons import LESSONS"),
+    ("observer_lab.lessons.duality.lesson", "from ..separation.lesson import MODEL"),
+    ("observer_lab.lessons.duality.lesson", "from observer_lab.session.session import Session"),
+    ("observer_lab.lessons.toolkit.gains", "from ..separation import lesson"),
+    ("observer_lab.course.figures.records", "import importlib\nimportlib.import_module('observer_lab.session.session')"),
 )
 GOOD = (
-    ("app.engine.systems.plant", "from .errors import EngineError\nimport numpy as np"),
-    ("app.plants.chip", "from ..engine import Plant\nfrom ..text import Text"),
-    ("lessons.duality.lesson", "from ..toolkit.gains import gains\nfrom . import proofs\nfrom app.engine import place"),
-    ("app.view.server", "from ..tab.session import Session\nfrom . import quirks"),
-    ("app.cli", "from lessons import LESSONS\nfrom app.view.server import LabServer"),
+    ("observer_lab.engine.systems.plant", "from .errors import EngineError\nimport numpy as np"),
+    ("observer_lab.plants.chip", "from ..engine import Plant\nfrom ..text import Text"),
+    ("observer_lab.lessons.duality.lesson", "from ..toolkit.gains import gains\nfrom observer_lab.engine import place"),
+    ("observer_lab.page.screen.server", "from ...session.session import Session\nfrom ..viser_private import viser_internals"),
+    ("observer_lab.cli", "from observer_lab.lessons import LESSONS\nfrom observer_lab.page.screen.server import LabServer"),
 )
 
 

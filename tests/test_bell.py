@@ -9,8 +9,8 @@ from typing import Any, cast
 
 from viser.infra._async_message_buffer import AsyncMessageBuffer
 
-from app.view.bell import Bell
-from app.view.quirks import may_leave
+from observer_lab.page.viser_private.thread_event import LoopEvent
+from observer_lab.page.viser_private.viser_internals import may_leave
 
 
 def in_a_thread(call: Any) -> None:
@@ -24,7 +24,7 @@ def test_a_ring_from_a_thread_touches_nobody_who_waits_and_the_loop_wakes_them_a
         bell = asyncio.Event()
         waiting = [asyncio.create_task(bell.wait()) for _ in range(3)]
         await asyncio.sleep(0)
-        bell.__class__ = Bell  # as of a connection that waits already
+        bell.__class__ = LoopEvent  # as of a connection that waits already
         in_a_thread(bell.set)
         assert bell.is_set()
         for _ in range(5):
@@ -44,5 +44,5 @@ def test_what_a_tab_writes_to_rings_so() -> None:
         buffer = AsyncMessageBuffer(asyncio.get_running_loop(), persistent_messages=False)
         client: Any = SimpleNamespace(_websock_connection=SimpleNamespace(get_message_buffer=lambda: buffer))
         may_leave(cast(Any, client))
-        assert type(buffer.message_event) is Bell
+        assert type(buffer.message_event) is LoopEvent
     asyncio.run(writes())

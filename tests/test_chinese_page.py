@@ -10,13 +10,13 @@ from typing import Any
 import pytest
 from laws import holds_for_all
 
-from app.lesson.figures import MapFigure
-from app.lesson.lesson import Design, Lesson
-from app.plants.examples import EXAMPLES, example
-from app.plants.names import SIGNALS, called, in_unit, title_of, with_unit
-from app.plants.own import plant_of, read
-from app.text import Text, languages, same, symbol
-from lessons import LESSONS
+from observer_lab.course.figures.records import MapFigure
+from observer_lab.course.lesson import Design, Lesson
+from observer_lab.lessons import LESSONS
+from observer_lab.plants.examples import EXAMPLES, example
+from observer_lab.plants.own_plant import plant_of, read_plant_file
+from observer_lab.plants.signal_names import SIGNALS, in_unit, signal_name, title_of, with_unit
+from observer_lab.text import Text, languages, same, symbol
 
 WORD = re.compile(r"(?<![A-Za-z\\_])[A-Za-z]{3,}")
 FORMULA = re.compile(r"\$+[^$]*\$+|`[^`]*`|\{\w+\}|\\[A-Za-z]+|<[^>]*>|[A-Za-z]+\([^)]*\)")  # mathematics, code, places for numbers
@@ -95,15 +95,17 @@ def test_every_name_of_an_example_is_known_in_both_languages() -> None:
         plant = plant_of(example(key))
         names = {n for n in (*plant.state_names, *plant.input_names, *plant.output_names) if not re.fullmatch(r"[a-z]\d+", n)}
         assert set(SIGNALS[plant.name]) == names
-        assert all(called(plant, n)("en") == n != called(plant, n)("zh") for n in names)
+        assert all(signal_name(plant, n)("en") == n != signal_name(plant, n)("zh") for n in names)
         assert title_of(plant)("en") == plant.name and EXAMPLES[key].label("zh").startswith(title_of(plant)("zh"))
     holds_for_all(EXAMPLES, law)
 
 
 def test_the_names_of_a_persons_own_plant_stay_as_they_are() -> None:
-    plant = plant_of(read("mine.json", b'{"A": [[-1]], "B": [[1]], "C": [[1]], "states": ["current"], "units": {"current": "A"}}'))
+    plant = plant_of(
+        read_plant_file("mine.json", b'{"A": [[-1]], "B": [[1]], "C": [[1]], "states": ["current"], "units": {"current": "A"}}')
+    )
     assert with_unit(plant, "current")("zh") == "current [A]"
-    assert called(plant, "current") == same("current") and with_unit(plant, "current") == in_unit(same("current"), "A")
+    assert signal_name(plant, "current") == same("current") and with_unit(plant, "current") == in_unit(same("current"), "A")
     assert title_of(plant)("zh") == "你的对象" and languages() == ("en", "zh")
 
 

@@ -10,18 +10,18 @@ import numpy as np
 import pytest
 from commands import refused
 
-from app.cli import inputs
-from app.cli import serve as serving
-from app.cli.entry import main
-from app.cli.serve import ServeRequest
-from app.engine import EngineError
-from app.lesson.exam import seed_of
-from app.lesson.lesson import Check, Job, Lesson
-from app.published import records
-from app.tab.state import Saved, write_state
-from app.tab.token import read_token, write_token
-from app.text import same
-from lessons import LESSONS
+from observer_lab.cli import inputs
+from observer_lab.cli.commands import serve as serving
+from observer_lab.cli.commands.serve import ServeRequest
+from observer_lab.cli.entry import main
+from observer_lab.course.exercises.exam import seed_of
+from observer_lab.course.lesson import Check, Job, Lesson
+from observer_lab.engine import EngineError
+from observer_lab.lessons import LESSONS
+from observer_lab.published import records
+from observer_lab.session.state.saved_state import SavedState, write_state
+from observer_lab.session.state.token import read_token, write_token
+from observer_lab.text import same
 
 SEPARATION = LESSONS["separation"]
 ROOT = Path(__file__).parents[1]
@@ -73,7 +73,7 @@ def test_set_reaches_the_design_and_the_last_one_wins(capsys) -> None:
 def test_a_saved_design_comes_back_and_set_comes_after_it(capsys, tmp_path: Path) -> None:
     design = SEPARATION.apply(SEPARATION.start(), {"delay": 18.0, "u_max": 0.5, "limited": True})
     file = tmp_path / "state.json"
-    file.write_text(write_state(SEPARATION, Saved(design)), encoding="utf-8")
+    file.write_text(write_state(SEPARATION, SavedState(design)), encoding="utf-8")
     _, record = run_json(capsys, "--set", "u_max=0.7", "--state", str(file))
     assert (record["knobs"]["delay"], record["knobs"]["u_max"], record["knobs"]["limited"]) == (18.0, 0.7, True)
 
@@ -95,7 +95,7 @@ def test_figure_and_csv_are_written(suffix: str, capsys, tmp_path: Path) -> None
 @pytest.mark.slow
 def test_a_state_brings_its_language_and_camera_to_every_file(capsys, tmp_path: Path) -> None:
     camera = (0.0, -9.0, 3.0, 0.0, 0.5, 1.0)
-    token = write_token(SEPARATION, Saved(SEPARATION.start(), "zh", camera=camera))
+    token = write_token(SEPARATION, SavedState(SEPARATION.start(), "zh", camera=camera))
     page, script, figure = (str(tmp_path / name) for name in ("run.html", "run.py", "run.svg"))
     assert main(["replay", "separation", "--state", token, "-o", page]) == 0
     assert main(["export", "separation", "--state", token, "--to", "python", "-o", script]) == 0
@@ -118,7 +118,7 @@ def test_a_file_that_cannot_be_finished_leaves_the_one_before_it(capsys, tmp_pat
     main(["run", "separation", "--csv", str(table)])
     whole = table.read_bytes()
     capsys.readouterr()
-    monkeypatch.setattr("app.export.data.save_csv", breaks_off)
+    monkeypatch.setattr("observer_lab.export.data.data.save_csv", breaks_off)
     assert "no space left" in refused(capsys, "run", "separation", "--csv", str(table))
     assert table.read_bytes() == whole and list(tmp_path.iterdir()) == [table]
 
@@ -231,7 +231,7 @@ def test_a_broken_state_file_is_status_2_and_one_sentence(text: bytes, told: str
 def test_the_state_of_another_lesson_is_refused(capsys, tmp_path: Path) -> None:
     other = next(lesson for lesson in LESSONS.values() if lesson.id != "separation")
     file = tmp_path / "state.json"
-    file.write_text(write_state(other, Saved(other.start())), encoding="utf-8")
+    file.write_text(write_state(other, SavedState(other.start())), encoding="utf-8")
     assert f"belongs to lesson {other.id}" in refused(capsys, "run", "separation", "--state", str(file))
 
 
@@ -268,7 +268,7 @@ def test_verify_prints_every_value_and_is_status_1_when_one_differs(capsys, monk
     """Here a few of them, one of each verdict and some more; `test_published.py` and the wheel's own command verify all."""
     every = records()
     some = (*every[:12], *(next(p for p in every if p.kind == kind) for kind in ("slip", "beyond")))
-    monkeypatch.setattr("app.published.records", lambda: some)
+    monkeypatch.setattr("observer_lab.published.records", lambda: some)
     assert main(["verify"]) == 0
     words = capsys.readouterr().out
     assert all(published.item in words for published in some)
@@ -277,7 +277,7 @@ def test_verify_prints_every_value_and_is_status_1_when_one_differs(capsys, monk
     assert [entry["item"] for entry in listed] == [published.item for published in some]
     assert {entry["verdict"] for entry in listed} == {"agrees", "slip", "beyond"}
     wrong = replace(every[0], ours=lambda: 3.0)
-    monkeypatch.setattr("app.published.records", lambda: (wrong,))
+    monkeypatch.setattr("observer_lab.published.records", lambda: (wrong,))
     assert main(["verify"]) == 1
     assert "DIFFERS" in capsys.readouterr().out
 

@@ -24,26 +24,27 @@ from commands import refused
 from served import Served
 from websockets.exceptions import InvalidStatus
 
-from app.cli import jupyter, serve
-from app.cli.entry import main
-from app.cli.logs import RotatingFile
-from app.view.access import VARIABLE
-from app.view.address import url
+from observer_lab.cli import jupyter
+from observer_lab.cli.commands import serve
+from observer_lab.cli.entry import main
+from observer_lab.cli.logs import RotatingFile
+from observer_lab.page.access.addresses import url
+from observer_lab.page.access.tokens import VARIABLE
 
 ROOT = Path(__file__).parents[1]
 
 QUIET = """
 import os, sys
-import app.cli
+import observer_lab.cli
 assert "numpy" not in sys.modules, "numpy came before its threads were settled"
-assert app.cli.main(["list"]) == 0
-assert "lessons" in sys.modules and "scipy.stats" not in sys.modules, "a quarter of the start, for what is seldom asked"
-assert app.cli.main(["run", "separation", "--json"]) in (0, 1)
-assert app.cli.main(["verify"]) == 0
+assert observer_lab.cli.main(["list"]) == 0
+assert "observer_lab.lessons" in sys.modules and "scipy.stats" not in sys.modules, "a quarter of the start, for what is seldom asked"
+assert observer_lab.cli.main(["run", "separation", "--json"]) in (0, 1)
+assert observer_lab.cli.main(["verify"]) == 0
 assert os.environ["OMP_NUM_THREADS"] == os.environ["OPENBLAS_NUM_THREADS"] == "1"
 heavy = {"viser", "matplotlib", "control"} & set(sys.modules)
 assert not heavy, heavy
-assert app.cli.main(["run", "separation", "--figure", sys.argv[1]]) in (0, 1)
+assert observer_lab.cli.main(["run", "separation", "--figure", sys.argv[1]]) in (0, 1)
 assert "matplotlib.pyplot" not in sys.modules
 """
 
@@ -65,7 +66,7 @@ def test_serve_prints_the_address_it_really_took_and_ends_when_interrupted() -> 
         taken.bind(("127.0.0.1", 0))
         taken.listen()
         port = taken.getsockname()[1]
-        with Served([sys.executable, "-m", "app.cli", "--port", str(port), "--token", "auto"], cwd=ROOT,
+        with Served([sys.executable, "-m", "observer_lab", "--port", str(port), "--token", "auto"], cwd=ROOT,
                     env=plain_environment(), stdout=subprocess.PIPE, text=True) as server:
             try:
                 assert server.stdout is not None
@@ -81,7 +82,7 @@ def test_serve_prints_the_address_it_really_took_and_ends_when_interrupted() -> 
 @contextmanager
 def started(*words: str, **surroundings: str) -> Iterator[tuple[Served, str]]:
     """`serve` in a process of its own and the address that it prints; ended by SIGTERM, and well."""
-    with Served([sys.executable, "-m", "app.cli", *words], cwd=ROOT, env=plain_environment() | surroundings,
+    with Served([sys.executable, "-m", "observer_lab", *words], cwd=ROOT, env=plain_environment() | surroundings,
                 stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as server:
         try:
             assert server.stdout is not None
@@ -130,7 +131,7 @@ def test_status_tells_of_a_server_as_jupyter_launches_it_and_is_status_1_where_t
         free.bind(("127.0.0.1", 0))
         port = str(free.getsockname()[1])
     python, apart, *words = (word.format(port=port) for word in launched["command"])
-    assert (python, apart, *words[:3]) == (sys.executable, "-P", "-m", "app.cli", "serve")
+    assert (python, apart, *words[:3]) == (sys.executable, "-P", "-m", "observer_lab", "serve")
     word = launched["environment"][VARIABLE]
     assert launched["request_headers_override"] == {"Authorization": f"Bearer {word}"}
     with started(*words[2:], "--max-sessions", "7", **launched["environment"]) as (_, url):
@@ -270,7 +271,7 @@ def test_an_ipv6_address_is_printed_in_brackets() -> None:
 
 
 def test_ctrl_c_while_starting_prints_no_traceback() -> None:
-    with Served([sys.executable, "-X", "importtime", "-m", "app.cli", "--port", "0"], cwd=ROOT,
+    with Served([sys.executable, "-X", "importtime", "-m", "observer_lab", "--port", "0"], cwd=ROOT,
                 env=plain_environment(), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as server:
         assert server.stderr is not None
         for line in server.stderr:
@@ -291,7 +292,7 @@ def test_an_interrupt_that_something_else_swallows_ends_the_server_all_the_same(
             with suppress(BaseException):
                 signal.raise_signal(signal.SIGINT)
 
-        def wait(self, ended: Callable[[], bool]) -> None:
+        def wait(self, ended: Callable[[], bool], period: float) -> None:
             heard.append("ended" if ended() else "goes on")
             signal.raise_signal(signal.SIGTERM)  # while all stands nothing is interrupted: Python may print it, and go on
             heard.append("calm")

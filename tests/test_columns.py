@@ -8,8 +8,8 @@ from typing import Any
 
 import pytest
 
-from app.view import quirks
-from app.view.columns import Columns
+from observer_lab.page.column.column_widths import Columns
+from observer_lab.page.viser_private import viser_internals
 
 
 class Panel:
@@ -27,7 +27,7 @@ def test_a_column_whose_width_was_forgotten_is_told_again_and_one_that_a_hand_mo
     heard, done = list[Any](), list[Any]()
     widget = SimpleNamespace(on_update=heard.append, _impl=SimpleNamespace(uuid="w"))
     client: Any = SimpleNamespace(gui=SimpleNamespace(add_number=lambda *_, **__: widget))
-    monkeypatch.setattr(quirks, "run", lambda *_, **__: None)
+    monkeypatch.setattr(viser_internals, "run_script", lambda *_, **__: None)
     right, main, columns = Panel(), Panel(), Columns()
     columns.add(right, 395.0)  # type: ignore[arg-type]
     columns.add(main, 345.0)  # type: ignore[arg-type]

@@ -11,17 +11,25 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.lesson.figures import Curve, LineFigure, MapFigure, MatrixFigure, PlaneFigure, Point, TableFigure
-from app.lesson.knobs import Number
-from app.lesson.lesson import Lesson
-from app.text import same, squared, symbol, text
-from app.view.axes import FRAME, H, W
-from app.view.charts import even
-from app.view.knobs import marks
-from app.view.lettering import LARGE, Box, along, beside, folded, key, width
-from app.view.matrices import short
-from app.view.svg import draw
-from lessons import LESSONS
+from observer_lab.course.figures.records import Curve, LineFigure, MapFigure, MatrixFigure, PlaneFigure, Point, TableFigure
+from observer_lab.course.knobs import Number
+from observer_lab.course.lesson import Lesson
+from observer_lab.lessons import LESSONS
+from observer_lab.page.charts.axes import PLOT_FRAME, H, W
+from observer_lab.page.charts.charts import round_numbers
+from observer_lab.page.charts.matrices import short
+from observer_lab.page.charts.svg import draw
+from observer_lab.page.charts.text_layout import (
+    LARGE_PRINT_PX,
+    Box,
+    curve_key,
+    fold_lines,
+    place_along_curves,
+    place_beside_mark,
+    text_width,
+)
+from observer_lab.page.column.knob_widgets import marks
+from observer_lab.text import same, squared_unit, symbol, text
 
 TEXT = re.compile(r'<text x="([-\d.]+)" y="([-\d.]+)"[^>]*>([^<]*)</text>')
 
@@ -53,16 +61,16 @@ def test_the_key_of_many_curves_stands_below_the_axes_and_covers_none() -> None:
 
 @given(st.lists(st.tuples(st.floats(0.3, 4), st.floats(-3, 3), st.floats(-0.6, 0.6)), min_size=1, max_size=4), st.integers(0, 2))
 def test_names_of_few_curves_stand_in_the_frame_apart_and_next_to_their_own(waves: list[tuple[float, float, float]], points: int) -> None:
-    x = np.linspace(FRAME.left, FRAME.right, 80)
-    middle, half = (FRAME.top + FRAME.bottom) / 2, (FRAME.bottom - FRAME.top) / 2
+    x = np.linspace(PLOT_FRAME.left, PLOT_FRAME.right, 80)
+    middle, half = (PLOT_FRAME.top + PLOT_FRAME.bottom) / 2, (PLOT_FRAME.bottom - PLOT_FRAME.top) / 2
     curves = [np.column_stack([x, middle + half * (0.35 * np.sin(speed * x / 60 + phase) + shift)]) for speed, phase, shift in waves]
     names = [f"curve {k}" for k in range(len(curves))]
     taken = [Box(150.0 + 60 * k, middle - 6, 162.0 + 60 * k, middle + 6) for k in range(points)]
-    places = along(curves, names, FRAME, taken)
+    places = place_along_curves(curves, names, PLOT_FRAME, taken)
     boxes = [at.box for at in places if at is not None]
     assert len(places) == len(names) and len(boxes) == len(names)
     for k, at in enumerate(boxes):
-        assert at.left >= FRAME.left and at.right <= FRAME.right and at.top >= FRAME.top and at.bottom <= FRAME.bottom
+        assert at.left >= PLOT_FRAME.left and at.right <= PLOT_FRAME.right and at.top >= PLOT_FRAME.top and at.bottom <= PLOT_FRAME.bottom
         assert not any(at.meets(other) for other in [*boxes[:k], *taken])
         away = np.hypot(*(np.maximum(np.maximum(low - curves[k][:, i], curves[k][:, i] - high), 0)
                           for i, (low, high) in enumerate(((at.left, at.right), (at.top, at.bottom)))))
@@ -82,14 +90,17 @@ def test_a_name_of_an_axis_is_whole_and_clear_of_the_numbers_in_large_print(name
     drawing = draw(PlaneFigure("p", same("plane"), (Curve(same("c"), line, x=line),), (), name * 2, name, y_range=numbers), "en")
     upright = re.findall(r'<text transform="translate\(([\d.]+) ([\d.]+)\) rotate\(-90\)"[^>]*>([^<]*)</text>', drawing)
     for x, y, said in upright:
-        assert float(x) + 0.1 >= 1.16 * LARGE and abs(float(y) - H / 2) + width(said, LARGE) / 2 < H / 2 + 12
-    right = max(float(x) for x, _, _ in upright) + 0.29 * LARGE
+        assert float(x) + 0.1 >= 1.16 * LARGE_PRINT_PX and abs(float(y) - H / 2) + text_width(said, LARGE_PRINT_PX) / 2 < H / 2 + 12
+    right = max(float(x) for x, _, _ in upright) + 0.29 * LARGE_PRINT_PX
     ends = re.findall(r'<text x="([\d.]+)" y="[\d.]+" text-anchor="end">([^<]*)</text>', drawing)
-    assert ends and all(float(x) - width(said, LARGE) > right for x, said in ends)
+    assert ends and all(float(x) - text_width(said, LARGE_PRINT_PX) > right for x, said in ends)
     assert "".join(said for *_, said in upright).replace(" ", "") == name.replace(" ", "")
     below = [(x, y, said) for x, y, said in words(drawing) if y > H - 10 and said != "c"]
     assert "".join(said for *_, said in below).replace(" ", "") == (name * 2).replace(" ", "")
-    assert all(x - width(said, LARGE) / 2 > 0 and x + width(said, LARGE) / 2 < W and y < height(drawing) for x, y, said in below)
+    assert all(
+        x - text_width(said, LARGE_PRINT_PX) / 2 > 0 and x + text_width(said, LARGE_PRINT_PX) / 2 < W and y < height(drawing)
+        for x, y, said in below
+    )
 
 
 def lie_on_each_other(p: Box, q: Box) -> bool:
@@ -106,7 +117,9 @@ def test_no_number_of_an_axis_lies_on_another_in_large_print_or_is_cut(left: flo
     x, y = (left, left + wide), (low, low + high)
     x, y = ((-wide, wide) if "x" in powers and wide < 20 else (-2.0, 3.0) if "x" in powers else x), ((-9.0, 1.0) if "y" in powers else y)
     drawing = draw(PlaneFigure("p", same("p"), (), (), "x", "y", x, y, equal and not powers, powers=powers), "en", True, tall)  # type: ignore[arg-type]
-    lines = [Box(box.left, box.top - 0.44 * LARGE, box.right, box.bottom + 0.09 * LARGE) for _, box in boxes(drawing, True)[1:]]
+    lines = [
+        Box(box.left, box.top - 0.44 * LARGE_PRINT_PX, box.right, box.bottom + 0.09 * LARGE_PRINT_PX) for _, box in boxes(drawing, True)[1:]
+    ]
     assert not [(p, q) for i, p in enumerate(lines) for q in lines[:i] if lie_on_each_other(p, q)]
     assert len(lines) >= 4 and all(box.left >= 0 and box.right <= W for box in lines)
 
@@ -131,7 +144,7 @@ def test_a_long_key_goes_on_in_the_next_row_inside_the_drawing() -> None:
     drawing = draw(plane(*names), "en")
     told = [(x, y, text) for x, y, text in words(drawing) if text in names]
     assert len({y for _, y, _ in told}) > 1 and max(y for _, y, _ in told) < height(drawing)
-    assert all(x > 0 and x + width(text) <= W + 1 for x, _, text in told)
+    assert all(x > 0 and x + text_width(text) <= W + 1 for x, _, text in told)
 
 
 # --- names of marks --------------------------------------------------------------------------------------------------
@@ -144,13 +157,13 @@ def test_the_name_of_a_mark_at_the_right_edge_is_not_cut() -> None:
 def test_names_of_marks_that_crowd_do_not_lie_on_each_other() -> None:
     taken: list[Box] = []
     for k in range(4):
-        name = beside(200.0 + 3 * k, 120.0, "yours", FRAME, taken, np.zeros((0, 2)))
+        name = place_beside_mark(200.0 + 3 * k, 120.0, "yours", PLOT_FRAME, taken, np.zeros((0, 2)))
         assert not any(name.box.meets(other) for other in taken)
         taken.append(name.box)
 
 
 def test_a_chinese_word_is_as_wide_as_its_characters_are_high() -> None:
-    assert width("观测器", 10.0) == pytest.approx(30.0) and width("abc", 10.0) < 20.0 and width("x̂") == width("x")
+    assert text_width("观测器", 10.0) == pytest.approx(30.0) and text_width("abc", 10.0) < 20.0 and text_width("x̂") == text_width("x")
 
 
 PIECES = "not", "computed", "yet:", "→", "θ(0) [°]", "尚未计算：", "请按旋钮下方的按钮", "再看，"
@@ -159,11 +172,11 @@ PIECES = "not", "computed", "yet:", "→", "θ(0) [°]", "尚未计算：", "请
 @given(st.lists(st.sampled_from(PIECES), min_size=1, max_size=9), st.sampled_from(("", " ", "   ")), st.floats(6.0, 60.0))
 def test_words_are_folded_into_lines_that_fit_and_lose_nothing(parts: list[str], between: str, most: float) -> None:
     said = between.join(parts)
-    lines = folded(said, most).split("\n")
+    lines = fold_lines(said, most).split("\n")
     assert re.sub(r"\s", "", "".join(lines)) == re.sub(r"\s", "", said)
-    assert all(width(line, 1.0) <= most or not re.search(r"\s|[\u2e80-\uffee][^，：]", line) for line in lines)
+    assert all(text_width(line, 1.0) <= most or not re.search(r"\s|[\u2e80-\uffee][^，：]", line) for line in lines)
     assert not any(line.startswith(("，", "：")) for line in lines[1:])
-    assert len(lines) == 1 or width(said, 1.0) > most
+    assert len(lines) == 1 or text_width(said, 1.0) > most
 
 
 # --- matrices --------------------------------------------------------------------------------------------------------
@@ -181,7 +194,7 @@ def test_names_of_many_narrow_columns_are_turned_upright_and_lie_above_the_cells
     drawing = draw(MatrixFigure("m", same("A"), np.eye(20), columns=tuple(f"column {k}" for k in range(20))), "en")
     assert drawing.count("rotate(-90)") == 20
     first = float(re.findall(r'<rect x="[\d.]+" y="([\d.]+)"', drawing)[0])
-    assert first > 30 + width("column 19", 9.0)
+    assert first > 30 + text_width("column 19", 9.0)
 
 
 @pytest.mark.parametrize(("name", "shown"), [("x1", "x₁"), ("z12", "z₁₂"), ("theta", "θ"), ("omega", "ω"), ("force 1", "force 1"),
@@ -196,7 +209,7 @@ def test_no_word_of_a_matrix_in_large_print_is_smaller_than_another_or_lies_on_o
     names = ("sideslip", "x1", "滚转角速度", "yaw rate", "theta")
     beside, above = (tuple(names[k % 5] for k in range(count)) for count in (rows, columns))
     drawing = draw(MatrixFigure("m", same("a long title of a matrix that has a long title"), entries, beside, above, (1,)), "en", True)
-    assert {float(size) for size in re.findall(r'<text [^>]*font-size="([\d.]+)"', drawing)} == {LARGE}
+    assert {float(size) for size in re.findall(r'<text [^>]*font-size="([\d.]+)"', drawing)} == {LARGE_PRINT_PX}
     said = boxes(drawing, True)
     assert len(said) > rows and not [(a, b) for i, (a, p) in enumerate(said) for b, q in said[:i] if p.meets(q)]
 
@@ -207,9 +220,9 @@ def test_an_entry_keeps_the_digits_it_has_room_for_and_its_power_of_ten_below() 
 
 
 def test_the_key_in_large_print_is_as_large_as_other_words_and_goes_on_in_the_next_row() -> None:
-    told = key([(f"a name {k}", "#000000", "solid") for k in range(6)], W, 0.0, large=True)[0]
-    assert {float(size) for size in re.findall(r'font-size="([\d.]+)"', told)} == {LARGE}
-    assert all(x + width(text, LARGE) <= W + 1 for x, _, text in words(told.replace("<text", "\n<text")))
+    told = curve_key([(f"a name {k}", "#000000", "solid") for k in range(6)], W, 0.0, large=True)[0]
+    assert {float(size) for size in re.findall(r'font-size="([\d.]+)"', told)} == {LARGE_PRINT_PX}
+    assert all(x + text_width(text, LARGE_PRINT_PX) <= W + 1 for x, _, text in words(told.replace("<text", "\n<text")))
 
 
 def boxes(drawing: str, large: bool) -> list[tuple[str, Box]]:
@@ -220,7 +233,7 @@ def boxes(drawing: str, large: bool) -> list[tuple[str, Box]]:
         if not said.strip():
             continue
         size = 14.6 if large and "font-size" not in found else float(found.get("font-size", 11))
-        wide = width(html.unescape(said), size)
+        wide = text_width(html.unescape(said), size)
         if turned := re.match(r"translate\(([-\d.]+) ([-\d.]+)\) rotate\(-90\)", found.get("transform", "")):
             x, end = float(turned[1]), float(turned[2]) + (wide / 2 if found.get("text-anchor") == "middle" else 0.0)
             out.append((said, Box(x - 0.72 * size, end - wide, x + 0.2 * size, end)))
@@ -262,16 +275,16 @@ def test_a_mark_and_its_word_stand_in_one_line_and_numbers_of_one_cell_part_behi
 # --- axes of charts --------------------------------------------------------------------------------------------------
 @pytest.mark.parametrize(("low", "high"), [(0.0, 2e-5), (-3e-9, 1e-9), (0.0, 5e-4), (-1.0, 2.0), (0.0, 15.0), (-2e7, 2e7), (0.0, 0.02)])
 def test_no_two_numbers_on_an_axis_read_alike(low: float, high: float) -> None:
-    at, names = even(low, high, 5)
+    at, names = round_numbers(low, high, 5)
     assert len(at) >= 3 and len(set(names)) == len(at) and all(len(name) <= 9 for name in names)
     assert names[at.index(0.0)] == "0"
 
 
 def test_numbers_on_an_axis_have_true_minus_signs_and_one_power_of_ten() -> None:
-    assert even(-1.0, 1.0, 4)[1] == ("−1", "−0.5", "0", "0.5", "1")
-    assert even(0.0, 2e-5, 4)[1] == ("0", "0.5·10⁻⁵", "1·10⁻⁵", "1.5·10⁻⁵", "2·10⁻⁵")
+    assert round_numbers(-1.0, 1.0, 4)[1] == ("−1", "−0.5", "0", "0.5", "1")
+    assert round_numbers(0.0, 2e-5, 4)[1] == ("0", "0.5·10⁻⁵", "1·10⁻⁵", "1.5·10⁻⁵", "2·10⁻⁵")
 
 
 @pytest.mark.parametrize(("unit", "shown"), [("A", "A²"), ("m/s", "(m/s)²"), ("", "1"), ("m s", "(m s)²")])
 def test_the_square_of_a_unit_has_brackets_only_where_it_needs_them(unit: str, shown: str) -> None:
-    assert squared(unit) == shown
+    assert squared_unit(unit) == shown

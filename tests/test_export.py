@@ -11,14 +11,9 @@ import pytest
 from matplotlib._pylab_helpers import Gcf
 from matplotlib.colors import to_hex, to_rgb
 
-from app.engine import Plant, Scenario, simulate
-from app.export import fonts
-from app.export.data import HEADER, csv_rows, plain, run_record, save_csv
-from app.export.figure import SUFFIXES, ExportError, draw_page, save_figures
-from app.export.wrap import width, wrap
-from app.lesson.figures import (
+from observer_lab.course.figures.records import (
     COLOURS,
-    FLOOR,
+    LOG_AXIS_FLOOR,
     Curve,
     Figure,
     LineFigure,
@@ -29,8 +24,13 @@ from app.lesson.figures import (
     TableFigure,
     over_frequency,
 )
-from app.lesson.lesson import Check, Design, Outcome
-from app.text import same, text, wording
+from observer_lab.course.lesson import Check, Design, Outcome
+from observer_lab.engine import Plant, Scenario, simulate
+from observer_lab.export.data.data import HEADER, csv_rows, plain, run_record, save_csv
+from observer_lab.export.figures import fonts
+from observer_lab.export.figures.figure import SUFFIXES, ExportError, draw_page, save_figures
+from observer_lab.export.figures.line_breaks import text_width_em, wrap
+from observer_lab.text import label_in_language, same, text
 
 T = np.linspace(0.0, 2.0, 120)
 F = np.geomspace(0.1, 100.0, 90)
@@ -109,7 +109,7 @@ def test_drawn_curves_are_the_records_curves(figure) -> None:
     assert axes.get_yscale() == ("log" if log else "linear")
     for line, curve in zip(drawn, figure.curves, strict=True):
         assert np.array_equal(line.get_xdata(), figure.x)
-        assert np.array_equal(line.get_ydata(), np.maximum(np.abs(curve.y), FLOOR) if log else curve.y)
+        assert np.array_equal(line.get_ydata(), np.maximum(np.abs(curve.y), LOG_AXIS_FLOOR) if log else curve.y)
         assert to_hex(line.get_color()).upper() == COLOURS[curve.role].upper()
         assert line.get_linestyle() == ("-" if curve.dash == "solid" else "--")
 
@@ -234,7 +234,7 @@ def test_the_font_of_last_resort_is_not_taken_for_chinese(monkeypatch) -> None:
 def test_wrapped_captions_lose_no_letter_and_fit(text: str) -> None:
     lines = wrap(text, 20.0)
     assert "".join(lines).replace(" ", "") == text.replace(" ", "")
-    assert all(width(line) <= 21.0 for line in lines) and len(lines) > 1
+    assert all(text_width_em(line) <= 21.0 for line in lines) and len(lines) > 1
     assert not any(line[0] in "，。" for line in lines)
 
 
@@ -248,7 +248,7 @@ def test_csv_read_back_is_the_record_to_the_last_bit(tmp_path: Path) -> None:
     rows = rows_of(tmp_path / "data.csv")
     assert tuple(rows[0]) == HEADER
     axes = {row["figure"]: (row["x_axis"], row["y_axis"]) for row in rows}
-    assert axes["time"] == (TIME.x_label, wording(TIME.y_label, "en")) and axes["matrix"] == ("", "")
+    assert axes["time"] == (TIME.x_label, label_in_language(TIME.y_label, "en")) and axes["matrix"] == ("", "")
 
     def series(figure: str, name: str, column: str = "y") -> list[float]:
         return [float(row[column]) for row in rows if (row["figure"], row["series"]) == (figure, name)]

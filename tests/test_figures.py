@@ -11,8 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from laws import each, holds_for_all
 
-from app.lesson.figures import (
-    FLOOR,
+from observer_lab.course.figures.records import (
+    LOG_AXIS_FLOOR,
     SPECTRUM,
     Curve,
     LineFigure,
@@ -22,22 +22,22 @@ from app.lesson.figures import (
     Point,
     TableFigure,
     axis_range,
-    below,
-    calm_range,
     columns,
+    figure_below,
     finite,
     legal_range,
-    nice,
     over_frequency,
+    round_up_nicely,
     same_axis,
     same_key,
-    tabs,
-    thin,
+    steady_range,
+    tab_names,
+    thin_samples,
 )
-from app.lesson.lesson import Lesson
-from app.text import same, text
-from app.view.charts import what_is_shared
-from lessons import LESSONS
+from observer_lab.course.lesson import Lesson
+from observer_lab.lessons import LESSONS
+from observer_lab.page.charts.charts import what_is_shared
+from observer_lab.text import same, text
 
 quick = settings(max_examples=200, derandomize=True, database=None)
 sane = st.floats(-1e9, 1e9)
@@ -69,21 +69,21 @@ def test_what_diverges_is_clipped_towards_its_own_side_and_the_input_is_untouche
 @quick
 @given(st.floats(1e-30, 1e30))
 def test_a_nice_number_is_round_and_the_least_that_is_enough(value: float) -> None:
-    n = nice(value)
+    n = round_up_nicely(value)
     assert value <= n * (1 + 1e-8) and n <= 2.5 * value * (1 + 1e-8)
     assert min(abs(n / 10 ** math.floor(math.log10(n * (1 + 1e-12))) - s) for s in (1, 2, 2.5, 5, 10)) < 1e-6
 
 
 @each("value", [0.0, -1.0, float("nan"), float("inf")])
 def test_a_nice_number_for_nothing_is_one(value: float) -> None:
-    assert nice(value) == 1.0
+    assert round_up_nicely(value) == 1.0
 
 
 @quick
 @given(st.integers(1, 5000), st.integers(1, 600))
 def test_thinning_keeps_both_ends_the_order_and_the_pairs(n: int, points: int) -> None:
     t = np.arange(float(n))
-    a, b, c = thin(t, 2 * t, t**2, points=points)
+    a, b, c = thin_samples(t, 2 * t, t**2, points=points)
     assert a[0] == 0 and a[-1] == n - 1 and np.all(np.diff(a) > 0)
     assert len(a) <= points + 1
     assert np.array_equal(b, 2 * a) and np.array_equal(c, a**2)
@@ -116,7 +116,7 @@ def test_a_logarithmic_axis_runs_over_whole_decades_around_the_data(values: list
 def test_an_axis_is_a_finite_range_whatever_the_data(series: list[list[float]], log: bool) -> None:
     low, high = axis_range(time_figure(*series, log=log))
     assert math.isfinite(low) and math.isfinite(high) and low < high
-    assert not log or low >= FLOOR / 10
+    assert not log or low >= LOG_AXIS_FLOOR / 10
 
 
 def test_the_window_is_always_inside() -> None:
@@ -129,20 +129,20 @@ def test_the_window_is_always_inside() -> None:
 @quick
 @given(st.lists(st.lists(sane, min_size=2, max_size=4), min_size=1, max_size=8), st.booleans())
 def test_while_a_knob_moves_the_axis_stays_put(runs: list[list[float]], log: bool) -> None:
-    first = calm_range(time_figure(runs[0], log=log), None, False)
+    first = steady_range(time_figure(runs[0], log=log), None, False)
     for run in runs:
-        assert calm_range(time_figure(run, log=log), first, False) == first
+        assert steady_range(time_figure(run, log=log), first, False) == first
 
 
 @quick
 @given(st.lists(sane, min_size=2, max_size=4), st.lists(sane, min_size=2, max_size=4), st.booleans())
 def test_a_resting_axis_shows_everything_and_then_stays(before: list[float], now: list[float], log: bool) -> None:
-    last = calm_range(time_figure(before, log=log), None, True)
+    last = steady_range(time_figure(before, log=log), None, True)
     figure = time_figure(now, log=log)
-    wanted, reached = axis_range(figure), calm_range(figure, last, True)
+    wanted, reached = axis_range(figure), steady_range(figure, last, True)
     assert reached in (last, wanted)
     assert reached[0] <= wanted[0] * (1.01 if wanted[0] > 0 else 1) and wanted[1] <= reached[1] * 1.01
-    assert calm_range(figure, reached, True) == reached
+    assert steady_range(figure, reached, True) == reached
 
 
 @quick
@@ -152,20 +152,20 @@ def test_a_range_is_legal_for_the_figure_as_it_is_now_whatever_it_was(steps: lis
     last = None
     for values, log, resting in steps:
         figure = time_figure(values, log=log)
-        last = calm_range(figure, last, resting)
+        last = steady_range(figure, last, resting)
         assert legal_range(*last, log)
-    assert calm_range(figure, last, False) == last
+    assert steady_range(figure, last, False) == last
 
 
 @pytest.mark.parametrize("bad", [(0.0, 1.0), (-1.0, 1.0), (1.0, 1.0), (2.0, 1.0), (math.nan, 1.0), (0.0, math.inf)])
 def test_a_range_that_the_figure_cannot_have_is_not_kept(bad: tuple[float, float]) -> None:
     for resting in (False, True):
-        assert calm_range(time_figure([1.0, 2.0], log=True), bad, resting) == axis_range(time_figure([1.0, 2.0], log=True))
+        assert steady_range(time_figure([1.0, 2.0], log=True), bad, resting) == axis_range(time_figure([1.0, 2.0], log=True))
 
 
 def test_a_resting_axis_tightens_when_the_data_have_become_small() -> None:
-    assert calm_range(time_figure([0.0, 1.0]), (0.0, 100.0), True) == axis_range(time_figure([0.0, 1.0]))
-    assert calm_range(time_figure([0.0, 60.0]), (0.0, 100.0), True) == (0.0, 100.0)
+    assert steady_range(time_figure([0.0, 1.0]), (0.0, 100.0), True) == axis_range(time_figure([0.0, 1.0]))
+    assert steady_range(time_figure([0.0, 60.0]), (0.0, 100.0), True) == (0.0, 100.0)
 
 
 def test_a_spectrum_is_logarithmic() -> None:
@@ -202,7 +202,7 @@ def test_a_plane_without_anything_still_has_two_columns() -> None:
 def test_tabs_come_in_the_order_in_which_figures_name_them() -> None:
     one, two = text("one"), text("two")
     figures = [TableFigure(str(i), same("t"), (), (), tab=tab) for i, tab in enumerate((two, one, two))]
-    assert tabs(figures) == [two, one]
+    assert tab_names(figures) == [two, one]
 
 
 # --- figures that stand under each other -------------------------------------------------------------------------------
@@ -216,8 +216,8 @@ def test_stacked_signals_share_their_axis_their_key_and_their_caption() -> None:
     assert [what_is_shared(first, second), what_is_shared(second, third), what_is_shared(third, first), what_is_shared(third, None)] == [
         "-stacked-keyless", "-stacked", "-stacked-keyless", ""]
     assert what_is_shared(first, lines("v", end=2.0)) == "-keyless", "another length of time is another axis"
-    assert below((first, second), first) is second and below((first, second), second) is None
-    assert below((first, replace(second, tab=SPECTRUM)), first) is None
+    assert figure_below((first, second), first) is second and figure_below((first, second), second) is None
+    assert figure_below((first, replace(second, tab=SPECTRUM)), first) is None
 
 
 def test_whatever_a_figure_leaves_out_is_said_in_its_tab() -> None:
@@ -225,9 +225,9 @@ def test_whatever_a_figure_leaves_out_is_said_in_its_tab() -> None:
     def law(lesson: Lesson) -> None:
         figures = lesson.figures(lesson.compute(lesson.start()))
         for figure in figures:
-            told, under = {(c.name, c.role, c.dash) for c in getattr(figure, "curves", ())}, below(figures, figure)
+            told, under = {(c.name, c.role, c.dash) for c in getattr(figure, "curves", ())}, figure_below(figures, figure)
             while same_key(figure, under):
                 assert isinstance(under, LineFigure) and told <= {(c.name, c.role, c.dash) for c in under.curves}
-                figure, under = under, below(figures, under)
+                figure, under = under, figure_below(figures, under)
             assert not same_key(figure, under) and not (under is None and same_axis(figure, under))
     holds_for_all(LESSONS.values(), law, lambda lesson: lesson.id)

@@ -15,24 +15,24 @@ import pytest
 from laws import holds_for_all
 from matplotlib.mathtext import MathTextParser
 
-from app.cli import main
-from app.export import files
-from app.export.tables import table
-from app.export.typeset import MATHS, Piece, lines_of, readable
-from app.lesson.figures import LineFigure
-from app.tab.state import Saved
-from app.tab.token import write_token
-from app.text import languages
-from lessons import LESSONS
+from observer_lab.cli import main
+from observer_lab.course.figures.records import LineFigure
+from observer_lab.export import files
+from observer_lab.export.data.tables import table
+from observer_lab.export.sheet.typeset import MATHS, Piece, lines_of, readable
+from observer_lab.lessons import LESSONS
+from observer_lab.session.state.saved_state import SavedState
+from observer_lab.session.state.token import write_token
+from observer_lab.text import languages
 
 MAGIC = {"png": b"\x89PNG", "svg": b"<?xml", "pdf": b"%PDF", "csv": b"# Obs", "json": b"{"}
 PARSER = MathTextParser("path")
 
 
-def taken(lesson: str, language: str = "en") -> files.Taken:
+def taken(lesson: str, language: str = "en") -> files.DownloadContent:
     own = LESSONS[lesson]
     outcome = own.compute(own.start())
-    return files.Taken(own, outcome, tuple(own.figures(outcome)), write_token(own, Saved(own.start())), language)
+    return files.DownloadContent(own, outcome, tuple(own.figures(outcome)), write_token(own, SavedState(own.start())), language)
 
 
 @pytest.mark.slow
@@ -42,7 +42,7 @@ def test_every_kind_of_file_is_what_it_says_and_holds_its_token() -> None:
     packed = files.all_in_one(all_of_it)
     with zipfile.ZipFile(io.BytesIO(packed.content)) as zipped:
         inside = {name: zipped.read(name) for name in zipped.namelist()}
-    assert len(inside) == 2 * len(files.FIGURES) + 1 and packed.name == "duality.zip"
+    assert len(inside) == 2 * len(files.FIGURE_FORMATS) + 1 and packed.name == "duality.zip"
     for name, content in inside.items():
         kind = name.rpartition(".")[2]
         assert content.lstrip("\ufeff".encode()).startswith(MAGIC[kind]), name

@@ -7,10 +7,10 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 from laws import each
 
-from app.view.gate import Gate, policy
+from observer_lab.page.access.access_policy import AccessPolicy, content_policy
 
-LOCAL, PUBLIC = Gate.of("127.0.0.1", False), Gate.of("192.0.2.7", True)
-PROXIED = Gate.of("127.0.0.1", False, ("lab.example", "10.1.2.3"))
+LOCAL, PUBLIC = AccessPolicy.of("127.0.0.1", False), AccessPolicy.of("192.0.2.7", True)
+PROXIED = AccessPolicy.of("127.0.0.1", False, ("lab.example", "10.1.2.3"))
 
 
 class Head(dict[str, list[str]]):
@@ -28,7 +28,7 @@ def socket_of(host: str, *origins: str) -> Head:
     return Head(Host=[host], Origin=list(origins), Upgrade=["websocket"])
 
 
-def status(gate: Gate, head: Head) -> int:
+def status(gate: AccessPolicy, head: Head) -> int:
     """What a request is answered with; 200 when it passes."""
     refusal = gate.refusal(head)
     return 200 if refusal is None else refusal.status
@@ -96,7 +96,7 @@ def test_a_public_server_answers_to_addresses_but_not_to_names_of_others() -> No
 @each("name", ["", "http://lab.example", "lab.example:80", "a b", "*"])
 def test_what_is_no_name_cannot_be_allowed(name: str) -> None:
     with pytest.raises(ValueError, match="name"):
-        Gate.of("127.0.0.1", False, (name,))
+        AccessPolicy.of("127.0.0.1", False, (name,))
 
 
 PIECES = st.lists(st.sampled_from(["127.0.0.1", "localhost", "evil.example", "[::1]", ":8080", ":80", ".", "@", " ", "'", ";", "/"]),
@@ -111,4 +111,4 @@ def test_whatever_passes_comes_from_loopback_under_its_own_name(host: str, origi
         assert host.split(":8")[0].rstrip(".") in ("127.0.0.1", "localhost", "[::1]")
         assert origin.removesuffix(":80").rstrip(".") == host.removesuffix(":80").rstrip(".")
         assert not set(host) & set(" ;,'\"/@")
-    assert f" ws://{host} " in policy(host)
+    assert f" ws://{host} " in content_policy(host)

@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 from laws import holds_for_all
 from strategies import values_of
 
-from app.lesson.knobs import MAX_TRACK, Choice, Knob, KnobError, Number, Poles, Switch, Track
-from app.lesson.lesson import Design
-from app.text import same, text
+from observer_lab.course.knobs import MAX_TRACK, Choice, Knob, KnobError, Number, Poles, Switch, Track
+from observer_lab.course.lesson import Design
+from observer_lab.text import same, text
 
 LINEAR = Number("gain", "g", text("gain"), "N", low=-2.0, high=3.0, default=1.0)
 LOG = Number("weight", "w", text("weight"), low=1e-6, high=1e6, default=1.0, scale="log")

@@ -14,28 +14,28 @@ from hypothesis import given
 from hypothesis import strategies as st
 from laws import holds_for_all
 
-from app.lesson.figures import MapFigure
-from app.lesson.lesson import Board, Lesson
-from app.view.boards import FRAME, HEIGHT, WIDTH
-from app.view.lettering import Box, width
-from app.view.letters import ROW, staggered
-from app.view.mapboard import NEARER, place, written
-from app.view.naming import NEAR, REACH, Place, free_place, leader, pole_name
-from app.view.stage import FACTORS_AT, factors
-from app.view.viewpoint import CAMERAS, SIGHT, letters, retreat
-from lessons import LESSONS
+from observer_lab.course.figures.records import MapFigure
+from observer_lab.course.lesson import Board, Lesson
+from observer_lab.lessons import LESSONS
+from observer_lab.page.charts.text_layout import Box, text_width
+from observer_lab.page.stage.board_labels import MARK_HALF_SIZE, MARK_NAME_GAP, Place, free_place, leader_line, pole_name
+from observer_lab.page.stage.map_board import NEARER, place, written
+from observer_lab.page.stage.pole_boards import BOARD_HEIGHT, BOARD_WIDTH, NAME_FRAME
+from observer_lab.page.stage.scene_labels import ROW_HEIGHT_EM, stagger_names
+from observer_lab.page.stage.stage import FACTORS_AT, factors
+from observer_lab.page.stage.viewpoint import CAMERAS, SIGHT, letters, retreat
 
 WINDOWS = {"laptop": (626, 768, False), "hall": (846, 1080, True), "small hall": (590, 720, True), "phone": (390, 844, False),
            "wide": (1400, 1080, True)}  # px of the stage across and up, and whether in large print
 SIZES = (0.15, 0.2, 0.25)  # of the letters in stage units: a laptop's, a hall's, a phone's
-inside = st.tuples(st.floats(-WIDTH / 2, WIDTH / 2), st.floats(0.0, HEIGHT / 2))
+inside = st.tuples(st.floats(-BOARD_WIDTH / 2, BOARD_WIDTH / 2), st.floats(0.0, BOARD_HEIGHT / 2))
 
 
 def lay_out(names: list[tuple[float, float, str]], marks: list[tuple[float, float]], em: float) -> list[Place | None]:
     """Every name in order, as a board writes them."""
     out: list[Place | None] = []
     for x, z, words in names:
-        out.append(free_place(x, z, words, em, FRAME, [p for p in out if p is not None], marks))
+        out.append(free_place(x, z, words, em, NAME_FRAME, [p for p in out if p is not None], marks))
     return out
 
 
@@ -44,15 +44,15 @@ def covers_nothing(places: list[Place | None], marks: list[tuple[float, float]])
     for i, at in enumerate(seen):
         assert not any(at.meets(other) for other in seen[:i]), "two names share some area"
         assert not any(at.covers(*mark) for mark in marks), "a name lies on a mark"
-        assert FRAME.left <= at.x - at.half + 1e-9 and at.x + at.half <= FRAME.right + 1e-9
-        assert FRAME.bottom <= at.z - at.tall + 1e-9 and at.z + at.tall <= FRAME.top + 1e-9
+        assert NAME_FRAME.left <= at.x - at.half + 1e-9 and at.x + at.half <= NAME_FRAME.right + 1e-9
+        assert NAME_FRAME.bottom <= at.z - at.tall + 1e-9 and at.z + at.tall <= NAME_FRAME.top + 1e-9
 
 
 def crosses(board: Board) -> tuple[list[tuple[float, float, str]], list[tuple[float, float]]]:
     """What has a name on a board, and all that stands there."""
     def at(s: complex) -> tuple[float, float]:
         s = board.hold(s)
-        return ((s.real - board.re_low) / (board.re_high - board.re_low) - 0.5) * WIDTH, s.imag / board.im_high * HEIGHT / 2
+        return ((s.real - board.re_low) / (board.re_high - board.re_low) - 0.5) * BOARD_WIDTH, s.imag / board.im_high * BOARD_HEIGHT / 2
     names = [(*at(pole), pole_name(pole, board)) for pole in board.poles if pole.imag >= 0]
     names += [(*at(pole), f"bolted {pole_name(pole, board)}") for pole in board.fixed]
     return names, [at(s) for s in (*board.poles, *board.zeros, *board.fixed)]
@@ -82,27 +82,32 @@ def test_every_lesson_opens_with_all_its_poles_named_and_nothing_covered() -> No
 
 
 def test_a_lone_name_stands_to_the_right_and_one_at_the_edge_on_the_other_side() -> None:
-    lone = free_place(0.0, 0.0, "−5", 0.15, FRAME, [], [(0.0, 0.0)])
-    assert lone is not None and lone.z == 0.0 and lone.x - lone.half == pytest.approx(REACH + NEAR) and leader(lone, 0.0, 0.0) is None
-    edge = free_place(WIDTH / 2, 0.0, "−5 ± 3j", 0.15, FRAME, [], [(WIDTH / 2, 0.0)])
-    assert edge is not None and edge.x < WIDTH / 2
+    lone = free_place(0.0, 0.0, "−5", 0.15, NAME_FRAME, [], [(0.0, 0.0)])
+    assert (
+        lone is not None
+        and lone.z == 0.0
+        and lone.x - lone.half == pytest.approx(MARK_HALF_SIZE + MARK_NAME_GAP)
+        and leader_line(lone, 0.0, 0.0) is None
+    )
+    edge = free_place(BOARD_WIDTH / 2, 0.0, "−5 ± 3j", 0.15, NAME_FRAME, [], [(BOARD_WIDTH / 2, 0.0)])
+    assert edge is not None and edge.x < BOARD_WIDTH / 2
 
 
 @given(inside, inside)
 def test_a_line_leads_from_a_far_name_to_its_mark(mark: tuple[float, float], to: tuple[float, float]) -> None:
     at = Place(*to, 0.4, 0.1)
-    line = leader(at, *mark)
+    line = leader_line(at, *mark)
     gap = math.dist(at.nearest(*mark), mark)
     if line is None:
         assert gap < 0.25
     else:
         start, end = line
-        assert math.dist(start, mark) == pytest.approx(REACH) and end == at.nearest(*mark)
+        assert math.dist(start, mark) == pytest.approx(MARK_HALF_SIZE) and end == at.nearest(*mark)
 
 
 def test_where_there_is_no_room_there_is_no_name() -> None:
     marks = [(x / 8, z / 8) for x in range(-14, 15) for z in range(-12, 13)]
-    assert free_place(0.0, 0.0, "−5 ± 3j", 0.15, FRAME, [], marks) is None
+    assert free_place(0.0, 0.0, "−5 ± 3j", 0.15, NAME_FRAME, [], marks) is None
 
 
 class Eye:
@@ -127,7 +132,7 @@ class Eye:
         """What words in letters of a size cover."""
         x, y, unit = self.at(point)
         lines = words.split("\n")
-        wide, tall = max(width(line, em) for line in lines) * unit, 1.1 * em * unit * len(lines)
+        wide, tall = max(text_width(line, em) for line in lines) * unit, 1.1 * em * unit * len(lines)
         up, across = anchor.split("-")
         left = x - wide * {"left": 0.0, "center": 0.5, "right": 1.0}[across]
         top = y - tall * {"top": 0.0, "center": 0.5, "bottom": 1.0}[up]
@@ -160,7 +165,10 @@ def test_words_on_a_map_cover_no_other_words_empty_or_computed() -> None:
 @pytest.mark.parametrize("em", SIZES)
 @given(names=st.lists(st.text("侧滑角速度 aω", min_size=1, max_size=14), min_size=1, max_size=10))
 def test_names_below_a_row_of_tubes_hang_in_rows_where_they_would_meet(em: float, names: list[str]) -> None:
-    placed = staggered([(words, (0.42 * k, 0.0, 0.13)) for k, words in enumerate(names)], em)
-    boxes = [Box(x - em * width(words, 1.0) / 2, -z, x + em * width(words, 1.0) / 2, ROW * em - z) for words, (x, _, z) in placed]
+    placed = stagger_names([(words, (0.42 * k, 0.0, 0.13)) for k, words in enumerate(names)], em)
+    boxes = [
+        Box(x - em * text_width(words, 1.0) / 2, -z, x + em * text_width(words, 1.0) / 2, ROW_HEIGHT_EM * em - z)
+        for words, (x, _, z) in placed
+    ]
     assert not any(a.meets(b) for a, b in itertools.combinations(boxes, 2))
     assert [words for words, _ in placed] == names and placed[0][1] == (0.0, 0.0, 0.13)

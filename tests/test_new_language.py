@@ -12,13 +12,13 @@ import pytest
 from catalogues import ROOT
 from pseudo import CODE, accented, doubled, prose, write_language
 
-from lessons import LESSONS
+from observer_lab.lessons import LESSONS
 
 LOOK = """
 import json, re, sys
-from app.text import languages, name_of
-from app.view import phrases
-from lessons import LESSONS
+from observer_lab.text import languages, name_of
+from observer_lab.page.words import phrases
+from observer_lab.lessons import LESSONS
 from test_chinese_page import FORMULA, KNOWN, page
 
 TOKEN = re.compile(r"[^\\W\\d_]{3,}")

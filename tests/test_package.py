@@ -17,13 +17,19 @@ from pathlib import Path
 
 import pytest
 from served import Served
+from syntax import PACKAGES
 
-from lessons import OPENING
+from observer_lab.lessons import OPENING
 
 ROOT = Path(__file__).parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 PYTHONS = [version.rpartition(" ")[2] for version in PROJECT["classifiers"] if re.search(r":: 3\.\d+$", version)]
 OTHERS = [version for version in PYTHONS if version != f"{sys.version_info.major}.{sys.version_info.minor}"]
+WHERE = """
+import observer_lab
+from observer_lab import lessons
+print(observer_lab.__path__[0], lessons.__path__[0])
+"""
 LAUNCHED = """
 from importlib.metadata import entry_points
 from pathlib import Path
@@ -68,15 +74,15 @@ def bin(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_the_wheel_holds_our_packages_with_their_data_and_nothing_else(wheel: Path) -> None:
     names = [Path(name) for name in zipfile.ZipFile(wheel).namelist()]
-    assert {name.parts[0] for name in names if not name.parts[0].endswith(".dist-info")} == {"app", "lessons"}
-    ours = {path.relative_to(ROOT) for folder in ("app", "lessons") for path in (ROOT / folder).rglob("*")
+    assert {name.parts[0] for name in names if not name.parts[0].endswith(".dist-info")} == {"observer_lab"}, "one import name"
+    ours = {Path(*package) / path.relative_to(ROOT / folder) for folder, package in PACKAGES.items() for path in (ROOT / folder).rglob("*")
             if path.is_file() and "__pycache__" not in path.parts}
     assert ours <= set(names), f"not in the wheel: {sorted(map(str, ours - set(names)))}"
 
 
 def test_every_command_runs_where_nothing_but_the_wheel_is_installed(bin: Path, tmp_path: Path) -> None:
     lab = bin / "observer-lab"
-    where = told(bin / "python", "-c", "import app, lessons; print(app.__path__[0], lessons.__path__[0])", cwd=tmp_path)
+    where = told(bin / "python", "-c", WHERE, cwd=tmp_path)
     assert all(Path(path).is_relative_to(bin.parent) for path in where.split())
     assert f". {OPENING}: " in told(lab, "list", cwd=tmp_path)
     record = json.loads(told(lab, "run", "duality", "--json", "--plant", "motor", "--figure", "page.png", "--csv",
@@ -113,3 +119,17 @@ def test_what_the_lab_needs_exists_for_every_python_it_names(tmp_path: Path) -> 
         return {re.split(r"[<>=!~ \[]", need)[0].lower() for need in PROJECT["dependencies"]} - found
     with ThreadPoolExecutor() as pool:  # each waits for the index most of its time
         assert dict(zip(OTHERS, pool.map(missing, OTHERS), strict=True)) == {version: set() for version in OTHERS}
+
+
+@pytest.mark.parametrize("command", [
+    ("-m", "observer_lab", "list"),
+    ("-m", "observer_lab", "export", "separation", "--to", "engine-notebook", "-o", "n.ipynb")])
+def test_files_named_like_our_folders_break_nothing(bin: Path, tmp_path: Path, command: tuple[str, ...]) -> None:
+    """A person may keep files app.py and lessons.py where the lab is started."""
+    for name in ("app.py", "lessons.py"):
+        (tmp_path / name).write_text("raise SystemExit('this is the file of the person')\n")
+    told(bin / "python", *command, cwd=tmp_path)
+    told(bin / "observer-lab", "list", cwd=tmp_path)
+    if (tmp_path / "n.ipynb").exists():
+        cells = json.loads((tmp_path / "n.ipynb").read_text("utf-8"))["cells"]
+        told(bin / "python", "-c", "\n".join("".join(cell["source"]) for cell in cells if cell["cell_type"] == "code"), cwd=tmp_path)

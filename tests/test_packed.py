@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from app.view import packed
-from app.view.packed import packed_once
+from observer_lab.page.viser_private import packed_images
+from observer_lab.page.viser_private.packed_images import pack_cached
 
 
 def packs(asked: list[bytes]):
     def pack(image: np.ndarray, kind: str, quality: int | None = None) -> tuple[str, bytes]:
         asked.append(image.tobytes())
         return kind, bytes([len(asked)])
-    return packed_once(pack)
+    return pack_cached(pack)
 
 
 def test_the_same_picture_is_packed_once_and_any_other_anew() -> None:
@@ -31,7 +31,7 @@ def test_the_same_picture_is_packed_once_and_any_other_anew() -> None:
 
 
 def test_the_latest_pictures_are_kept_and_no_more(monkeypatch) -> None:
-    monkeypatch.setattr(packed, "MOST", 3)
+    monkeypatch.setattr(packed_images, "MAX_CACHED_PICTURES", 3)
     asked: list[bytes] = []
     pack = packs(asked)
     for shade in (0, 1, 2, 0, 3, 0, 1):  # 1 has gone when 3 came: 0 was asked for since

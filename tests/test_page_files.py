@@ -11,54 +11,55 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.view import page, replay
-from app.view.manners import ONCE
-from app.view.shell import page_of_our_own
-from app.view.style import sheet
+from observer_lab.page import web
+from observer_lab.page.charts.style_sheet import sheet
+from observer_lab.page.replay import replay
+from observer_lab.page.screen.page_setup import PAGE_SCRIPTS
+from observer_lab.page.web.html_page import app_page
 
-VIEW = Path(page.FOLDER).parent
-SCRIPTS = sorted(file.stem for file in page.FOLDER.glob("*.js"))
-STYLES = sorted(file.name for file in page.FOLDER.glob("*.css"))
+VIEW = Path(web.FOLDER).parent
+SCRIPTS = sorted(file.stem for file in web.FOLDER.glob("*/*.js"))
+STYLES = sorted(file.name for file in web.FOLDER.glob("*/*.css"))
 FUNCTION = re.compile(r"(?:// .*\n)+\((?:\{([\w, ]+)\})?\) => \{\n.*\n\}\n", re.S)
 CODE = re.compile(r"\b(document|window|localStorage|sessionStorage)\.\w|=>\s*\{|\bfunction\s*\(|[\w-]+\s*\{[a-z-]{2,}:[^}]*\}")
 
 
 def calls() -> dict[str, set[str]]:
-    """Script → the names of what it is given, at every place of app/view that calls one."""
+    """Script → the names of what it is given, at every place of app/page that calls one."""
     out: dict[str, set[str]] = {}
-    for file in VIEW.glob("*.py"):
+    for file in VIEW.rglob("*.py"):
         for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
-            if isinstance(node, ast.Call) and ast.unparse(node.func) in ("run", "quirks.run", "page.call"):
+            if isinstance(node, ast.Call) and ast.unparse(node.func) in ("run_script", "viser_internals.run_script", "web.script_call"):
                 for name in [a.value for a in node.args if isinstance(a, ast.Constant)]:
                     out.setdefault(name, set()).update(k.arg for k in node.keywords if k.arg)
-    return out | {name: set() for name in ONCE} | {"apart": {"script"}}  # which holds another
+    return out | {name: set() for name in PAGE_SCRIPTS} | {"apart": {"script"}}  # which holds another
 
 
 def test_every_script_is_called_with_just_what_it_takes() -> None:
     assert sorted(calls()) == SCRIPTS
     for name, given_names in calls().items():
-        found = FUNCTION.fullmatch(page.source(f"{name}.js"))
+        found = FUNCTION.fullmatch(web.file_text(f"{name}.js"))
         assert found, f"{name}.js is one function under a line that says what it does"
         assert {word.strip() for word in (found[1] or "").split(",")} - {""} == given_names, name
 
 
 @pytest.mark.parametrize("name", STYLES)
 def test_every_style_is_used_and_closed(name: str) -> None:
-    text = page.source(name)
-    assert text.strip() in sheet(True, True, ("$figure",), True) + page_of_our_own("en") + replay.style()
+    text = web.file_text(name)
+    assert text.strip() in sheet(True, True, ("$figure",), True) + app_page("en") + replay.style()
     assert text.count("{") == text.count("}") and "<" not in text and "%(" not in text
 
 
 def test_the_sheet_says_what_is_asked() -> None:
     plain, large, veiled = sheet(False, False), sheet(True, False), sheet(False, True)
     assert len({plain, large, veiled, sheet(True, True)}) == 4
-    assert plain in (large.replace(page.source("lecture.css"), ""), veiled.replace(page.source("veil.css"), ""))
+    assert plain in (large.replace(web.file_text("lecture.css"), ""), veiled.replace(web.file_text("veil.css"), ""))
 
 
 @given(st.text(), st.text())
 def test_what_a_script_is_given_arrives_as_it_was_and_ends_nothing(key: str, text: str) -> None:
-    source = page.call("remember", key=key, text=text)
-    code = page.source("remember.js")
+    source = web.script_call("remember", key=key, text=text)
+    code = web.file_text("remember.js")
     assert source.startswith(f"// remember.js\n(\n{code})(") and source.endswith(")")
     argument = source.removeprefix(f"// remember.js\n(\n{code})(").removesuffix(")")
     assert json.loads(argument) == {"key": key, "text": text}

@@ -9,10 +9,10 @@ import pytest
 from laws import each
 
 import lessons
-from app.lesson.prose import ExamWords, ProseError, parse_prose, read_prose
-from app.text import Text, same, text
-from app.view import phrases
-from app.view.prose import mathml, render, with_minus
+from observer_lab.course.prose import ExamWords, ProseError, parse_prose, read_prose
+from observer_lab.page.words import phrases
+from observer_lab.page.words.prose import mathml, render_markdown, with_minus
+from observer_lab.text import Text, same, text
 
 GOOD = """# A title
 > A question
@@ -115,8 +115,8 @@ def test_formulas_become_mathml(latex: str, pieces: list[str]) -> None:
 
 def test_display_and_inline_formulas_differ_only_in_their_display() -> None:
     assert 'display="block"' in mathml("x", True) and 'display="inline"' in mathml("x")
-    assert render("a $x$ b") == f"a {mathml('x')} b"
-    assert render("a $$x$$ b") == f"a {mathml('x', True)} b"
+    assert render_markdown("a $x$ b") == f"a {mathml('x')} b"
+    assert render_markdown("a $$x$$ b") == f"a {mathml('x', True)} b"
 
 
 def test_a_formula_that_cannot_be_drawn_is_shown_as_its_source_and_not_as_markup() -> None:
@@ -127,7 +127,7 @@ def test_a_formula_that_cannot_be_drawn_is_shown_as_its_source_and_not_as_markup
 
 
 def test_markdown_without_formulas_stays_as_it_is() -> None:
-    assert render("**bold** and <kbd>k</kbd>") == "**bold** and <kbd>k</kbd>"
+    assert render_markdown("**bold** and <kbd>k</kbd>") == "**bold** and <kbd>k</kbd>"
 
 
 # --- words of the frame --------------------------------------------------------------------------------------------

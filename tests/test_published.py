@@ -8,10 +8,10 @@ import pytest
 from laws import holds_for_all
 from scipy.signal import place_poles
 
-from app.published import Published, records, table, verify_all, verify_one
-from app.published.classics import gain_limit
-from app.published.notes import SPRING, gain, rest_of_printed_observer
-from app.published.record import half_a_digit, numbers
+from observer_lab.published import Published, records, table, verify_all, verify_one
+from observer_lab.published.classics import gain_limit
+from observer_lab.published.notes import SPRING, gain, rest_of_printed_observer
+from observer_lab.published.record import half_a_digit, numbers
 
 RECORDS = records()
 

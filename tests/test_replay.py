@@ -9,8 +9,8 @@ import pytest
 from all_replays import check
 from commands import refused
 
-from app.cli import inputs
-from lessons import LESSONS
+from observer_lab.cli import inputs
+from observer_lab.lessons import LESSONS
 
 NETWORK = LESSONS["network"]
 
@@ -29,6 +29,6 @@ def test_what_cannot_be_played_or_written_is_one_sentence(capsys: pytest.Capture
     with monkeypatch.context() as patched:
         patched.setattr(inputs, "LESSONS", {"network": still})
         assert "no run in time" in refused(capsys, "replay", "network", "-o", str(tmp_path / "run.html"))
-    monkeypatch.setattr("app.view.replay.replay", lambda *_: "<html>")
+    monkeypatch.setattr("observer_lab.page.replay.replay.replay", lambda *_: "<html>")
     assert "cannot be written" in refused(capsys, "replay", "network", "-o", str(tmp_path / "nowhere" / "run.html"))
     assert not list(tmp_path.iterdir())

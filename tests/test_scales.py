@@ -8,15 +8,15 @@ import numpy as np
 import pytest
 from laws import each
 
-from app.lesson.figures import Curve, LineFigure, over_frequency
-from app.lesson.lesson import Lesson
-from app.plants import platform
-from app.plants.body import with_longer_arrows
-from app.text import languages, same
-from app.view.charts import decades, on_the_clock
-from app.view.svg import draw
-from app.view.transport import end_of, step_of
-from lessons import LESSONS
+from observer_lab.course.figures.records import Curve, LineFigure, over_frequency
+from observer_lab.course.lesson import Lesson
+from observer_lab.lessons import LESSONS
+from observer_lab.page.charts.charts import decades, is_over_run_time
+from observer_lab.page.charts.svg import draw
+from observer_lab.page.replay.transport import end_of, step_of
+from observer_lab.plants.bodies.body import with_longer_arrows
+from observer_lab.plants.platform import model
+from observer_lab.text import languages, same
 
 
 @each(("low", "high"), [(0.3, 3.0), (0.1, 10.0), (10.0, 100.0), (2e-4, 9e-4), (3.0, 300.0), (0.9, 1.4e3)])
@@ -35,9 +35,9 @@ def test_the_numbers_of_a_logarithmic_axis_are_written_as_one_writes_them() -> N
 def test_no_cursor_stands_in_a_chart_whose_time_is_not_the_runs() -> None:
     def chart(end: float) -> LineFigure:
         return LineFigure("t", same("t"), np.linspace(0.0, end, 11), (Curve(same("y"), np.zeros(11)),))
-    assert on_the_clock(chart(2.4), 2.4) and on_the_clock(chart(8.0), 7.9)
-    assert not on_the_clock(chart(20.0), 2.4) and not on_the_clock(chart(6.0), 2.4)
-    assert not on_the_clock(over_frequency("f", same("f"), np.ones(2), ()), 1.0)
+    assert is_over_run_time(chart(2.4), 2.4) and is_over_run_time(chart(8.0), 7.9)
+    assert not is_over_run_time(chart(20.0), 2.4) and not is_over_run_time(chart(6.0), 2.4)
+    assert not is_over_run_time(over_frequency("f", same("f"), np.ones(2), ()), 1.0)
 
 
 @each("horizon", [0.002, 0.35, 2.0, 2.4, 6.0, 7.9, 12.0, 16.0, 600.0])
@@ -49,7 +49,7 @@ def test_the_clock_stands_at_numbers_that_fit_their_field(horizon: float) -> Non
 
 
 def test_how_much_longer_arrows_are_is_the_bodys_to_say() -> None:
-    plain = platform.body()
+    plain = model.body()
     longer = with_longer_arrows(plain, 50.0, 3)
     x, u = [0.0] * 10, [0.01, 0.02, -0.01, 1e-5, 0.0]
     assert longer.forces == 50.0 and plain.forces == 1.0

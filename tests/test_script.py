@@ -16,16 +16,16 @@ import pytest
 from benchmarks.proofs_of_scripts import designs
 from matplotlib import pyplot as plt
 
-from app.cli.entry import main
-from app.export.engine_notebook import engine_notebook
-from app.export.matlab import function_name, matlab_script
-from app.export.script import ScriptError, parts_of, python_script
-from app.lesson.lesson import Design, Lesson
-from app.plants.examples import example
-from app.plants.own import cleaned
-from app.tab.state import Saved
-from app.tab.token import write_token
-from lessons import LESSONS
+from observer_lab.cli.entry import main
+from observer_lab.course.lesson import Design, Lesson
+from observer_lab.export.scripts.engine_notebook import engine_notebook
+from observer_lab.export.scripts.matlab import function_name, matlab_script
+from observer_lab.export.scripts.script import ScriptError, parts_of, python_script
+from observer_lab.lessons import LESSONS
+from observer_lab.plants.examples import example
+from observer_lab.plants.own_plant import clean_plant_json
+from observer_lab.session.state.saved_state import SavedState
+from observer_lab.session.state.token import write_token
 
 LATE = {"delay": 18.0, "limited": True, "u_max": 0.5, "noise": 2.0, "seed": 3.0, "kick": 1.003}
 # Each a way of its own along the grid: exact, clipped with delay, noise, kick and a wrong model, sampled.
@@ -56,7 +56,7 @@ def of_two_inputs() -> tuple[Lesson, Design]:
     """A bilinear plant whose first input is random and whose second one was drawn by hand."""
     plant = {"A": [[-1, 0.4, 0], [0.2, -2, 0.5], [0, 0.7, -3]], "B": [[1, 0], [0, 1], [1, 1]], "C": [[1, 0, 0], [0, 1, 0]],
              "K": [[0, 0, 1]], "F1": [[0.1, 0, 0.3], [0, 0.2, 0.1], [0, 0, -0.2]], "F2": [[0, 0.2, 0], [0, 0, 0.1], [0.3, 0, 0]]}
-    lesson = LESSONS["bilinear-observer"].fit(cleaned(json.dumps(plant)))
+    lesson = LESSONS["bilinear-observer"].fit(clean_plant_json(json.dumps(plant)))
     return lesson, lesson.apply(lesson.start(), {"input": "random", "input2": "hand", "hand2": ((0.3, 0.2), (1.0, -0.1)), "noise": 1.0})
 
 
@@ -79,7 +79,7 @@ def run_alone(scripts: list[str], folder: Path) -> list[str]:
 @pytest.mark.slow
 def test_scripts_prove_themselves_in_a_clean_process_and_fail_where_a_number_is_not_the_pages(tmp_path: Path) -> None:
     wanted = sampled(0)
-    scripts = [python_script(lesson, lesson.compute(design), write_token(LESSONS[lesson.id], Saved(design)), ("en", "zh")[k % 2])
+    scripts = [python_script(lesson, lesson.compute(design), write_token(LESSONS[lesson.id], SavedState(design)), ("en", "zh")[k % 2])
                for k, (lesson, design) in enumerate(wanted)]
     for script in scripts:
         assert "app" not in {line.split()[1].split(".")[0] for line in script.splitlines() if line.startswith(("import ", "from "))}

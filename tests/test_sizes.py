@@ -4,12 +4,21 @@ from __future__ import annotations
 
 import pytest
 
-from app.tab.picture import State
-from app.view import page
-from app.view.axes import H, W
-from app.view.lettering import LARGE as LETTER
-from app.view.lettering import SIZE
-from app.view.sizes import ASIDE, BAR, FRAME, LARGE, LEFT, RIGHT, SHEET, Sizes
+from observer_lab.page import web
+from observer_lab.page.charts.axes import H, W
+from observer_lab.page.charts.print_sizes import (
+    ASIDE,
+    BAR,
+    FRAME_PX,
+    LARGE_PRINT_SHARE,
+    LEFT_COLUMN_PX,
+    RIGHT_COLUMN_PX,
+    SHEET_MAX_WIDTH_PX,
+    Sizes,
+)
+from observer_lab.page.charts.text_layout import LARGE_PRINT_PX as LETTER
+from observer_lab.page.charts.text_layout import WORDS_PX
+from observer_lab.session.state.view import State
 
 
 @pytest.mark.parametrize("window", [(1024.0, 768.0), (1280.0, 720.0), (1920.0, 1080.0), (3840.0, 2160.0)], ids=str)
@@ -17,7 +26,7 @@ def test_in_large_print_every_word_takes_a_fiftieth_of_the_height_and_the_stage_
     sizes = Sizes(State(lecture=True, window=window))
     assert sizes.chart_letter >= window[1] / 50
     assert sizes.left + sizes.right + sizes.run < window[0] and sizes.run >= 0.25 * window[0]
-    assert f"{100 * LARGE:g}vh" in page.source("lecture.css")
+    assert f"{100 * LARGE_PRINT_SHARE:g}vh" in web.file_text("lecture.css")
 
 
 @pytest.mark.parametrize("across", [900.0, 1024.0, 1280.0, 1366.0, 1920.0, 3840.0])
@@ -26,7 +35,7 @@ def test_columns_leave_the_stage_two_fifths_of_any_window_and_the_run_covers_non
     sizes = Sizes(State(window=(across, up)))
     assert not sizes.sheet and across - sizes.left - sizes.right >= 0.4 * across
     assert sizes.left + sizes.right + sizes.run + 2 * BAR <= across + 1e-9
-    assert (sizes.left, sizes.right) == (LEFT, RIGHT) or across < 1366
+    assert (sizes.left, sizes.right) == (LEFT_COLUMN_PX, RIGHT_COLUMN_PX) or across < 1366
 
 
 @pytest.mark.parametrize("window, below", [((320.0, 568.0), True), ((390.0, 844.0), True), ((768.0, 1024.0), True), ((896.0, 896.0), True),
@@ -38,15 +47,15 @@ def test_a_window_without_room_for_columns_has_a_sheet_below_the_stage_or_beside
 
 
 def test_the_page_and_its_server_agree_where_a_sheet_begins() -> None:
-    widest = f"(max-width:{SHEET / 16:g}em)"
-    assert f"@media {widest}{{" in page.source("page.css") and f"@media {widest} and (orientation:landscape)" in page.source("page.css")
-    assert widest.replace(":", ": ") in page.source("breadth.js") and f"width:{100 * ASIDE:g}vw" in page.source("page.css")
+    widest = f"(max-width:{SHEET_MAX_WIDTH_PX / 16:g}em)"
+    assert f"@media {widest}{{" in web.file_text("page.css") and f"@media {widest} and (orientation:landscape)" in web.file_text("page.css")
+    assert widest.replace(":", ": ") in web.file_text("breadth.js") and f"width:{100 * ASIDE:g}vw" in web.file_text("page.css")
 
 
 @pytest.mark.parametrize("across", [900.0, 1024.0, 1200.0, 1280.0, 1366.0, 3840.0])
 def test_words_of_drawings_are_legible_in_columns_of_any_width(across: float) -> None:
     sizes = Sizes(State(window=(across, 768.0)))
-    assert (LETTER if sizes.large_words else SIZE) * (sizes.right - FRAME) / W >= 9.4
+    assert (LETTER if sizes.large_words else WORDS_PX) * (sizes.right - FRAME_PX) / W >= 9.4
 
 
 @pytest.mark.parametrize("window, listed", [

@@ -14,20 +14,20 @@ import pytest
 from commands import refused
 from laws import each, holds_for_all
 
-from app.cli.entry import main
-from app.cli.study import FORMAT
-from app.engine import from_json
-from app.lesson.knobs import Number
-from app.lesson.lesson import Lesson
-from app.plants.examples import example
-from app.study import executors
-from app.study.figures import figure_as
-from app.study.gate import read_study
-from app.study.ledger import Ledger
-from app.study.plan import MOST, Row, Study, StudyError, digest, programs
-from app.study.points import numbers, seed_at
-from app.study.results import columns, summaries, wilson
-from lessons import LESSONS
+from observer_lab.cli.commands.study import FORMAT
+from observer_lab.cli.entry import main
+from observer_lab.course.knobs import Number
+from observer_lab.course.lesson import Lesson
+from observer_lab.engine import from_json
+from observer_lab.lessons import LESSONS
+from observer_lab.plants.examples import example
+from observer_lab.study import executors
+from observer_lab.study.figures import figure_as
+from observer_lab.study.ledger import Ledger
+from observer_lab.study.plan import MAX_STUDY_RUNS, Row, Study, StudyError, digest, programs
+from observer_lab.study.points import numbers, seed_at
+from observer_lab.study.results import columns, summaries, wilson
+from observer_lab.study.study_parser import read_study
 
 SMALL = ('{"lesson": "error-dynamics", "set": {"input": "random"}, "vary": {"guess_q": [-1, 0.5], "guess_v": [0], "frequency": [0.5]}, '
          '"seeds": 4, "collect": ["final_error"]}')  # three things that vary are drawn in no figure
@@ -248,7 +248,7 @@ def test_figures_of_nothing_and_of_two_things_speak_either_language() -> None:
     ('{"lesson": "arm", "seeds": 3}', "draws nothing"), ('{"lesson": "noise", "seed": -1}', "whole number"),
     ('{"lesson": "arm", "final": 1}', "true or false"), ('{"lesson": "separation", "final": true}', "no long computation"),
     ('{"lesson": "noise", "collect": ["foo"]}', "no foo"), ('{"lesson": "noise", "collect": []}', "list of names"),
-    ('{"lesson": "noise", "seeds": 10000, "vary": {"w": {"from": 0.1, "to": 1, "count": 21}}}', f"at most {MOST}"),
+    ('{"lesson": "noise", "seeds": 10000, "vary": {"w": {"from": 0.1, "to": 1, "count": 21}}}', f"at most {MAX_STUDY_RUNS}"),
 ])
 def test_the_gate_refuses_in_one_sentence(given: str, told: str) -> None:
     with pytest.raises(StudyError) as refusal:

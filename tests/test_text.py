@@ -10,11 +10,24 @@ import pytest
 from babel.messages.pofile import read_po
 from catalogues import places, said, unreadable
 
-import app
-from app.engine import EngineError, Plant, RiccatiError, lqr
-from app.text import NO_WORDS, Text, joined, languages, listed, name_of, raised, same, text, text_in, told, written
-from app.text.languages import catalogue, decimal_sign
-from app.text.plurals import COUNTED, IRREGULAR, NOUNS
+import observer_lab
+from observer_lab.engine import EngineError, Plant, RiccatiError, lqr
+from observer_lab.text import (
+    NO_WORDS,
+    Text,
+    error_words,
+    format_number,
+    joined,
+    languages,
+    listed,
+    name_of,
+    same,
+    superscript,
+    text,
+    text_in,
+)
+from observer_lab.text.languages import catalogue, decimal_sign
+from observer_lab.text.plurals import COUNTED, IRREGULAR, NOUNS
 
 OTHERS = [code for code in languages() if code != "en"]
 HAN = re.compile(r"[\u4e00-\u9fff]")
@@ -42,7 +55,7 @@ def test_every_message_is_translated_and_no_translation_is_left_over(language: s
 def test_no_message_is_translated_in_two_ways(language: str) -> None:
     """Two catalogues that say different things of one English word: one of them wants a context, or the other's words."""
     seen: dict[tuple[str, str], set[str]] = {}
-    for path in (Path(app.__file__).parent / "locale" / language).glob("*.po"):
+    for path in (Path(observer_lab.__file__).parent / "locale" / language).glob("*.po"):
         for message in read_po(path.read_text(encoding="utf-8").splitlines(keepends=True)):
             if message.id and message.string:
                 seen.setdefault((message.context or "", str(message.id)), set()).add(str(message.string))
@@ -103,7 +116,7 @@ def test_one_english_word_with_two_meanings_has_a_context() -> None:
     (60.9685, "g", "60.97"), (31250.5, "g", "31250"), (147258.0, "g", "147258"), (0.0295, "g", "0.0295"),
 ])
 def test_one_formatter_writes_numbers(value: complex, spec: str, words: str) -> None:
-    assert written(value, spec) == words
+    assert format_number(value, spec) == words
 
 
 def test_no_number_of_five_digits_stands_beside_one_in_powers_of_ten() -> None:
@@ -116,7 +129,7 @@ def test_no_number_of_five_digits_stands_beside_one_in_powers_of_ten() -> None:
 
 
 def test_the_decimal_sign_is_the_languages() -> None:
-    assert decimal_sign("de") == "," and written(1234.5, ",.1f", "de") == "1\N{NARROW NO-BREAK SPACE}234,5"
+    assert decimal_sign("de") == "," and format_number(1234.5, ",.1f", "de") == "1\N{NARROW NO-BREAK SPACE}234,5"
     assert decimal_sign("en") == decimal_sign("zh") == decimal_sign("xx-none") == "."
 
 
@@ -135,10 +148,10 @@ def test_an_error_of_the_engine_carries_its_message_and_values() -> None:
     with pytest.raises(EngineError) as caught:
         Plant([[1.0, 2.0]], [[1.0]], [[1.0]])
     assert str(caught.value) == "A must be square; it is 1×2."
-    assert told(caught.value)("zh") == "A 必须是方阵，现为 1×2。"
+    assert error_words(caught.value)("zh") == "A 必须是方阵，现为 1×2。"
     with pytest.raises(RiccatiError) as deep:
         lqr([[1, 0], [0, 2]], [[0], [1]], np.eye(2), [[1]])
-    assert HAN.search(told(deep.value)("zh")) and "unc" not in told(deep.value)("zh")
+    assert HAN.search(error_words(deep.value)("zh")) and "unc" not in error_words(deep.value)("zh")
 
 
 def test_an_error_survives_a_copy_between_processes() -> None:
@@ -150,4 +163,4 @@ def test_an_error_survives_a_copy_between_processes() -> None:
 
 
 def test_raised_digits() -> None:
-    assert raised(-15) == "⁻¹⁵"
+    assert superscript(-15) == "⁻¹⁵"

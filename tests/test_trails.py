@@ -8,9 +8,20 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-from app.lesson.lesson import Lesson, Stage
-from app.view.trails import DARK_GROUND, ERRORS, LIGHT_GROUND, NOWHERE, SEGMENTS, STEP, ErrorLines, PoleTrail, faded, ghostly
-from lessons import LESSONS
+from observer_lab.course.lesson import Lesson, Stage
+from observer_lab.lessons import LESSONS
+from observer_lab.page.stage.trails import (
+    DARK_GROUND,
+    ERROR_NODE,
+    HIDDEN_SEGMENT,
+    LIGHT_GROUND,
+    SEGMENTS,
+    TRAIL_STEP,
+    ErrorLines,
+    PoleTrail,
+    faded,
+    ghostly,
+)
 
 RED, WHITE = (200, 40, 10), (250, 250, 250)
 
@@ -39,8 +50,8 @@ def lines(stage: Stage, sample: int, calm: bool) -> tuple[np.ndarray, int]:
     drawn = ErrorLines(cast(Any, scene), stage, True, False)
     true, believed = (body.anchors(x[sample].tolist(), body.gain) for x in (stage.x, stage.xhat))
     drawn.place(sample, true, believed, calm, frame)
-    points = np.array(frame[ERRORS, "points"]).reshape(-1, 2, 3)
-    assert list(scene.nodes) == [ERRORS] and scene.nodes[ERRORS].colors.shape == points.shape
+    points = np.array(frame[ERROR_NODE, "points"]).reshape(-1, 2, 3)
+    assert list(scene.nodes) == [ERROR_NODE] and scene.nodes[ERROR_NODE].colors.shape == points.shape
     return points, len(true)
 
 
@@ -53,7 +64,7 @@ def test_a_trail_goes_back_along_the_ghosts_own_way(lesson: Lesson) -> None:
     for sample in (0, 1, len(way) // 20, len(way) // 3, len(way) - 1):
         points, errors = lines(stage, sample, False)
         for trail in points[errors:].reshape(-1, SEGMENTS, 2, 3):
-            there = trail[~np.all(trail == NOWHERE, axis=(1, 2))]
+            there = trail[~np.all(trail == HIDDEN_SEGMENT, axis=(1, 2))]
             if not len(there):
                 continue
             seen += len(there)
@@ -68,7 +79,7 @@ def test_a_trail_goes_back_along_the_ghosts_own_way(lesson: Lesson) -> None:
 def test_where_calm_is_asked_for_there_is_no_trail() -> None:
     stage = stage_of(LESSONS["separation"])
     points, errors = lines(stage, len(stage.t) // 10, True)
-    assert np.all(points[errors:] == NOWHERE) and not np.all(points[:errors] == NOWHERE)
+    assert np.all(points[errors:] == HIDDEN_SEGMENT) and not np.all(points[:errors] == HIDDEN_SEGMENT)
 
 
 def test_a_trail_fades_from_its_colour_towards_that_of_the_ground() -> None:
@@ -92,7 +103,7 @@ def test_the_trail_of_a_pole_is_the_way_of_the_hand_and_its_mirror_image() -> No
     trail = PoleTrail(cast(Any, scene), "/trail", RED, WHITE, lambda s, lift: (s.real, -lift, s.imag))
     trail.draw()
     assert not scene.nodes, "no node before a hand comes"
-    way = [complex(2 * STEP * k, 1.0) for k in range(3 * SEGMENTS)]
+    way = [complex(2 * TRAIL_STEP * k, 1.0) for k in range(3 * SEGMENTS)]
     trail.begin(way[0])
     for pole in way:
         trail.reach(pole)

@@ -1,4 +1,4 @@
-"""The command line `observer-lab`."""
+"""Provide the command line `observer-lab`."""
 
 from .entry import main
 

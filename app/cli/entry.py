@@ -1,4 +1,4 @@
-"""The command line: one module a command, each with HELP, `arguments` and `execute`.
+"""Parse the command line and run one command; each command is a module.
 
 Exit status 0: done; 1: a check failed; 2: bad usage or bad input, said in one sentence on stderr.
 What is heavy is imported by `execute`, after the threads of numpy are settled and the command line makes sense.
@@ -14,8 +14,8 @@ from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 from typing import Protocol
 
-from . import exam, export, link, replay, run, serve, status, study, teach, verify
-from . import list as list_
+from .commands import exam, export, link, replay, run, serve, status, study, teach, verify
+from .commands import list as list_
 from .options import THREADS, CommandError, Parser
 
 

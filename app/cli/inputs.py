@@ -1,4 +1,4 @@
-"""What commands are given: lessons by name, plants and designs from files."""
+"""Read what commands are given: lessons by name, plants and designs from files."""
 
 from __future__ import annotations
 
@@ -7,18 +7,18 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from lessons import LESSONS
+from observer_lab.lessons import LESSONS
 
+from ..course.knobs import KnobError
+from ..course.lesson import Design, Lesson
 from ..engine import EngineError, load_plant
-from ..lesson.knobs import KnobError
-from ..lesson.lesson import Design, Lesson
 from ..plants.examples import EXAMPLES, example
-from ..plants.own import read
-from ..tab.state import TOO_LARGE, Saved, read_state
-from ..tab.token import is_token, read_token
-from .options import CommandError, cause
+from ..plants.own_plant import read_plant_file
+from ..session.state.saved_state import TOO_LARGE, SavedState, read_state
+from ..session.state.token import is_token, read_token
+from .options import CommandError, error_cause
 
-LARGEST = 10_000_000  # bytes of a file that is read at all
+MAX_FILE_BYTES = 10_000_000  # bytes of a file that is read at all
 
 
 def find_lesson(id: str) -> Lesson:
@@ -28,7 +28,7 @@ def find_lesson(id: str) -> Lesson:
     return LESSONS[id]
 
 
-def fitted(lesson: Lesson, plant: str) -> Lesson:
+def fit_lesson(lesson: Lesson, plant: str) -> Lesson:
     """The lesson for that plant. Raises CommandError where the two do not fit."""
     try:
         return lesson.fit(plant)
@@ -36,29 +36,29 @@ def fitted(lesson: Lesson, plant: str) -> Lesson:
         raise CommandError(str(problem)) from problem
 
 
-def plant_in(name: str) -> str:
+def read_plant(name: str) -> str:
     """The canonical text of the plant in a file, or of an example of that name. Raises CommandError."""
     try:
         if name in EXAMPLES:
             return example(name)
         _plain_file(name)
         load_plant(name)  # says what is wrong with the file before it is read whole
-        return read(Path(name).name, Path(name).read_bytes())
+        return read_plant_file(Path(name).name, Path(name).read_bytes())
     except EngineError as problem:
         raise CommandError(str(problem)) from problem
     except (OSError, ValueError) as problem:
-        raise CommandError(f"The plant file {name[:80]} cannot be read ({cause(problem)}).") from problem
+        raise CommandError(f"The plant file {name[:80]} cannot be read ({error_cause(problem)}).") from problem
 
 
-def design_of(lesson: Lesson, plant: str | None, state: str | None, changes: Sequence[str]) -> Design:
+def read_design(lesson: Lesson, plant: str | None, state: str | None, changes: Sequence[str]) -> Design:
     """The lesson's start, or a saved design, with knobs changed as KNOB=VALUE says. Raises CommandError."""
     if plant is not None and state is not None:
         raise CommandError("Give --plant or --state, not both: a saved design brings its own plant.")
     try:
         if plant is not None:
-            lesson = fitted(lesson, plant_in(plant))
+            lesson = fit_lesson(lesson, read_plant(plant))
         design = lesson.start() if state is None else _design_in(state, lesson)
-        lesson = fitted(find_lesson(lesson.id), design.plant)
+        lesson = fit_lesson(find_lesson(lesson.id), design.plant)
         for change in changes:
             name, equals, words = change.partition("=")
             if not equals:
@@ -71,7 +71,7 @@ def design_of(lesson: Lesson, plant: str | None, state: str | None, changes: Seq
         raise CommandError(str(TOO_LARGE)) from problem
 
 
-def saved_of(state: str) -> Saved:
+def read_saved_state(state: str) -> SavedState:
     """The state of a token, of a link that ends in one, or in a file that holds either or was saved. Raises CommandError.
 
     What could not be taken over is said on stderr.
@@ -82,14 +82,14 @@ def saved_of(state: str) -> Saved:
     return saved
 
 
-def look_of(state: str | None, language: str | None) -> Saved:
+def read_view(state: str | None, language: str | None) -> SavedState:
     """How a state was shown, with the language that was asked for instead, if any; without a state as a page opens. Raises CommandError."""
-    saved = Saved(Design("", ())) if state is None else replace(_read(state), notes=())
+    saved = SavedState(Design("", ())) if state is None else replace(_read(state), notes=())
     return saved if language is None else replace(saved, language=language)
 
 
-def _read(state: str) -> Saved:
-    words = state if is_token(state) else words_in(state, "state", "give a token, a link or a file that the app saved")
+def _read(state: str) -> SavedState:
+    words = state if is_token(state) else read_text(state, "state", "give a token, a link or a file that the app saved")
     try:
         return read_token(words, LESSONS) if is_token(words) else read_state(words, LESSONS)
     except KnobError as problem:
@@ -98,13 +98,13 @@ def _read(state: str) -> Saved:
 
 def _design_in(state: str, lesson: Lesson) -> Design:
     """The design of a state, which must belong to the lesson."""
-    design = saved_of(state).design
+    design = read_saved_state(state).design
     if design.lesson != lesson.id:
         raise CommandError(f"The state {state[:80]} belongs to lesson {design.lesson}, not {lesson.id}.")
     return design
 
 
-def words_in(name: str, what: str, instead: str) -> str:
+def read_text(name: str, what: str, instead: str) -> str:
     """What a text file holds. Raises CommandError, which says what to give instead."""
     try:
         _plain_file(name)
@@ -112,7 +112,7 @@ def words_in(name: str, what: str, instead: str) -> str:
     except UnicodeDecodeError as problem:
         raise CommandError(f"The {what} file {name[:80]} is not text; {instead}.") from problem
     except (OSError, ValueError) as problem:
-        raise CommandError(f"The {what} file {name[:80]} cannot be read ({cause(problem)}); {instead}.") from problem
+        raise CommandError(f"The {what} file {name[:80]} cannot be read ({error_cause(problem)}); {instead}.") from problem
 
 
 def _plain_file(name: str) -> None:
@@ -120,5 +120,5 @@ def _plain_file(name: str) -> None:
     path = Path(name)
     if path.exists() and not path.is_file():
         raise ValueError("it is no plain file")
-    if path.exists() and path.stat().st_size > LARGEST:
-        raise ValueError(f"it is larger than {LARGEST // 1_000_000} MB")
+    if path.exists() and path.stat().st_size > MAX_FILE_BYTES:
+        raise ValueError(f"it is larger than {MAX_FILE_BYTES // 1_000_000} MB")

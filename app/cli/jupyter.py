@@ -1,4 +1,4 @@
-"""The lab as a server that jupyter-server-proxy launches, for each student of a JupyterHub: entry point `observer-lab`.
+"""Tell jupyter-server-proxy how to launch the app for each student of a JupyterHub.
 
 The hub asks who comes; jupyter-server-proxy takes the path `/user/NAME/observer-lab` away, so that the page stands at its root.
 Others on the same machine can reach the port too: therefore each server has an access token of its own, which the proxy puts
@@ -8,12 +8,12 @@ into every request as a header and which nobody else sees.
 from __future__ import annotations
 
 import sys
-from pathlib import Path
 
-from ..view.access import VARIABLE, draw_word
+from ..page.access.tokens import VARIABLE, draw_token
+from ..page.web import path_of
 
-ICON = Path(__file__).parents[1] / "view" / "page" / "icon.svg"
-PATIENCE = 60.0  # s in which the page must answer, on a machine where a whole course starts at once
+ICON = path_of("icon.svg")
+START_TIMEOUT_S = 60.0  # s in which the page must answer, on a machine where a whole course starts at once
 
 
 def launched_by_jupyter() -> dict[str, object]:
@@ -21,11 +21,11 @@ def launched_by_jupyter() -> dict[str, object]:
 
     Source: jupyter-server-proxy, "Server process options".
     """
-    word = draw_word()
+    word = draw_token()
     return {
-        "command": [sys.executable, "-P", "-m", "app.cli", "serve", "--port", "{port}", "--exact-port"],  # -P: not the student's folder app
+        "command": [sys.executable, "-P", "-m", "observer_lab", "serve", "--port", "{port}", "--exact-port"],  # -P: not the student's files
         "environment": {VARIABLE: word},
         "request_headers_override": {"Authorization": f"Bearer {word}"},
-        "timeout": PATIENCE,
+        "timeout": START_TIMEOUT_S,
         "launcher_entry": {"title": "Observer Lab", "icon_path": str(ICON), "category": "Other"},
     }

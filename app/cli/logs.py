@@ -1,4 +1,4 @@
-"""Where the server writes down what happens: the terminal, and a file that rotates where a folder is given."""
+"""Set up the log of the server: terminal, and a rotating file where a folder is given."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ import time
 from contextlib import suppress
 from pathlib import Path
 
-from .options import cause
+from .options import error_cause
 
-FILE, LONGEST, KEPT = "observer-lab.log", 1_000_000, 5  # bytes of a file, and files
-PLAIN = "%(asctime)s %(levelname)s %(name)s: %(message)s"
+LOG_NAME, MAX_LOG_BYTES, LOG_FILES = "observer-lab.log", 1_000_000, 5  # bytes of a file, and files
+LOG_FORMAT = "%(asctime)s %(levelname)s %(name)s: %(message)s"
 
 
 class OneLineOfJson(logging.Formatter):
@@ -50,7 +50,7 @@ class RotatingFile(logging.handlers.RotatingFileHandler):
         self._failed = True
         if not self._told and sys.stderr is not None:
             with suppress(OSError, ValueError):  # stderr may be a file on the same disk
-                print(f"observer-lab: {FILE} cannot be written ({cause(sys.exc_info()[1])}); the server goes on without it.",
+                print(f"observer-lab: {LOG_NAME} cannot be written ({error_cause(sys.exc_info()[1])}); the server goes on without it.",
                       file=sys.stderr, flush=True)
 
 
@@ -60,10 +60,10 @@ def set_up(as_json: bool, folder: str | None, worker: int = 0) -> None:
     handlers: list[logging.Handler] = [logging.StreamHandler()]
     if folder is not None:
         Path(folder).mkdir(parents=True, exist_ok=True)
-        name = FILE.replace(".", f"-{worker}.") if worker else FILE
-        handlers.append(RotatingFile(Path(folder) / name, maxBytes=LONGEST, backupCount=KEPT, encoding="utf-8"))
-    plain = PLAIN.replace(" %(name)s", f" worker {worker} %(name)s") if worker else PLAIN
+        name = LOG_NAME.replace(".", f"-{worker}.") if worker else LOG_NAME
+        handlers.append(RotatingFile(Path(folder) / name, maxBytes=MAX_LOG_BYTES, backupCount=LOG_FILES, encoding="utf-8"))
+    plain = LOG_FORMAT.replace(" %(name)s", f" worker {worker} %(name)s") if worker else LOG_FORMAT
     for handler in handlers:
         handler.setFormatter(OneLineOfJson(worker) if as_json else logging.Formatter(plain))
     logging.basicConfig(level=logging.WARNING, handlers=handlers, force=True)
-    logging.getLogger("app.cli").setLevel(logging.INFO)
+    logging.getLogger("observer_lab.cli").setLevel(logging.INFO)

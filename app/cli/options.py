@@ -1,4 +1,4 @@
-"""What all commands share before anything heavy is imported: the error that ends them, the parser, kinds of options."""
+"""Define what all commands share before heavy imports: error, parser, kinds of options."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def add_language(parser: argparse.ArgumentParser, what: str) -> None:
     parser.add_argument("--lang", choices=languages(), help=f"language of {what} (default: that of --state, else en)")
 
 
-def whole(low: int, high: int, refusal: str) -> Callable[[str], int]:
+def whole_number(low: int, high: int, refusal: str) -> Callable[[str], int]:
     """The reader of an option that is a whole number from low to high; `refusal` follows what was given instead."""
     def read(words: str) -> int:
         if not words.isascii() or not words.isdigit() or not low <= int(words[:9]) <= high:
@@ -53,7 +53,7 @@ def host_name(words: str) -> str:
     return words
 
 
-def cause(problem: BaseException | None) -> str:
+def error_cause(problem: BaseException | None) -> str:
     """What went wrong, to stand in the middle of a sentence."""
     words = getattr(problem, "strerror", None) or str(problem) or type(problem).__name__
     return words[:1].lower() + words[1:].rstrip(".")

@@ -1,4 +1,4 @@
-"""Files that commands write: whole, or not at all."""
+"""Write the files of commands, each whole or not at all."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ import tempfile
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from ..lesson.figures import Figure
-from .options import CommandError, cause
+from ..course.figures.records import Figure
+from .options import CommandError, error_cause
 
 
-def write(name: str, save: Callable[[str], None]) -> None:
+def write_whole_file(name: str, save: Callable[[str], None]) -> None:
     """Write a file beside its place and move it there when it is whole. Raises CommandError where that fails."""
     try:
         path = Path(name)
@@ -23,12 +23,12 @@ def write(name: str, save: Callable[[str], None]) -> None:
             save(str(part))
             os.replace(part, path)
     except (OSError, ValueError) as problem:
-        raise CommandError(f"{name[:80]} cannot be written ({cause(problem)}); choose another place.") from problem
+        raise CommandError(f"{name[:80]} cannot be written ({error_cause(problem)}); choose another place.") from problem
 
 
 def save_page(figures: Sequence[Figure], path: str, language: str, token: str) -> None:
     """All figures on one page: .png, .svg or .pdf. Raises CommandError at another suffix."""
-    from ..export.figure import ExportError, save_figures  # matplotlib is loaded only when a figure is drawn
+    from ..export.figures.figure import ExportError, save_figures  # matplotlib is loaded only when a figure is drawn
 
     try:
         save_figures(figures, path, language, token)

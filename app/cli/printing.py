@@ -1,4 +1,4 @@
-"""What commands print: lessons, runs, JSON."""
+"""Print lessons, runs and JSON."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from ..export.data import plain
-from ..lesson.knobs import Choice, Knob, Number
-from ..lesson.knobs import Poles as PolesKnob
-from ..lesson.lesson import Lesson
+from ..course.knobs import Choice, Knob, Number
+from ..course.knobs import Poles as PolesKnob
+from ..course.lesson import Lesson
+from ..export.data.data import plain
 from ..text import languages
 
 

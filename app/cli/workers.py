@@ -1,4 +1,4 @@
-"""Several processes behind one address: one listens and hands each connection to the worker that has fewest; it looks after them.
+"""Run several worker processes behind one address and restart those that fail.
 
 A worker is forked from a process that has loaded all and started nothing, so that it stands at once. A WebSocket stays with the
 worker that was handed it; a tab that connects anew may come to another, and brings what it had from the browser's storage.
@@ -16,27 +16,30 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from ..view.handed import READY, can_hand, hand
-from ..view.tally import Tally
+from ..page.access.shared_counters import SharedCounters
+from ..page.access.socket_handoff import READY, can_send_connections, send_connection
 from .options import CommandError
 
 log = logging.getLogger(__name__)
 
 ENDINGS = (signal.SIGINT, signal.SIGTERM)
-STOPPING = 5.0  # s in which all have stopped
-SHORTEST, LONGEST = 0.5, 30.0  # s between the end of a worker and the next one in its place; doubled each time
-LIVED = 60.0  # s after which an end has nothing to do with the one before
-LOOK = 0.02  # s between two looks at who has ended
-STUCK, SILENT = 30.0, 90.0  # s with a thread that nothing can break off, and without a sign of life, after which it is started anew
-CHECK = 5.0  # s between two looks at that
-SOON = 0.1  # s within which an end that was asked for is heard
+STOP_TIMEOUT_S = 5.0  # s in which all have stopped
+MIN_RESTART_DELAY_S, MAX_RESTART_DELAY_S = 0.5, 30.0  # s between the end of a worker and the next one in its place; doubled each time
+HEALTHY_LIFETIME_S = 60.0  # s after which an end has nothing to do with the one before
+REAP_INTERVAL_S = 0.02  # s between two looks at who has ended
+STUCK_TIMEOUT_S, SILENT_TIMEOUT_S = (
+    30.0,
+    90.0,
+)  # s with a thread that nothing can break off, and without a sign of life, after which it is started anew
+CHECK_INTERVAL_S = 5.0  # s between two looks at that
+END_POLL_S = 0.1  # s within which an end that was asked for is heard
 NOT_HERE = "This system cannot share one address among processes; leave out --workers (Linux can)."
 
 
-def may_share() -> bool:
+def can_fork_workers() -> bool:
     """Whether this system is one on which workers are known to do well: on others processes that have loaded numerics are not forked,
     or no connection is handed on."""
-    return sys.platform.startswith("linux") and hasattr(os, "fork") and can_hand()
+    return sys.platform.startswith("linux") and hasattr(os, "fork") and can_send_connections()
 
 
 @dataclass
@@ -50,15 +53,15 @@ class Worker:
     last: int = 0  # when it was handed the last connection, by their count
     stands: bool = False
     well: float = 0.0  # when it was last seen without a thread that is stuck
-    pause: float = field(default=SHORTEST / 2)
+    pause: float = field(default=MIN_RESTART_DELAY_S / 2)
     due: float = 0.0  # when the next process begins, or this one must have left, on the clock of the machine
 
 
-class Crew:
+class WorkerPool:
     """The workers behind a listening socket. `work` is what a worker does with its number and its channel, in a process of its own."""
 
-    def __init__(self, listener: socket.socket, tally: Tally, work: Callable[[int, socket.socket], None],
-                 stuck: float = STUCK, silent: float = SILENT, check: float = CHECK) -> None:
+    def __init__(self, listener: socket.socket, tally: SharedCounters, work: Callable[[int, socket.socket], None],
+                 stuck: float = STUCK_TIMEOUT_S, silent: float = SILENT_TIMEOUT_S, check: float = CHECK_INTERVAL_S) -> None:
         self._listener, self._tally, self._work = listener, tally, work
         self._stuck, self._silent, self._check = stuck, silent, check
         self._workers = [Worker(number) for number in range(tally.workers)]
@@ -89,8 +92,8 @@ class Crew:
                 self._reap(worker, worker.process, now)
             elif worker.process is not None and worker.stands:
                 self._examine(worker, worker.process, now)
-        due = [worker.due - now if worker.process is None else LOOK for worker in self._workers if worker.channel is None]
-        for key, _ in self._selector.select(max(0.0, min([*due, self._check, SOON]))):
+        due = [worker.due - now if worker.process is None else REAP_INTERVAL_S for worker in self._workers if worker.channel is None]
+        for key, _ in self._selector.select(max(0.0, min([*due, self._check, END_POLL_S]))):
             if key.data is None:
                 self._take()
             else:
@@ -107,7 +110,7 @@ class Crew:
             what = "is stuck" if figures.stuck else "does not answer"
             log.error("worker %d %s and is ended", worker.number + 1, what)
             os.kill(process, signal.SIGTERM)
-            self._lose(worker)
+            self._forget_worker(worker)
 
     def _begin(self, worker: Worker) -> None:
         ours, theirs = socket.socketpair()
@@ -152,12 +155,12 @@ class Crew:
         except (BlockingIOError, ConnectionAbortedError):  # it has left
             return
         except OSError:  # too many files are open, which passes
-            time.sleep(LOOK)
+            time.sleep(REAP_INTERVAL_S)
             return
         with connection:
             self._count += 1
             for worker in sorted(standing, key=self._load):
-                if worker.channel is not None and hand(worker.channel, connection):
+                if worker.channel is not None and send_connection(worker.channel, connection):
                     worker.handed, worker.last = worker.handed + 1, self._count
                     return
 
@@ -179,13 +182,13 @@ class Crew:
             self._tally.stand(worker.number, True)
             self._listen()
         if not said:
-            self._lose(worker)
+            self._forget_worker(worker)
 
-    def _lose(self, worker: Worker) -> None:
+    def _forget_worker(self, worker: Worker) -> None:
         assert worker.channel is not None
         self._selector.unregister(worker.channel)
         worker.channel.close()
-        worker.channel, worker.stands, worker.due = None, False, time.monotonic() + STOPPING
+        worker.channel, worker.stands, worker.due = None, False, time.monotonic() + STOP_TIMEOUT_S
         self._tally.stand(worker.number, False)
         self._listen()
 
@@ -199,7 +202,7 @@ class Crew:
         if not self._told:
             raise CommandError(f"Worker {worker.number + 1} has ended before all stood (status {status}); the log says why.")
         lived = now - self._tally.of(worker.number).since
-        worker.pause = SHORTEST if lived > LIVED else min(2 * worker.pause, LONGEST)
+        worker.pause = MIN_RESTART_DELAY_S if lived > HEALTHY_LIFETIME_S else min(2 * worker.pause, MAX_RESTART_DELAY_S)
         worker.due = now + worker.pause
         log.warning("worker %d has ended (status %d) and is started again in %.3g s", worker.number + 1, status, worker.pause)
 
@@ -216,10 +219,10 @@ class Crew:
         left = {worker.process for worker in self._workers if worker.process is not None}
         for process in left:
             os.kill(process, signal.SIGTERM)
-        end = time.monotonic() + STOPPING
+        end = time.monotonic() + STOP_TIMEOUT_S
         while left and time.monotonic() < end:
             left -= {process for process in left if os.waitpid(process, os.WNOHANG)[0]}
-            time.sleep(LOOK)
+            time.sleep(REAP_INTERVAL_S)
         for process in left:
             os.kill(process, signal.SIGKILL)
             os.waitpid(process, 0)

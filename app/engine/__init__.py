@@ -1,6 +1,6 @@
-"""The engine: pure numerics of observers and estimate feedback. Arrays in, frozen records out.
+"""Compute observers and estimate feedback: arrays in, frozen records out.
 
-The names that people need are here; the others are public in their room, as in `from app.engine.filters import Track`.
+The names that people need are here; the others are public in their room, as in `from observer_lab.engine.filters import Track`.
 """
 
 from .design import dlqe, dlqr, lqe, lqr, observer_gain, place
@@ -32,14 +32,7 @@ from .observers import (
 )
 from .sampled import sampled_loop, sampled_lqg, simulate_trial
 from .simulation import Scenario, autonomous_error, simulate
-from .structure import (
-    balanced_truncation,
-    controllability,
-    gramians,
-    hankel_singular_values,
-    kalman_decomposition,
-    observability,
-)
+from .structure import balanced_truncation, controllability, gramians, hankel_singular_values, kalman_decomposition, observability
 from .systems import (
     EngineError,
     NonlinearPlant,

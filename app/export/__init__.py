@@ -1,1 +1,1 @@
-"""Figures, data and code that leave the lab: the only package that imports matplotlib."""
+"""Export figures, data and code: the only package that imports matplotlib."""

@@ -1,4 +1,4 @@
-"""What a person can take away of a lesson, as named files: figures, their data, all of it packed, scripts, the sheet."""
+"""Make the files that a person can download: figures, data, scripts, sheet, or all as zip."""
 
 from __future__ import annotations
 
@@ -8,22 +8,33 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 
-from ..lesson.figures import Figure
-from ..lesson.lesson import Lesson, Outcome
+from ..course.figures.records import Figure
+from ..course.lesson import Lesson, Outcome
 from ..text import Text, text
-from .data import json_text
-from .engine_notebook import engine_notebook
-from .figure import figures_as
-from .fonts import HAN, chinese_font
-from .matlab import function_name, matlab_script
-from .script import ScriptError, notebook, python_script
-from .sheet import sheet
-from .tables import figure_csv, figure_json
+from .data.data import json_text
+from .data.tables import figure_csv, figure_json
+from .figures.figure import figures_as
+from .figures.fonts import HAN, chinese_font
+from .scripts.engine_notebook import engine_notebook
+from .scripts.matlab import function_name, matlab_script
+from .scripts.script import ScriptError, notebook, python_script
+from .sheet.sheet import sheet
 
-__all__ = ["FIGURES", "SCRIPTS", "File", "FileError", "Taken", "all_in_one", "figure_file", "letters_for", "script_file", "sheet_file"]
+__all__ = [
+    "FIGURE_FORMATS",
+    "SCRIPTS",
+    "DownloadContent",
+    "File",
+    "FileError",
+    "all_in_one",
+    "check_fonts_for",
+    "figure_file",
+    "script_file",
+    "sheet_file",
+]
 
-DRAWN = ("png", "svg", "pdf")
-FIGURES = (*DRAWN, "csv", "json")
+PICTURE_KINDS = ("png", "svg", "pdf")
+FIGURE_FORMATS = (*PICTURE_KINDS, "csv", "json")
 SCRIPTS: Mapping[str, tuple[Callable[[Lesson, Outcome, str, str], str], str]] = MappingProxyType({  # what writes it, end of its name
     "python": (python_script, ".py"), "notebook": (notebook, ".ipynb"), "matlab": (matlab_script, ".m"),
     "engine-notebook": (engine_notebook, "-engine.ipynb")})
@@ -48,7 +59,7 @@ class File:
 
 
 @dataclass(frozen=True, eq=False)
-class Taken:
+class DownloadContent:
     """What a file is made of: all that the page shows now, its token, and the language of its words."""
 
     lesson: Lesson
@@ -58,14 +69,14 @@ class Taken:
     language: str = "en"
 
 
-def figure_file(taken: Taken, figure: str, kind: str) -> File:
+def figure_file(taken: DownloadContent, figure: str, kind: str) -> File:
     """One figure, or all on one page for "", as one of FIGURES. Raises FileError."""
     chosen = [each for each in taken.figures if figure in ("", each.id)]
-    if not chosen or kind not in FIGURES:
+    if not chosen or kind not in FIGURE_FORMATS:
         raise FileError(text("There is no such figure here any more; open the dialog again."))
     name = f"{taken.lesson.id}{f'-{figure}' if figure else ''}.{kind}"
-    if kind in DRAWN:
-        letters_for(taken.language)
+    if kind in PICTURE_KINDS:
+        check_fonts_for(taken.language)
         return File(name, figures_as(chosen, kind, taken.language, taken.token))
     if len(chosen) == 1:
         return File(name, {"csv": figure_csv, "json": figure_json}[kind](chosen[0], taken.token, taken.language))
@@ -74,10 +85,10 @@ def figure_file(taken: Taken, figure: str, kind: str) -> File:
     raise FileError(text("One table holds one figure: choose a figure, or take all of them as one zip."))
 
 
-def all_in_one(taken: Taken) -> File:
+def all_in_one(taken: DownloadContent) -> File:
     """A zip with every figure in every form, and the run as JSON. Raises FileError."""
     name, out = taken.lesson.id, io.BytesIO()
-    files = [figure_file(taken, figure.id, kind) for figure in taken.figures for kind in FIGURES]
+    files = [figure_file(taken, figure.id, kind) for figure in taken.figures for kind in FIGURE_FORMATS]
     files.append(File(f"{name}-run.json", (json_text(taken.outcome.design, taken.outcome, taken.token) + "\n").encode()))
     with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as packed:
         for file in files:
@@ -85,7 +96,7 @@ def all_in_one(taken: Taken) -> File:
     return File(f"{name}.zip", out.getvalue())
 
 
-def script_file(taken: Taken, kind: str) -> File:
+def script_file(taken: DownloadContent, kind: str) -> File:
     """The script of the design as one of SCRIPTS. Raises FileError where the lesson has none in that language."""
     write, ending = SCRIPTS[kind]
     name = function_name(taken.lesson) if kind == "matlab" else taken.lesson.id
@@ -95,13 +106,13 @@ def script_file(taken: Taken, kind: str) -> File:
         raise FileError(problem.text) from problem
 
 
-def sheet_file(taken: Taken) -> File:
+def sheet_file(taken: DownloadContent) -> File:
     """The sheet of the lesson for print. Raises FileError."""
-    letters_for(taken.language)
+    check_fonts_for(taken.language)
     return File(f"{taken.lesson.id}-sheet.pdf", sheet(taken.lesson, taken.outcome, taken.figures, taken.token, taken.language))
 
 
-def letters_for(language: str) -> None:
+def check_fonts_for(language: str) -> None:
     """Raises FileError where the words of a language could not be drawn."""
     if language.split("_")[0] in HAN and chinese_font() is None:
         raise FileError(NO_FONT)

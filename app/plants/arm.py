@@ -1,4 +1,4 @@
-"""A geared arm with a DC motor: its printed data, its equations with the load torque as a state, and its body.
+"""Model a geared arm with a DC motor: data, equations with load torque, body.
 
 Motor: maxon RE 40, graphite brushes, 150 W, order number 148867 (24 V winding), as its data sheet prints it. Gear: maxon GP 42 C, order
 number 203116, 15 : 1, absolute 91/6. Encoder: maxon HEDL 5540, order number 110514, 500 lines, counted four times. The arm's inertia, its
@@ -16,11 +16,11 @@ import numpy as np
 
 from ..engine import Plant
 from ..text import text
-from .body import (
+from .bodies.body import (
     COPPER,
-    DARK,
+    DARK_GREY,
     METAL,
-    PLANT,
+    PLANT_COLOUR,
     STEEL,
     Arrow,
     Ball,
@@ -32,8 +32,8 @@ from .body import (
     Quaternion,
     Rod,
     Vector,
-    between,
     force_arrow,
+    pose_between,
 )
 from .model import Model, Signal, Window
 
@@ -59,7 +59,7 @@ class DataSheet:
     nominal_current: float = 6.0
 
 
-SHEET = DataSheet()
+MOTOR_DATA = DataSheet()
 
 
 @dataclass(frozen=True)
@@ -70,7 +70,7 @@ class Parameters:
     arm: float = 0.12
     friction: float = 0.05
     lines: int = 500
-    sheet: DataSheet = SHEET
+    sheet: DataSheet = MOTOR_DATA
 
     @property
     def reflected(self) -> float:
@@ -89,7 +89,7 @@ class Parameters:
 
 
 PARAMETERS = Parameters()
-CURRENT, SPEED, ANGLE, LOAD = range(4)  # of the state
+CURRENT_INDEX, SPEED_INDEX, ANGLE_INDEX, LOAD_INDEX = range(4)  # of the state
 
 
 def plant(parameters: Parameters = PARAMETERS) -> Plant:
@@ -99,9 +99,9 @@ def plant(parameters: Parameters = PARAMETERS) -> Plant:
     """
     p, m = parameters, parameters.sheet
     A = np.zeros((4, 4))
-    A[CURRENT, :2] = -m.resistance / m.inductance, -p.torque / m.inductance
-    A[SPEED, [CURRENT, SPEED, LOAD]] = p.torque / p.inertia, -p.friction / p.inertia, -1 / p.inertia
-    A[ANGLE, SPEED] = 1.0
+    A[CURRENT_INDEX, :2] = -m.resistance / m.inductance, -p.torque / m.inductance
+    A[SPEED_INDEX, [CURRENT_INDEX, SPEED_INDEX, LOAD_INDEX]] = p.torque / p.inertia, -p.friction / p.inertia, -1 / p.inertia
+    A[ANGLE_INDEX, SPEED_INDEX] = 1.0
     B, C = np.array([[1 / m.inductance], [0], [0], [0]]), np.array([[0, 0, 1, 0]])
     return Plant(A, B, C, state_names=("i", "omega", "theta", "tau"),
                  input_names=("voltage",), output_names=("angle",), name="arm",
@@ -109,67 +109,73 @@ def plant(parameters: Parameters = PARAMETERS) -> Plant:
 
 
 # --- the body -----------------------------------------------------------------------------------------------------------
-AWAY: Quaternion = (cos(pi / 4), -sin(pi / 4), 0.0, 0.0)  # an upright cylinder's axis points away
+POINTING_AWAY: Quaternion = (cos(pi / 4), -sin(pi / 4), 0.0, 0.0)  # an upright cylinder's axis points away
 JOINT: Vector = (-0.8, 0.0, 0.98)
-REACH, DIAL = 1.3, 0.52  # lengths of the arm and of the dial's needle
+ARM_LENGTH, DIAL = 1.3, 0.52  # lengths of the arm and of the dial's needle
 FACE: Vector = (1.36, 0.1, 0.98)  # the middle of the dial of the load
-FULL = 3.0  # N m at which the needle lies flat
-PARTS = (
-    Part("base", Box((4.1, 1.3, 0.1)), DARK),
+FULL_TORQUE_NM = 3.0  # N m at which the needle lies flat
+BODY_PARTS = (
+    Part("base", Box((4.1, 1.3, 0.1)), DARK_GREY),
     Part("column", Box((0.5, 0.5, JOINT[2] - 0.1)), STEEL),
     Part("motor", Cylinder(0.24, 0.72), METAL),
     Part("gear", Cylinder(0.28, 0.3), COPPER),
     Part("hub", Cylinder(0.2, 0.5), STEEL),
-    Part("arm", Rod(0.075), PLANT, twin=True),
-    Part("hand", Ball(0.16), PLANT, twin=True),
+    Part("arm", Rod(0.075), PLANT_COLOUR, twin=True),
+    Part("hand", Ball(0.16), PLANT_COLOUR, twin=True),
     Part("dial", Cylinder(0.66, 0.06), METAL),
     Part("dial foot", Rod(0.06), STEEL),
-    Part("zero", Box((0.03, 0.04, 0.14)), DARK),
-    Part("needle", Rod(0.035), PLANT, twin=True),
-    Part("needle tip", Ball(0.07), PLANT, twin=True),
+    Part("zero", Box((0.03, 0.04, 0.14)), DARK_GREY),
+    Part("needle", Rod(0.035), PLANT_COLOUR, twin=True),
+    Part("needle tip", Ball(0.07), PLANT_COLOUR, twin=True),
 )
-FIXED = MappingProxyType({
+FIXED_POSES = MappingProxyType({
     "base": Pose((0.0, 0.0, 0.05)),
     "column": Pose((JOINT[0], 0.3, (JOINT[2] + 0.1) / 2)),
-    "motor": Pose((JOINT[0], 0.75, JOINT[2]), AWAY),
-    "gear": Pose((JOINT[0], 0.25, JOINT[2]), AWAY),
-    "hub": Pose((JOINT[0], 0.0, JOINT[2]), AWAY),
-    "dial": Pose((FACE[0], FACE[1] + 0.08, FACE[2]), AWAY),
-    "dial foot": between((FACE[0], FACE[1] + 0.08, 0.1), (FACE[0], FACE[1] + 0.08, FACE[2] - 0.6)),
+    "motor": Pose((JOINT[0], 0.75, JOINT[2]), POINTING_AWAY),
+    "gear": Pose((JOINT[0], 0.25, JOINT[2]), POINTING_AWAY),
+    "hub": Pose((JOINT[0], 0.0, JOINT[2]), POINTING_AWAY),
+    "dial": Pose((FACE[0], FACE[1] + 0.08, FACE[2]), POINTING_AWAY),
+    "dial foot": pose_between((FACE[0], FACE[1] + 0.08, 0.1), (FACE[0], FACE[1] + 0.08, FACE[2] - 0.6)),
     "zero": Pose((FACE[0], FACE[1], FACE[2] + 0.58)),
 })
 
 
 def hand(angle: float) -> Vector:
     """Where the hand is for an angle above level, in rad."""
-    return JOINT[0] + REACH * cos(angle), -0.28, JOINT[2] + REACH * sin(angle)
+    return JOINT[0] + ARM_LENGTH * cos(angle), -0.28, JOINT[2] + ARM_LENGTH * sin(angle)
 
 
 def needle(torque: float) -> Vector:
     """Where the needle's tip is for a load in N m: upright for none, to the right for one that presses the arm down."""
-    turn = radians(90.0) * max(-1.2, min(1.2, torque / FULL))
+    turn = radians(90.0) * max(-1.2, min(1.2, torque / FULL_TORQUE_NM))
     return FACE[0] + DIAL * sin(turn), FACE[1] - 0.06, FACE[2] + DIAL * cos(turn)
 
 
 def body() -> Body:
     """The arm on its geared motor, to scale, and a dial of the load torque; the arrow at the hand is the load."""
     def pose(x: Sequence[float], gain: float) -> Mapping[str, Pose]:
-        tip, shown = hand(float(x[ANGLE])), needle(float(x[LOAD]))
-        return FIXED | {
-            "arm": between((JOINT[0], -0.28, JOINT[2]), tip), "hand": Pose(tip),
-            "needle": between((FACE[0], FACE[1] - 0.06, FACE[2]), shown), "needle tip": Pose(shown)}
+        tip, shown = hand(float(x[ANGLE_INDEX])), needle(float(x[LOAD_INDEX]))
+        return FIXED_POSES | {
+            "arm": pose_between((JOINT[0], -0.28, JOINT[2]), tip), "hand": Pose(tip),
+            "needle": pose_between((FACE[0], FACE[1] - 0.06, FACE[2]), shown), "needle tip": Pose(shown)}
 
     def arrows(x: Sequence[float], u: Sequence[float], gain: float) -> tuple[Arrow, ...]:
-        angle, tip = float(x[ANGLE]), hand(float(x[ANGLE]))
+        angle, tip = float(x[ANGLE_INDEX]), hand(float(x[ANGLE_INDEX]))
         across = (sin(angle), 0.0, -cos(angle))
-        return (force_arrow((tip[0], -0.5, tip[2]), across, float(x[LOAD]), 2.0, "disturbance"),)
+        return (force_arrow((tip[0], -0.5, tip[2]), across, float(x[LOAD_INDEX]), 2.0, "disturbance"),)
 
     def anchors(x: Sequence[float], gain: float) -> tuple[Vector, ...]:
-        return hand(float(x[ANGLE])), needle(float(x[LOAD]))
+        return hand(float(x[ANGLE_INDEX])), needle(float(x[LOAD_INDEX]))
 
-    return Body(PARTS, pose, arrows, anchors, 1.0, text("A geared arm, to scale, and a dial of the load torque, which nothing measures; "
-                                                        "the arrow at the hand is the load"),
-                labels=((text("load torque"), (FACE[0], -0.5, 0.34)),))
+    return Body(
+        BODY_PARTS,
+        pose,
+        arrows,
+        anchors,
+        1.0,
+        text("A geared arm, to scale, and a dial of the load torque, which nothing measures; the arrow at the hand is the load"),
+        labels=((text("load torque"), (FACE[0], -0.5, 0.34)),),
+    )
 
 
 DEGREES = 180 / pi

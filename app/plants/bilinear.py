@@ -1,4 +1,4 @@
-"""The six-state bilinear plant: four states measured, one functional of all six wanted."""
+"""Model the six-state bilinear plant: four measured states, one functional wanted."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ import numpy as np
 from ..engine import BilinearPlant, EngineError
 from ..engine.observers import BilinearForm
 
-__all__ = ["PLANT", "POLE", "PRINTED_FORM", "PRINTED_L", "X0", "K", "fitting_functional", "with_sensors"]
+__all__ = ["BILINEAR_PLANT", "POLE", "PRINTED_FORM", "PRINTED_L", "WANTED_ROW", "X0", "fitting_functional", "with_sensors"]
 
-PLANT = BilinearPlant(
+BILINEAR_PLANT = BilinearPlant(
     A=np.array([[-12, 4, -11, 4, -7, -3], [15, -6, -19, 6, -10, -1], [1, 0, -2, 0, 1, -3],
                 [35, -22, 47, -17, 25, 11], [17, -10, 23, -8, -10, 7], [-2, 1, 0, 3, 4, -6]]),
     B=np.array([[1], [3], [1], [2], [5], [4]]),
@@ -19,7 +19,7 @@ PLANT = BilinearPlant(
 )
 """Worked example of "Synthesis of functional observers for bilinear plants", Avtometriya 53 (2017) no. 4."""
 
-K = np.array([[1.0, 2, 3, 4, 5, 6]])
+WANTED_ROW = np.array([[1.0, 2, 3, 4, 5, 6]])
 POLE = -30.0
 X0 = (1.0,) * 6
 
@@ -32,13 +32,13 @@ PRINTED_FORM = BilinearForm(
     G_z=np.array([[1.0]]))
 """Step 8 as the paper prints it, with two decimals."""
 
-K.setflags(write=False)
+WANTED_ROW.setflags(write=False)
 PRINTED_L.setflags(write=False)
 
 
 def with_sensors(measured: tuple[int, ...]) -> BilinearPlant:
     """The same plant with other states measured, counted from 0."""
-    return BilinearPlant(PLANT.A, PLANT.B, PLANT.F, np.eye(PLANT.n)[list(measured)])
+    return BilinearPlant(BILINEAR_PLANT.A, BILINEAR_PLANT.B, BILINEAR_PLANT.F, np.eye(BILINEAR_PLANT.n)[list(measured)])
 
 
 def fitting_functional(plant: BilinearPlant, pole: float) -> tuple[np.ndarray, float]:

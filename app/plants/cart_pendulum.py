@@ -1,4 +1,4 @@
-"""The cart-pendulum: a pole balanced on a cart, in a fog that hides the pole.
+"""Model the cart-pendulum: an inverted pole on a cart.
 
 State (p, θ, v, ω): position of the cart in m, angle from upright in rad with leaning to the right positive, and
 their velocities. Which sensor sees what: the position alone shows everything, the angle alone never shows where the
@@ -17,11 +17,11 @@ import numpy as np
 
 from ..engine import EngineError, NonlinearPlant, Plant
 from ..text import text
-from .body import (
+from .bodies.body import (
     COPPER,
-    DARK,
+    DARK_GREY,
     METAL,
-    PLANT,
+    PLANT_COLOUR,
     STEEL,
     Arrow,
     Ball,
@@ -34,23 +34,23 @@ from .body import (
     Rod,
     Vector,
     about_y,
-    between,
-    bounded,
+    bound_displacement,
     force_arrow,
+    pose_between,
 )
 from .model import Model, Signal, Window
 
 Sensor = Literal["position", "angle", "both"]
-SENSORS: Mapping[str, tuple[tuple[int, str, str], ...]] = MappingProxyType({
+SENSOR_CHOICES: Mapping[str, tuple[tuple[int, str, str], ...]] = MappingProxyType({
     "position": ((0, "position", "m"),),
     "angle": ((1, "angle", "rad"),),
     "both": ((0, "position", "m"), (1, "angle", "rad")),
 })
-STAGE = 1.4  # stage units per metre
-RAIL, WHEEL = 0.36, 0.13  # top of the rail, radius of a wheel
+STAGE_SCALE = 1.4  # stage units per metre
+RAIL_TOP, WHEEL = 0.36, 0.13  # top of the rail, radius of a wheel
 CART = (0.8, 0.56, 0.28)
-PIVOT = RAIL + 2 * WHEEL + CART[2] - 0.02
-REACH = 1.35  # farthest drawn position of the cart
+PIVOT = RAIL_TOP + 2 * WHEEL + CART[2] - 0.02
+MAX_DRAWN_POSITION = 1.35  # farthest drawn position of the cart
 FLAT = 1.5  # rad, farthest drawn angle of the pole
 
 
@@ -124,10 +124,10 @@ def nonlinear_plant(parameters: Parameters = Parameters(), sensor: Sensor = "pos
 
 
 def _chosen(sensor: str) -> tuple[tuple[int, str, str], ...]:
-    if sensor not in SENSORS:
+    if sensor not in SENSOR_CHOICES:
         raise EngineError("There is no sensor {sensor} on the cart; choose one of {sensors}.",
-                          sensor=f'{sensor!r}', sensors=", ".join(SENSORS))
-    return SENSORS[sensor]
+                          sensor=f'{sensor!r}', sensors=", ".join(SENSOR_CHOICES))
+    return SENSOR_CHOICES[sensor]
 
 
 def plant(parameters: Parameters = Parameters(), sensor: Sensor = "position") -> Plant:
@@ -148,63 +148,63 @@ def plant(parameters: Parameters = Parameters(), sensor: Sensor = "position") ->
                  name="cart-pendulum")
 
 
-AWAY: Quaternion = (cos(0.7853981633974483), -sin(0.7853981633974483), 0.0, 0.0)  # a wheel's axle points away
+POINTING_AWAY: Quaternion = (cos(0.7853981633974483), -sin(0.7853981633974483), 0.0, 0.0)  # a wheel's axle points away
 WHEELS = tuple((sx * 0.26, sy * 0.26) for sy in (-1, 1) for sx in (-1, 1))
-PARTS = (
-    Part("base", Box((4.3, 1.1, 0.1)), DARK),
+BODY_PARTS = (
+    Part("base", Box((4.3, 1.1, 0.1)), DARK_GREY),
     *(Part(f"rail {side}", Box((4.0, 0.1, 0.08)), METAL) for side in ("front", "back")),
-    *(Part(f"pier {i}", Box((0.14, 0.7, RAIL - 0.18)), STEEL) for i in range(3)),
+    *(Part(f"pier {i}", Box((0.14, 0.7, RAIL_TOP - 0.18)), STEEL) for i in range(3)),
     *(Part(f"stop {side}", Box((0.1, 0.7, 0.3)), STEEL) for side in ("left", "right")),
     Part("rest mark", Box((0.05, 0.14, 0.012)), METAL),
-    Part("cart", Box(CART), PLANT, twin=True),
-    *(Part(f"wheel {i}", Cylinder(WHEEL, 0.08), DARK) for i in range(4)),
+    Part("cart", Box(CART), PLANT_COLOUR, twin=True),
+    *(Part(f"wheel {i}", Cylinder(WHEEL, 0.08), DARK_GREY) for i in range(4)),
     *(Part(f"hub {i}", Box((0.05, 0.16, 0.1)), COPPER) for i in range(4)),
     Part("pivot", Cylinder(0.09, 0.5), STEEL),
-    Part("pole", Rod(0.04), PLANT, twin=True),
+    Part("pole", Rod(0.04), PLANT_COLOUR, twin=True),
     Part("ball", Ball(0.16), COPPER, twin=True),
 )
-FIXED = MappingProxyType({
+FIXED_POSES = MappingProxyType({
     "base": Pose((0.0, 0.0, 0.05)),
-    "rail front": Pose((0.0, -0.26, RAIL - 0.04)),
-    "rail back": Pose((0.0, 0.26, RAIL - 0.04)),
-    **{f"pier {i}": Pose((1.8 * (i - 1), 0.0, 0.1 + (RAIL - 0.18) / 2)) for i in range(3)},
-    "stop left": Pose((-1.97, 0.0, RAIL + 0.13)),
-    "stop right": Pose((1.97, 0.0, RAIL + 0.13)),
+    "rail front": Pose((0.0, -0.26, RAIL_TOP - 0.04)),
+    "rail back": Pose((0.0, 0.26, RAIL_TOP - 0.04)),
+    **{f"pier {i}": Pose((1.8 * (i - 1), 0.0, 0.1 + (RAIL_TOP - 0.18) / 2)) for i in range(3)},
+    "stop left": Pose((-1.97, 0.0, RAIL_TOP + 0.13)),
+    "stop right": Pose((1.97, 0.0, RAIL_TOP + 0.13)),
     "rest mark": Pose((0.0, -0.44, 0.106)),
 })
 
 
 def body(parameters: Parameters = Parameters()) -> Body:
     """Rails, cart, wheels that roll, and the pole with its ball; drawn to scale, the pole at most lying flat."""
-    reach = min(parameters.length * STAGE, 1.9)
+    reach = min(parameters.length * STAGE_SCALE, 1.9)
     full = 8.0
 
     def placed(x: Sequence[float], gain: float) -> tuple[float, float, Vector]:
-        at, lean = bounded(float(x[0]) * STAGE * gain, REACH), bounded(float(x[1]) * gain, FLAT)
+        at, lean = bound_displacement(float(x[0]) * STAGE_SCALE * gain, MAX_DRAWN_POSITION), bound_displacement(float(x[1]) * gain, FLAT)
         return at, lean, (at + reach * sin(lean), 0.0, PIVOT + reach * cos(lean))
 
     def pose(x: Sequence[float], gain: float) -> Mapping[str, Pose]:
         at, _, ball = placed(x, gain)
-        poses = dict(FIXED)
-        poses["cart"] = Pose((at, 0.0, RAIL + 2 * WHEEL + CART[2] / 2 - 0.06))
-        poses["pivot"] = Pose((at, 0.0, PIVOT), AWAY)
-        poses["pole"] = between((at, 0.0, PIVOT), ball)
+        poses = dict(FIXED_POSES)
+        poses["cart"] = Pose((at, 0.0, RAIL_TOP + 2 * WHEEL + CART[2] / 2 - 0.06))
+        poses["pivot"] = Pose((at, 0.0, PIVOT), POINTING_AWAY)
+        poses["pole"] = pose_between((at, 0.0, PIVOT), ball)
         poses["ball"] = Pose(ball)
         rolled = about_y(at / WHEEL)
         for i, (dx, y) in enumerate(WHEELS):
-            poses[f"wheel {i}"] = Pose((at + dx, y, RAIL + WHEEL), AWAY)
-            poses[f"hub {i}"] = Pose((at + dx, y, RAIL + WHEEL), rolled)
+            poses[f"wheel {i}"] = Pose((at + dx, y, RAIL_TOP + WHEEL), POINTING_AWAY)
+            poses[f"hub {i}"] = Pose((at + dx, y, RAIL_TOP + WHEEL), rolled)
         return poses
 
     def arrows(x: Sequence[float], u: Sequence[float], gain: float) -> tuple[Arrow, ...]:
-        tail = (placed(x, gain)[0], -0.4, RAIL + 2 * WHEEL + CART[2] / 2 - 0.06)
+        tail = (placed(x, gain)[0], -0.4, RAIL_TOP + 2 * WHEEL + CART[2] / 2 - 0.06)
         return (force_arrow(tail, (1.0, 0.0, 0.0), float(u[0]), full),)
 
     def anchors(x: Sequence[float], gain: float) -> tuple[Vector, ...]:
         at, _, ball = placed(x, gain)
         return (ball, (at, -CART[1] / 2, PIVOT - 0.04))
 
-    return Body(PARTS, pose, arrows, anchors, 1.0, text("A pole balanced on a cart; the green arrow is the force "
+    return Body(BODY_PARTS, pose, arrows, anchors, 1.0, text("A pole balanced on a cart; the green arrow is the force "
                                                         "on the cart"))
 
 

@@ -1,4 +1,4 @@
-"""The chip: a core that nobody can touch inside a case whose temperature is measured."""
+"""Model a chip whose core temperature must be estimated from its case temperature."""
 
 from __future__ import annotations
 
@@ -10,16 +10,31 @@ import numpy as np
 
 from ..engine import Plant
 from ..text import text
-from .body import COPPER, DARK, METAL, PLANT, STEEL, Arrow, Body, Box, Cylinder, Part, Pose, Rod, Vector, bounded
-from .body import force_arrow as arrow
+from .bodies.body import (
+    COPPER,
+    DARK_GREY,
+    METAL,
+    PLANT_COLOUR,
+    STEEL,
+    Arrow,
+    Body,
+    Box,
+    Cylinder,
+    Part,
+    Pose,
+    Rod,
+    Vector,
+    bound_displacement,
+)
+from .bodies.body import force_arrow as arrow
 from .model import Model, Signal, Window
 
 LEAKAGE = 1.4  # W/K that makes the default chip run away
-STAGE = 0.02  # stage units per kelvin on the two columns
-CHIP, TOP = -0.62, 0.30  # middle of the chip, top of the board
+STAGE_SCALE = 0.02  # stage units per kelvin on the two columns
+CHIP_X, BOARD_TOP = -0.62, 0.30  # middle of the chip, top of the board
 CORE, CASE = 0.95, 1.42  # where the two columns stand
-FOOT, ZERO = 0.46, 0.95  # lowest level of a column, its level at ambient temperature
-RISE, FALL = 1.15, 0.42  # highest and lowest drawn level from there
+LOWEST_LEVEL, ZERO_LEVEL = 0.46, 0.95  # lowest level of a column, its level at ambient temperature
+MAX_COLUMN_RISE, MAX_COLUMN_FALL = 1.15, 0.42  # highest and lowest drawn level from there
 GLOW = ((-30.0, (74, 112, 160)), (0.0, (138, 147, 160)), (30.0, (226, 150, 60)), (70.0, (205, 50, 30)),
         (120.0, (255, 225, 170)))  # temperature above ambient in K, colour
 
@@ -61,20 +76,20 @@ def _parts() -> tuple[Part, ...]:
     columns = tuple(part for name in ("core", "case") for part in (
         Part(f"{name} socket", Cylinder(0.15, 0.16), STEEL),
         Part(f"{name} column", Rod(0.085), METAL),
-        Part(f"{name} level", Cylinder(0.17, 0.05), PLANT, twin=True),
+        Part(f"{name} level", Cylinder(0.17, 0.05), PLANT_COLOUR, twin=True),
     ))
     ticks = tuple(Part(f"tick {i}", Box((1.0 if i == 0 else 0.8, 0.02, 0.03 if i == 0 else 0.014)), METAL)
                   for i in range(3))
     return (
         *feet,
-        Part("board", Box((3.4, 1.7, 0.1)), DARK),
+        Part("board", Box((3.4, 1.7, 0.1)), DARK_GREY),
         Part("package", Box((1.3, 1.3, 0.1)), METAL),
         Part("die", Box((0.72, 0.72, 0.16)), STEEL),
         *posts,
         Part("spreader", Box((1.24, 1.1, 0.1)), STEEL),
         *fins,
         Part("sensor", Cylinder(0.08, 0.1), COPPER),
-        Part("scale", Box((1.16, 0.05, 1.9)), DARK),
+        Part("scale", Box((1.16, 0.05, 1.9)), DARK_GREY),
         *ticks,
         *columns,
     )
@@ -82,18 +97,18 @@ def _parts() -> tuple[Part, ...]:
 
 def _fixed() -> dict[str, Pose]:
     poses = {
-        "board": Pose((0.0, 0.0, TOP - 0.05)),
-        "package": Pose((CHIP, 0.0, TOP + 0.05)),
-        "sensor": Pose((CHIP, -0.46, TOP + 0.87)),
-        "scale": Pose(((CORE + CASE) / 2, 0.3, TOP + 0.95)),
-        "core socket": Pose((CORE, 0.0, TOP + 0.08)),
-        "case socket": Pose((CASE, 0.0, TOP + 0.08)),
+        "board": Pose((0.0, 0.0, BOARD_TOP - 0.05)),
+        "package": Pose((CHIP_X, 0.0, BOARD_TOP + 0.05)),
+        "sensor": Pose((CHIP_X, -0.46, BOARD_TOP + 0.87)),
+        "scale": Pose(((CORE + CASE) / 2, 0.3, BOARD_TOP + 0.95)),
+        "core socket": Pose((CORE, 0.0, BOARD_TOP + 0.08)),
+        "case socket": Pose((CASE, 0.0, BOARD_TOP + 0.08)),
     }
     for i, (sx, sy) in enumerate(((-1, -1), (1, -1), (-1, 1), (1, 1))):
         poses[f"foot {i}"] = Pose((1.5 * sx, 0.65 * sy, 0.1))
-        poses[f"post {i}"] = Pose((CHIP + 0.55 * sx, 0.48 * sy, TOP + 0.1), scale=(1.0, 1.0, 0.56))
+        poses[f"post {i}"] = Pose((CHIP_X + 0.55 * sx, 0.48 * sy, BOARD_TOP + 0.1), scale=(1.0, 1.0, 0.56))
     for i in range(3):
-        poses[f"tick {i}"] = Pose(((CORE + CASE) / 2, 0.265, ZERO + 20.0 * i * STAGE))
+        poses[f"tick {i}"] = Pose(((CORE + CASE) / 2, 0.265, ZERO_LEVEL + 20.0 * i * STAGE_SCALE))
     return poses
 
 
@@ -113,24 +128,24 @@ def body(parameters: Parameters = Parameters()) -> Body:
     fixed = _fixed()
 
     def level(kelvin: float, gain: float) -> float:
-        return ZERO + bounded(kelvin * STAGE * gain, RISE if kelvin > 0 else FALL)
+        return ZERO_LEVEL + bound_displacement(kelvin * STAGE_SCALE * gain, MAX_COLUMN_RISE if kelvin > 0 else MAX_COLUMN_FALL)
 
     def pose(x: Sequence[float], gain: float) -> Mapping[str, Pose]:
         core, case = float(x[0]), float(x[1])
         hot, warm = glow(core), glow(case)
         poses = dict(fixed)
-        poses["die"] = Pose((CHIP, 0.0, TOP + 0.18), colour=hot)
-        poses["spreader"] = Pose((CHIP, 0.0, TOP + 0.71), colour=warm)
+        poses["die"] = Pose((CHIP_X, 0.0, BOARD_TOP + 0.18), colour=hot)
+        poses["spreader"] = Pose((CHIP_X, 0.0, BOARD_TOP + 0.71), colour=warm)
         for i in range(7):
-            poses[f"fin {i}"] = Pose((CHIP + 0.18 * (i - 3), 0.06, TOP + 0.96), colour=warm)
+            poses[f"fin {i}"] = Pose((CHIP_X + 0.18 * (i - 3), 0.06, BOARD_TOP + 0.96), colour=warm)
         for name, kelvin, colour, at in (("core", core, hot, CORE), ("case", case, warm, CASE)):
             top = level(kelvin, gain)
-            poses[f"{name} column"] = Pose((at, 0.0, FOOT), scale=(1.0, 1.0, top - FOOT), colour=colour)
+            poses[f"{name} column"] = Pose((at, 0.0, LOWEST_LEVEL), scale=(1.0, 1.0, top - LOWEST_LEVEL), colour=colour)
             poses[f"{name} level"] = Pose((at, 0.0, top))
         return poses
 
     def arrows(x: Sequence[float], u: Sequence[float], gain: float) -> tuple[Arrow, ...]:
-        return (arrow((CHIP, -0.72, TOP + 0.04), (0.0, 0.0, 1.0), float(u[0]), 40.0),)
+        return (arrow((CHIP_X, -0.72, BOARD_TOP + 0.04), (0.0, 0.0, 1.0), float(u[0]), 40.0),)
 
     def anchors(x: Sequence[float], gain: float) -> tuple[Vector, ...]:
         return ((CORE, -0.18, level(float(x[0]), gain)), (CASE, -0.18, level(float(x[1]), gain)))
@@ -164,7 +179,7 @@ MODEL = Model(
     source="Tutorial on output feedback: a processor whose case is measured, its core not",
 )
 
-RUNAWAY = replace(
+RUNAWAY_MODEL = replace(
     MODEL,
     id="chip-runaway",
     label=text("Chip with thermal runaway"),

@@ -1,4 +1,4 @@
-"""Doyle's plant of 1978: two states, one input, one output, and an optimal loop with no margins to speak of.
+"""Model Doyle's plant of 1978, whose optimal loop has vanishing margins.
 
 ẋ₁ = x₁ + x₂ + w, ẋ₂ = x₂ + u + w, y = x₁ + v; the weights are Q = q [1; 1][1 1], R = 1, the noise W = σ on both states
 alike, V = 1. Then K = f [1 1] with f = 2 + √(4 + q), L = d [1; 1] with d = 2 + √(4 + σ), and with the plant's input gain
@@ -14,13 +14,13 @@ import numpy as np
 
 from ..engine import Plant
 from ..text import text
-from .body import Body
-from .gauge_body import gauge_body
+from .bodies.body import Body
+from .bodies.gauge_body import gauge_body
 from .model import Model, Signal, Window
 
 SOURCE = "J. C. Doyle, Guaranteed margins for LQG regulators, IEEE Transactions on Automatic Control 23 (1978)"
-TOGETHER = np.array([[1.0], [1.0]])  # where the noise enters, and (transposed) what is weighted
-TOGETHER.setflags(write=False)
+BOTH_STATES = np.array([[1.0], [1.0]])  # where the noise enters, and (transposed) what is weighted
+BOTH_STATES.setflags(write=False)
 
 
 def plant() -> Plant:

@@ -1,4 +1,4 @@
-"""The two examples of the robust Luenberger observer: plant, gain in both signs, model errors, figures' numbers.
+"""Model both examples of the robust Luenberger observer: plant, gains, model errors.
 
 Source: Duan, Li, Zhou, "Robust Luenberger observer design" (1993), where u = +K x. `K_printed` is its K; ours is
 K = −K_printed, so that u = −K x is the same control.
@@ -13,7 +13,7 @@ import numpy as np
 from ..engine import Plant
 from ..engine.observers import Perturbations, perturbations
 
-__all__ = ["EXAMPLE_1", "EXAMPLE_2", "Example", "push"]
+__all__ = ["EXAMPLE_1", "EXAMPLE_2", "Example", "outer_input"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,7 +46,7 @@ class Example:
         return np.tensordot(self.delta_C, self.wrong.C, 1)
 
 
-def push(t: np.ndarray) -> np.ndarray:
+def outer_input(t: np.ndarray) -> np.ndarray:
     """The outer input of all figures: v = −4 sin(5t + π/2)."""
     return -4.0 * np.sin(5.0 * np.asarray(t) + np.pi / 2)
 

@@ -1,4 +1,4 @@
-"""Example plants to try any lesson on: files in `data`, read as a stranger's file would be."""
+"""Read the example plants in `data` as user files are read."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from importlib.resources import files
 from types import MappingProxyType
 
 from ..text import Text, listed, same, text
-from .own import Misfit, read
+from .own_plant import UnsuitablePlant, read_plant_file
 
 __all__ = ["EXAMPLES", "Example", "example"]
 
-DATA = files("app.plants") / "data"
+DATA = files("observer_lab.plants") / "data"
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ EXAMPLES: Mapping[str, Example] = MappingProxyType({
 def example(name: str) -> str:
     """The canonical text of an example plant. Raises Misfit naming those there are."""
     if name not in EXAMPLES:
-        raise Misfit(text("There is no example plant {name}; there are {names}.", name=name[:40],
+        raise UnsuitablePlant(text("There is no example plant {name}; there are {names}.", name=name[:40],
                           names=listed(same(key) for key in EXAMPLES)))
     file = EXAMPLES[name].file
-    return read(file, (DATA / file).read_bytes())
+    return read_plant_file(file, (DATA / file).read_bytes())

@@ -1,4 +1,4 @@
-"""The univariate nonstationary growth model, the usual hard case for a filter that believes in one Gaussian.
+"""Model the univariate nonstationary growth model, a hard case for Gaussian filters.
 
 x[k] = x/2 + 25 x/(1 + x²) + 8 cos(1.2 (k − 1)) + w, y = x²/20 + v, w and v of variance one: the sign of x is hidden from
 the sensor. Gordon, Salmond and Smith (1993), after Kitagawa (1987). The input is the known cosine.

@@ -1,4 +1,4 @@
-"""A named plant, ready to teach with: the matrices, the body, and sensible numbers to start from."""
+"""Define a named plant for lessons: matrices, body, and default numbers."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ import numpy as np
 from ..engine import Plant
 from ..engine.design import StartingGain
 from ..text import Text
-from .beyond import NOTHING, Beyond
-from .body import Body
+from .bodies.body import Body
+from .plant_extras import NO_EXTRAS, PlantExtras
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,7 @@ class Model:
     controls: tuple[int, ...] = ()
     controller: StartingGain | None = None
     observer: StartingGain | None = None
-    beyond: Beyond = NOTHING
+    beyond: PlantExtras = NO_EXTRAS
 
     @property
     def controlled(self) -> Plant:

@@ -1,4 +1,4 @@
-"""The spring-damper: a block on a rail, held to a wall by a spring and a damper, pushed by a force."""
+"""Model the spring-damper: a block on a rail with spring, damper and force."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ import numpy as np
 
 from ..engine import Plant
 from ..text import text
-from .body import (
+from .bodies.body import (
     COPPER,
-    DARK,
+    DARK_GREY,
     LYING,
     METAL,
-    PLANT,
+    PLANT_COLOUR,
     STEEL,
     Arrow,
     Body,
@@ -26,16 +26,16 @@ from .body import (
     Rod,
     Spring,
     Vector,
-    between,
-    bounded,
+    bound_displacement,
     force_arrow,
+    pose_between,
 )
 from .model import Model, Signal, Window
 
-STAGE = 0.7  # stage units per metre
-WALL, REST, RAIL = -1.7, 0.45, 0.2  # right face of the wall, middle of the block at rest, top of the rail
-SIDE = 0.72  # edge of the block
-REACH = 0.85  # farthest drawn displacement
+STAGE_SCALE = 0.7  # stage units per metre
+WALL, REST_POSITION, RAIL_TOP = -1.7, 0.45, 0.2  # right face of the wall, middle of the block at rest, top of the rail
+BLOCK_EDGE = 0.72  # edge of the block
+MAX_DRAWN_DISPLACEMENT = 0.85  # farthest drawn displacement
 
 
 @dataclass(frozen=True)
@@ -55,24 +55,24 @@ def plant(parameters: Parameters = Parameters()) -> Plant:
                  units=(("q", "m"), ("v", "m/s"), ("force", "N"), ("position", "m")), name="spring-damper")
 
 
-PARTS = (
-    Part("base", Box((4.1, 1.3, 0.12)), DARK),
+BODY_PARTS = (
+    Part("base", Box((4.1, 1.3, 0.12)), DARK_GREY),
     Part("wall", Box((0.22, 1.3, 1.25)), STEEL),
     Part("rail front", Box((3.75, 0.1, 0.08)), METAL),
     Part("rail back", Box((3.75, 0.1, 0.08)), METAL),
     Part("rest mark", Box((0.05, 0.16, 0.012)), METAL),
-    Part("block", Box((SIDE, 0.9, SIDE)), PLANT, twin=True),
+    Part("block", Box((BLOCK_EDGE, 0.9, BLOCK_EDGE)), PLANT_COLOUR, twin=True),
     Part("spring", Spring(0.15, 8.0, 0.032), METAL),
     Part("damper housing", Cylinder(0.12, 0.8), COPPER),
     Part("damper rod", Rod(0.05), METAL),
 )
-FIXED = MappingProxyType({
+FIXED_POSES = MappingProxyType({
     "base": Pose((0.0, 0.0, 0.06)),
     "wall": Pose((WALL - 0.11, 0.0, 0.12 + 0.625)),
     "rail front": Pose((0.17, -0.3, 0.16)),
     "rail back": Pose((0.17, 0.3, 0.16)),
-    "rest mark": Pose((REST, -0.52, 0.126)),
-    "damper housing": Pose((WALL + 0.4, 0.22, RAIL + 0.2), LYING),
+    "rest mark": Pose((REST_POSITION, -0.52, 0.126)),
+    "damper housing": Pose((WALL + 0.4, 0.22, RAIL_TOP + 0.2), LYING),
 })
 
 
@@ -81,26 +81,26 @@ def body(parameters: Parameters = Parameters()) -> Body:
     full = max(parameters.k, 1e-6)  # N that hold the spring stretched by one metre
 
     def middle(x: Sequence[float], gain: float) -> float:
-        return REST + bounded(float(x[0]) * STAGE * gain, REACH)
+        return REST_POSITION + bound_displacement(float(x[0]) * STAGE_SCALE * gain, MAX_DRAWN_DISPLACEMENT)
 
     def pose(x: Sequence[float], gain: float) -> Mapping[str, Pose]:
         at = middle(x, gain)
-        face = at - SIDE / 2
-        return FIXED | {
-            "block": Pose((at, 0.0, RAIL + SIDE / 2)),
-            "spring": between((WALL, -0.2, RAIL + 0.45), (face, -0.2, RAIL + 0.45)),
-            "damper rod": between((WALL + 0.15, 0.22, RAIL + 0.2), (face, 0.22, RAIL + 0.2)),
+        face = at - BLOCK_EDGE / 2
+        return FIXED_POSES | {
+            "block": Pose((at, 0.0, RAIL_TOP + BLOCK_EDGE / 2)),
+            "spring": pose_between((WALL, -0.2, RAIL_TOP + 0.45), (face, -0.2, RAIL_TOP + 0.45)),
+            "damper rod": pose_between((WALL + 0.15, 0.22, RAIL_TOP + 0.2), (face, 0.22, RAIL_TOP + 0.2)),
         }
 
     def arrows(x: Sequence[float], u: Sequence[float], gain: float) -> tuple[Arrow, ...]:
-        tail = (middle(x, gain), -0.52, RAIL + SIDE / 2)
+        tail = (middle(x, gain), -0.52, RAIL_TOP + BLOCK_EDGE / 2)
         return (force_arrow(tail, (1.0, 0.0, 0.0), float(u[0]), full),)
 
     def anchors(x: Sequence[float], gain: float) -> tuple[Vector, ...]:
         at = middle(x, gain)
-        return ((at, -0.45, RAIL + SIDE), (at, 0.45, RAIL + SIDE))
+        return ((at, -0.45, RAIL_TOP + BLOCK_EDGE), (at, 0.45, RAIL_TOP + BLOCK_EDGE))
 
-    return Body(PARTS, pose, arrows, anchors, 1.0, text("A block on a rail between a spring and a damper; the "
+    return Body(BODY_PARTS, pose, arrows, anchors, 1.0, text("A block on a rail between a spring and a damper; the "
                                                         "green arrow is the force"))
 
 

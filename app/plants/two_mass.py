@@ -1,4 +1,4 @@
-"""The two-mass chain, and its variants in which one motion leaves no trace.
+"""Model the two-mass chain and its variants with a hidden motion.
 
 Two blocks on a rail with a spring and a damper between them, each of them held to its own wall or not. With two
 identical blocks held alike, the motion splits into the common one (both move together) and the relative one: a
@@ -18,19 +18,19 @@ import numpy as np
 from ..engine import EngineError, Plant
 from ..engine.systems import phrase
 from ..text import Text, text
-from .chain_body import chain_body
+from .bodies.chain_body import chain_body
 from .model import Model, Signal, Window
 
 Sensor = Literal["first", "second", "both", "distance", "centre"]
 Actuator = Literal["first", "second", "both", "opposed", "equal"]
 Case = Literal["unseen-stable", "unseen-unstable", "unmoved-stable", "unmoved-unstable"]
-SENSORS: Mapping[str, tuple[tuple[float, float], ...]] = MappingProxyType({
+SENSOR_CHOICES: Mapping[str, tuple[tuple[float, float], ...]] = MappingProxyType({
     "first": ((1, 0),), "second": ((0, 1),), "both": ((1, 0), (0, 1)), "distance": ((-1, 1),), "centre": ((0.5, 0.5),),
 })
 ACTUATORS: Mapping[str, tuple[tuple[float, float], ...]] = MappingProxyType({
     "first": ((1, 0),), "second": ((0, 1),), "both": ((1, 0), (0, 1)), "opposed": ((-1, 1),), "equal": ((1, 1),),
 })
-STATES = ("q1", "q2", "v1", "v2")
+STATE_NAMES = ("q1", "q2", "v1", "v2")
 
 
 @dataclass(frozen=True)
@@ -56,9 +56,9 @@ def plant(parameters: Parameters = Parameters(), sensor: Sensor = "second", actu
     Sensors: a block's position, both, their distance q2 − q1, or their centre. Actuators: a force on a block, one on
     each, `opposed` (one force that pushes the blocks apart), `equal` (one force on both alike).
     """
-    if sensor not in SENSORS:
+    if sensor not in SENSOR_CHOICES:
         raise EngineError("There is no sensor {sensor} on the chain; choose one of {sensors}.",
-                          sensor=f'{sensor!r}', sensors=", ".join(SENSORS))
+                          sensor=f'{sensor!r}', sensors=", ".join(SENSOR_CHOICES))
     if actuator not in ACTUATORS:
         raise EngineError("There is no actuator {actuator} on the chain; choose one of {actuators}.",
                           actuator=f'{actuator!r}', actuators=", ".join(ACTUATORS))
@@ -67,13 +67,13 @@ def plant(parameters: Parameters = Parameters(), sensor: Sensor = "second", actu
     K = np.array([[k.left + k.between, -k.between], [-k.between, k.right + k.between]])
     D = np.array([[k.left_damping + k.between_damping, -k.between_damping],
                   [-k.between_damping, k.right_damping + k.between_damping]])
-    F, H = np.array(ACTUATORS[actuator]).T, np.array(SENSORS[sensor])
+    F, H = np.array(ACTUATORS[actuator]).T, np.array(SENSOR_CHOICES[sensor])
     outputs = ("position 1", "position 2") if sensor == "both" else (sensor,)
     inputs = ("force 1", "force 2") if actuator == "both" else ("force",)
     return Plant(np.block([[np.zeros((2, 2)), np.eye(2)], [-K / masses, -D / masses]]),
                  np.vstack([np.zeros_like(F), F / masses]), np.hstack([H, np.zeros_like(H)]),
-                 state_names=STATES, input_names=inputs, output_names=outputs,
-                 units=(*((q, "m") for q in STATES[:2]), *((v, "m/s") for v in STATES[2:]),
+                 state_names=STATE_NAMES, input_names=inputs, output_names=outputs,
+                 units=(*((q, "m") for q in STATE_NAMES[:2]), *((v, "m/s") for v in STATE_NAMES[2:]),
                         *((name, "N") for name in inputs), *((name, "m") for name in outputs)),
                  name="two-mass")
 

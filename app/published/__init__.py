@@ -1,4 +1,4 @@
-"""Every published number of the sources beside ours, with the slips in the sources named."""
+"""Compare every published number of the sources with ours, and name the slips in the sources."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Source 004, the functional observer of a bilinear plant: the worked example step by step, its slips, its run."""
+"""Check source 004, functional observer of a bilinear plant: example, slips, run."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 
 from ..engine import bilinear_functional_observer, simulate_bilinear
 from ..engine.observers import BilinearForm, BilinearObserver, BilinearRun
-from ..plants.bilinear import PLANT, POLE, PRINTED_FORM, PRINTED_L, X0, K
+from ..plants.bilinear import BILINEAR_PLANT, POLE, PRINTED_FORM, PRINTED_L, WANTED_ROW, X0
 from .record import Published
 
 SOURCE = "004 bilinear functional observer"
@@ -17,7 +17,7 @@ SOURCE = "004 bilinear functional observer"
 @lru_cache(maxsize=1)
 def observer() -> BilinearObserver:
     """The eight steps for the pole −30."""
-    return bilinear_functional_observer(PLANT.A, PLANT.B, PLANT.F, PLANT.C, K, POLE)
+    return bilinear_functional_observer(BILINEAR_PLANT.A, BILINEAR_PLANT.B, BILINEAR_PLANT.F, BILINEAR_PLANT.C, WANTED_ROW, POLE)
 
 
 def plain() -> BilinearForm:
@@ -43,7 +43,7 @@ def pole_as_printed() -> float:
 
 def run(form: BilinearForm, horizon: float = 6.0) -> BilinearRun:
     """u = sin 2t, x(0) all ones, χ(0) = 0, as in the paper's figure."""
-    return simulate_bilinear(PLANT, form, K, lambda t: np.sin(2 * t), X0, [0.0], horizon=horizon)
+    return simulate_bilinear(BILINEAR_PLANT, form, WANTED_ROW, lambda t: np.sin(2 * t), X0, [0.0], horizon=horizon)
 
 
 def start() -> tuple[float, float]:
@@ -67,7 +67,7 @@ def floor() -> float:
 
 def upper_poles() -> np.ndarray:
     """Re, Im of the three eigenvalues of A in the upper half plane, by real part."""
-    poles = np.sort_complex(np.linalg.eigvals(PLANT.A))
+    poles = np.sort_complex(np.linalg.eigvals(BILINEAR_PLANT.A))
     upper = poles[poles.imag > 0]
     return np.column_stack([upper.real, upper.imag])
 

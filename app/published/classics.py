@@ -1,4 +1,4 @@
-"""Classics beside the five sources: Doyle's vanishing margins, MATLAB's Kalman example."""
+"""Check two classics: Doyle's vanishing margins and MATLAB's Kalman example."""
 
 from __future__ import annotations
 

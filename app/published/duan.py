@@ -1,4 +1,4 @@
-"""Source 002, the robust Luenberger observer: both examples, the optimum in each norm, and the slips of the print.
+"""Check source 002, robust Luenberger observer: examples, optimum in each norm, slips.
 
 The source has u = +K x; its K, N and M are compared in its own sign.
 """
@@ -13,13 +13,13 @@ import numpy as np
 from ..engine import EngineError, functional_observer, rlo, simulate_functional
 from ..engine.observers import FunctionalObserver, Region, RobustObserver, perturbed_loop, vertices, worst_error_gain
 from ..engine.structure import coprime_factors
-from ..plants.duan import EXAMPLE_1, EXAMPLE_2, push
+from ..plants.duan import EXAMPLE_1, EXAMPLE_2, outer_input
 from .record import Published
 
 SOURCE = "002 robust observer"
-BEST = -5 / 3
+BEST_POLE = -5 / 3
 PAIR = (-4.0, -3.0)  # the source does not print the s1, s2 of its figure 2
-TURN = np.array([[2.0, 1.0], [0.5, -1.0]])  # Λ of remark 3
+LAMBDA = np.array([[2.0, 1.0], [0.5, -1.0]])  # Λ of remark 3
 
 
 def first(s: float, norm: Any = 2) -> FunctionalObserver:
@@ -71,7 +71,7 @@ def optimum_1(norm: Any) -> tuple[float, float]:
 
 def falls_then_rises() -> tuple[float, float]:
     """1 if J falls strictly up to −5/3, and 1 if it rises strictly after."""
-    left, right = ([first(s).J for s in np.linspace(*ends, 40)] for ends in ((-12, BEST), (BEST, -0.01)))
+    left, right = ([first(s).J for s in np.linspace(*ends, 40)] for ends in ((-12, BEST_POLE), (BEST_POLE, -0.01)))
     return float(np.all(np.diff(left) < 0)), float(np.all(np.diff(right) > 0))
 
 
@@ -79,8 +79,8 @@ def starts() -> tuple[float, ...]:
     """e_u(0): s = −5/3 on the model, s = −5 on the model and on the true plant."""
     E = EXAMPLE_1
     values = []
-    for s, dA, dC in ((BEST, None, None), (-5.0, None, None), (-5.0, E.dA, E.dC)):
-        run = simulate_functional(house(E, [s]), push, x0=E.x0, z0=E.z0, horizon=0.1, dA=dA, dC=dC)
+    for s, dA, dC in ((BEST_POLE, None, None), (-5.0, None, None), (-5.0, E.dA, E.dC)):
+        run = simulate_functional(house(E, [s]), outer_input, x0=E.x0, z0=E.z0, horizon=0.1, dA=dA, dC=dC)
         values.append(float(run.e_u[0, 0]))
     return tuple(values)
 
@@ -130,7 +130,7 @@ def felt_change() -> tuple[float, float]:
     assert E.turn is not None
     plain, turned = house(E, PAIR), house(E, PAIR, E.turn)
     loops = [perturbed_loop(o, dA=E.dA, dB=None, dC=E.dC).poles for o in (plain, turned)]
-    runs = [simulate_functional(o, push, x0=E.x0, z0=z0)
+    runs = [simulate_functional(o, outer_input, x0=E.x0, z0=z0)
             for o, z0 in ((plain, np.array(E.z0)), (turned, E.turn @ np.array(E.z0)))]
     return float(np.abs(loops[0] - loops[1]).max()), float(np.abs(runs[0].e_u - runs[1].e_u).max())
 
@@ -138,7 +138,7 @@ def felt_change() -> tuple[float, float]:
 def change_by_start() -> float:
     """e_u(0) for W = I less e_u(0) for the W of figure 2, both from the printed z(0), with our s1, s2."""
     E = EXAMPLE_2
-    values = [simulate_functional(house(E, PAIR, W), push, x0=E.x0, z0=E.z0, horizon=0.1).e_u[0, 0]
+    values = [simulate_functional(house(E, PAIR, W), outer_input, x0=E.x0, z0=E.z0, horizon=0.1).e_u[0, 0]
               for W in (None, E.turn)]
     return float(values[0] - values[1])
 
@@ -151,8 +151,8 @@ def remark_3(F: np.ndarray, T: np.ndarray, L: np.ndarray, N: np.ndarray, M: np.n
 
 def right_remark_3() -> float:
     """(ΛFΛ⁻¹, ΛT, ΛL, NΛ⁻¹, M)."""
-    o, back = second(), np.linalg.inv(TURN)
-    return remark_3(TURN @ o.F @ back, TURN @ o.T, TURN @ o.L, o.N @ back, o.M)
+    o, back = second(), np.linalg.inv(LAMBDA)
+    return remark_3(LAMBDA @ o.F @ back, LAMBDA @ o.T, LAMBDA @ o.L, o.N @ back, o.M)
 
 
 def free_columns() -> int:
@@ -195,16 +195,16 @@ RECORDS = (
     Published(SOURCE, "example 1: J falls up to −5/3, rises after", "worse the farther left of −5/3", falls_then_rises,
               right="1, 1"),
     Published(SOURCE, "figure 1: e_u(0) at −5/3, at −5, at −5 perturbed", "", starts, "beyond", "-11, -111, -116"),
-    Published(SOURCE, "figure 1: steady amplitude of e_u, perturbed, s = −5/3", "", lambda: amplitude(BEST), "beyond",
+    Published(SOURCE, "figure 1: steady amplitude of e_u, perturbed, s = −5/3", "", lambda: amplitude(BEST_POLE), "beyond",
               "0.431366"),
     Published(SOURCE, "figure 1: steady amplitude of e_u, perturbed, s = −5", "", lambda: amplitude(-5.0), "beyond",
               "0.941342"),
-    Published(SOURCE, "figure 1: poles of the perturbed loop, s = −5/3", "", lambda: true_loop_poles(BEST), "beyond",
+    Published(SOURCE, "figure 1: poles of the perturbed loop, s = −5/3", "", lambda: true_loop_poles(BEST_POLE), "beyond",
               "-7.1676, 2.5373, -1.7315"),
     Published(SOURCE, "figure 1: poles of the perturbed loop, s = −5", "", lambda: true_loop_poles(-5.0), "beyond",
               "-3.2126, 2.7363, -17.9748"),
     Published(SOURCE, "worst |e_u/v| of the eight vertices at −1.3 and −5/3", "",
-              lambda: (worst(-1.3), worst(BEST)), "beyond", "0.820, 0.874", note="−5/3 is good, not optimal"),
+              lambda: (worst(-1.3), worst(BEST_POLE)), "beyond", "0.820, 0.874", note="−5/3 is good, not optimal"),
     Published(SOURCE, "example 2: eig A", "", lambda: np.real(EXAMPLE_2.plant.poles), "beyond", "-2, -1, 0",
               tolerance=1e-9),
     Published(SOURCE, "example 2: eig(A + BK), Re, Re, Re, Im", "", lambda: closed_poles(EXAMPLE_2), "beyond",

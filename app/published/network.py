@@ -1,4 +1,4 @@
-"""Lossy measurements: the critical loss of a scalar plant, and the example of Sinopoli et al. (2004)."""
+"""Check the critical loss of a scalar plant and the example of Sinopoli et al. (2004)."""
 
 from __future__ import annotations
 

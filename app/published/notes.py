@@ -1,4 +1,4 @@
-"""Source 001, the observer notes: observability of a 2×2 plant, and the spring-damper with its chain of slips."""
+"""Check source 001, observer notes: a 2×2 plant and the spring-damper with its slips."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from ..plants import spring_damper
 from .record import Published
 
 SOURCE = "001 observer notes"
-EXAMPLE = Plant(np.array([[1, 2], [3, 4]]), np.array([[0], [1]]), np.array([[1, 0]]))
+EXAMPLE_PLANT = Plant(np.array([[1, 2], [3, 4]]), np.array([[0], [1]]), np.array([[1, 0]]))
 SPRING = spring_damper.plant()
 PRINTED_GAIN = np.array([[2.5], [-1.25]])
 PRINTED_MATRIX = np.array([[-2.5, 1.0], [-0.25, -0.5]])
@@ -64,8 +64,8 @@ def complex_poles() -> tuple[float, float]:
 
 def gramian_test() -> tuple[float, float, float]:
     """Rows and columns of C e^{At}, which has no determinant, and whether ∫e^{Aᵀt}CᵀC e^{At}dt over 1 s is > 0."""
-    least = np.linalg.eigvalsh(observability_gramian(EXAMPLE, 1.0))[0]
-    return float(EXAMPLE.p), float(EXAMPLE.n), float(least > 1e-6)
+    least = np.linalg.eigvalsh(observability_gramian(EXAMPLE_PLANT, 1.0))[0]
+    return float(EXAMPLE_PLANT.p), float(EXAMPLE_PLANT.n), float(least > 1e-6)
 
 
 def error_as_difference() -> float:
@@ -76,11 +76,11 @@ def error_as_difference() -> float:
 
 
 RECORDS = (
-    Published(SOURCE, "A = [1 2; 3 4], C = [1 0]: O", "1 0; 1 2", lambda: observability(EXAMPLE).matrix),
-    Published(SOURCE, "its rank", "2", lambda: observability(EXAMPLE).rank),
-    Published(SOURCE, "singular values of O", "", lambda: observability(EXAMPLE).singular_values, "beyond",
+    Published(SOURCE, "A = [1 2; 3 4], C = [1 0]: O", "1 0; 1 2", lambda: observability(EXAMPLE_PLANT).matrix),
+    Published(SOURCE, "its rank", "2", lambda: observability(EXAMPLE_PLANT).rank),
+    Published(SOURCE, "singular values of O", "", lambda: observability(EXAMPLE_PLANT).singular_values, "beyond",
               "2.2882, 0.8740"),
-    Published(SOURCE, "eig A", "", lambda: np.real(EXAMPLE.poles), "beyond", "-0.37228, 5.37228"),
+    Published(SOURCE, "eig A", "", lambda: np.real(EXAMPLE_PLANT.poles), "beyond", "-0.37228, 5.37228"),
     Published(SOURCE, "criterion for x(0): size of C e^{At}, Gramian > 0", "det(C e^{At}) is not 0", gramian_test,
               "slip", "1, 2, 1",
               note="C e^{At} is 1×2 and has no determinant; the Gramian ∫e^{Aᵀt}CᵀC e^{At}dt > 0 decides"),

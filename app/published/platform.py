@@ -1,4 +1,4 @@
-"""Source 003, the platform report: its Hankel list, and the plant that was reconstructed from it."""
+"""Check source 003, platform: Hankel values and the plant reconstructed from them."""
 
 from __future__ import annotations
 
@@ -18,19 +18,19 @@ from ..engine import (
     observability,
 )
 from ..engine.systems import amplitude_response
-from ..plants import platform
-from ..plants.platform_lqg import Weights, coils, ground, lqg
+from ..plants.platform import model
+from ..plants.platform.lqg_weights import Weights, coils, ground, lqg
 from .record import Published
 
 SOURCE = "003 platform report"
 RECONSTRUCTED = "the plant is reconstructed from this list"
-P = platform.Parameters()
+PLATFORM_PARAMETERS = model.Parameters()
 
 
 @lru_cache(maxsize=1)
 def plant() -> Plant:
     """The ten states with all five inputs."""
-    return platform.plant()
+    return model.plant()
 
 
 @lru_cache(maxsize=1)
@@ -86,8 +86,12 @@ def geometry() -> tuple[float, float, float]:
     w, sigma = 2 * pi * f, hankel()
     forms = (
         sqrt(2) * w[vertical] / (4 * zeta[vertical]),
-        sqrt(2) * w[vertical]**2 * (2 * P.mu / P.m) / (4 * zeta[together] * w[together]),
-        sqrt(2) * P.kx * P.h * (2 * P.mu * P.s**2 / P.J**2) * sqrt(P.s**2 + P.h**2)
+        sqrt(2) * w[vertical] ** 2 * (2 * PLATFORM_PARAMETERS.mu / PLATFORM_PARAMETERS.m) / (4 * zeta[together] * w[together]),
+        sqrt(2)
+        * PLATFORM_PARAMETERS.kx
+        * PLATFORM_PARAMETERS.h
+        * (2 * PLATFORM_PARAMETERS.mu * PLATFORM_PARAMETERS.s**2 / PLATFORM_PARAMETERS.J**2)
+        * sqrt(PLATFORM_PARAMETERS.s**2 + PLATFORM_PARAMETERS.h**2)
         / (4 * zeta[opposed] * w[opposed]),
     )
     return float(sigma[0] / forms[0]), float(sigma[6] / forms[1]), float(sigma[8] / forms[2])
@@ -108,7 +112,7 @@ def ranks(tolerance: float) -> tuple[int, int]:
 
 def rank_by_the_millisecond() -> tuple[int, int]:
     """Rank of the controllability matrix above 1e-12 and above 1e-6, time counted in milliseconds."""
-    values = controllability(platform.in_time_units(plant(), 1e-3)).singular_values
+    values = controllability(model.in_time_units(plant(), 1e-3)).singular_values
     return int((values > 1e-12).sum()), int((values > 1e-6).sum())
 
 

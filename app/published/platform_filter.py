@@ -1,4 +1,4 @@
-"""Source 003, chapter 4: the recursive filter on the platform, its innovations, NIS, and the output error of figure 11.
+"""Check source 003, chapter 4: recursive filter, innovations, NIS, figure 11.
 
 As in the report the plant has ten states and the filter the eight of the balanced truncation. The report gives neither
 a sampling period nor the noise of its figures: 1 kHz for 20 s and σ_v = 1 µm/s a sample are ours, the ground is its
@@ -12,45 +12,32 @@ from functools import lru_cache
 
 import numpy as np
 
-from ..engine import (
-    Belief,
-    KalmanFilter,
-    Plant,
-    Scenario,
-    balanced_truncation,
-    chi2_band,
-    dlqe,
-    innovation_test,
-    lqe,
-    nis,
-    psd,
-    simulate,
-)
+from ..engine import Belief, KalmanFilter, Plant, Scenario, balanced_truncation, chi2_band, dlqe, innovation_test, lqe, nis, psd, simulate
 from ..engine.filters import AdcNoise, InnovationTest, with_coloured_noise
-from ..plants import platform
-from ..plants.platform_lqg import GROUND_UNIT, coils, ground
+from ..plants.platform import model
+from ..plants.platform.lqg_weights import GROUND_UNIT, coils, ground
 from .record import Published
 
 SOURCE = "003 platform report"
 OURS = "1 kHz, 20 s and σ_v = 1 µm/s are assumed"
-DT, STEPS, SEED = 1e-3, 20_001, 4
-SIGMA = 1e-6  # m/s a sample
-SINE, FORCE = 0.16, 0.01  # Hz, N: the known force of figure 11 on all three coils
-ADC = AdcNoise(SIGMA, 5.0, 0.05, DT)
-PRINTED = (6.45e-12, -5.44e-10, -6.19e-12, -5.46e-10)  # equation (61): VL, HL, VR, HR
-SIGMA_V, SAMPLES = 1e-9, 20_000  # equation (77); 20 s at 1 kHz
+DT, RUN_STEPS, RECORD_SEED = 1e-3, 20_001, 4
+SENSOR_SIGMA = 1e-6  # m/s a sample
+SINE_HZ, FORCE = 0.16, 0.01  # Hz, N: the known force of figure 11 on all three coils
+ADC = AdcNoise(SENSOR_SIGMA, 5.0, 0.05, DT)
+PRINTED_GAINS = (6.45e-12, -5.44e-10, -6.19e-12, -5.46e-10)  # equation (61): VL, HL, VR, HR
+SIGMA_V, RUN_SAMPLES = 1e-9, 20_000  # equation (77); 20 s at 1 kHz
 
 
 @lru_cache(maxsize=1)
 def models() -> tuple[Plant, Plant, np.ndarray]:
     """Ten states, eight states, and T that takes the eight to the ten."""
-    full = platform.plant()
+    full = model.plant()
     small = balanced_truncation(full, 8)
     return full, small.plant, small.T
 
 
 @lru_cache(maxsize=8)
-def tuned(variance: float = SIGMA**2) -> KalmanFilter:
+def tuned(variance: float = SENSOR_SIGMA**2) -> KalmanFilter:
     """The filter with eight states for the ground of (76) and white sensor noise of that variance a sample."""
     small = models()[1]
     return KalmanFilter.from_plant(coils(small), GROUND_UNIT * np.eye(2), variance * DT * np.eye(4), dt=DT, G=ground(small))
@@ -72,23 +59,23 @@ class Record:
 
 
 @lru_cache(maxsize=8)
-def record(noise: str = "white", force: float = 0.0, seed: int = SEED) -> Record:
+def record(noise: str = "white", force: float = 0.0, seed: int = RECORD_SEED) -> Record:
     """Ten states moved by the ground and a known sine, watched by the filter with eight.
 
     noise: "white" sensors, the converter "taken for white" by the filter, or "carried" by it as states.
     """
     full, _, T = models()
-    real = KalmanFilter.from_plant(coils(full), GROUND_UNIT * np.eye(2), SIGMA**2 * DT * np.eye(4), dt=DT, G=ground(full))
+    real = KalmanFilter.from_plant(coils(full), GROUND_UNIT * np.eye(2), SENSOR_SIGMA**2 * DT * np.eye(4), dt=DT, G=ground(full))
     kf = tuned() if noise == "white" else tuned(ADC.variance) if noise == "taken" else with_coloured_noise(tuned(), ADC)
     rng = np.random.default_rng([seed, 1])
     P = kf.steady.solution
     # the filter's own first error
     start = np.linalg.cholesky(P + 1e-12 * np.diag(np.diag(P))) @ rng.standard_normal(kf.n)
-    u = np.outer(force * np.sin(2 * np.pi * SINE * DT * np.arange(STEPS)), np.ones(3))
+    u = np.outer(force * np.sin(2 * np.pi * SINE_HZ * DT * np.arange(RUN_STEPS)), np.ones(3))
     run = simulate(Scenario(Plant(real.A, real.B, real.C, dt=DT), x0=T @ start[:8], xhat0=np.zeros(10), reference=u,
-                            horizon=DT * (STEPS - 1), dt=DT, W=real.Q, G=np.eye(10), seed=seed))
+                            horizon=DT * (RUN_STEPS - 1), dt=DT, W=real.Q, G=np.eye(10), seed=seed))
     clean = run.x @ real.C.T
-    v = SIGMA * rng.standard_normal((STEPS, 4)) if noise == "white" else ADC.draw(STEPS, 4, rng)
+    v = SENSOR_SIGMA * rng.standard_normal((RUN_STEPS, 4)) if noise == "white" else ADC.draw(RUN_STEPS, 4, rng)
     track = kf.run(Belief(np.zeros(kf.n), P), clean + v, u)
     return Record(clean, track.means[:, :8] @ kf.C[:, :8].T, track.innovations, track.schedule.S[-1])
 
@@ -133,7 +120,7 @@ def innovation_over_R(variance: float) -> tuple[float, float]:
 def printed_means() -> float:
     """The largest mean of (61) over σ_v/√N: how far from zero it is if the innovations were of size R, as is said
     there."""
-    return float(np.max(np.abs(PRINTED)) / (SIGMA_V / np.sqrt(SAMPLES)))
+    return float(np.max(np.abs(PRINTED_GAINS)) / (SIGMA_V / np.sqrt(RUN_SAMPLES)))
 
 
 def both_horizontal() -> float:
@@ -163,7 +150,7 @@ def figure_eleven() -> tuple[float, float]:
     loud, quiet = record(force=FORCE), record()
     at = [psd(np.column_stack([r.clean[:, 0], r.clean[:, 0] - r.filtered[:, 0]]), 1 / DT,
               segment=18_750) for r in (loud, quiet)]
-    near = int(np.argmin(np.abs(at[0].frequency - SINE)))
+    near = int(np.argmin(np.abs(at[0].frequency - SINE_HZ)))
     return (float(10 * np.log10(at[0].density[near, 0] / at[0].density[near, 1])),
             float(at[0].density[near, 1] / at[1].density[near, 1]))
 

@@ -1,4 +1,4 @@
-"""Source 003, chapter 5: the report's LQG on the reconstructed platform, its rules for tuning, its levels."""
+"""Check source 003, chapter 5: LQG on the platform, tuning rules, levels."""
 
 from __future__ import annotations
 
@@ -6,44 +6,32 @@ from functools import lru_cache
 
 import numpy as np
 
-from ..engine import (
-    Belief,
-    KalmanFilter,
-    Plant,
-    balanced_truncation,
-    closed_loop,
-    compensator,
-    dlqr,
-    lqe,
-    lqr,
-    noisy_loop,
-    sampled_lqg,
-)
+from ..engine import Belief, KalmanFilter, Plant, balanced_truncation, closed_loop, compensator, dlqr, lqe, lqr, noisy_loop, sampled_lqg
 from ..engine.feedback import NoisyLoop
-from ..plants import platform
-from ..plants.platform_channels import T_y
-from ..plants.platform_lqg import FIGURE_V, FIGURES, LITERAL, LITERAL_V, LOOSE_V, S_Y, Weights, coils, ground, lqg
+from ..plants.platform import model
+from ..plants.platform.channels import T_y
+from ..plants.platform.lqg_weights import FIGURE_V, FIGURE_WEIGHTS, LITERAL, LITERAL_V, LOOSE_V, S_Y, Weights, coils, ground, lqg
 from .record import Published
 
 SOURCE = "003 platform report"
 OURS = "on the reconstructed plant; vertical, rotation, horizontal"
 FREQUENCY = np.unique(np.concatenate([np.geomspace(0.01, 100, 400), np.linspace(0.9, 1.6, 1500)]))
 DT = 1e-3
-TABLE = ((1e-18, "110, 96, 113"), (1e-12, "61, 61, 57"), (1e-10, "41, 26, 37"), (1e-9, "31, 11, 27"),
+SUPPRESSION_TABLE = ((1e-18, "110, 96, 113"), (1e-12, "61, 61, 57"), (1e-10, "41, 26, 37"), (1e-9, "31, 11, 27"),
          (1e-8, "21, 3, 17"), (1e-6, "3.6, 0.0, 1.8"))
 
 
 @lru_cache(maxsize=1)
 def whole() -> Plant:
     """Ten states, coils and ground."""
-    return platform.plant()
+    return model.plant()
 
 
 @lru_cache(maxsize=16)
 def loop(V: float | None, sensor: float = LITERAL_V) -> NoisyLoop:
     """The loop designed for V (None: no control) under the report's ground and sensor noise of intensity `sensor`."""
     p = whole()
-    return noisy_loop(coils(p), None if V is None else lqg(p, Weights(v0=V)).controller, ground(p), FIGURES.W, V=sensor)
+    return noisy_loop(coils(p), None if V is None else lqg(p, Weights(v0=V)).controller, ground(p), FIGURE_WEIGHTS.W, V=sensor)
 
 
 def suppression(closed: NoisyLoop) -> np.ndarray:
@@ -69,7 +57,7 @@ def noise_in_input(V: float) -> float:
 def filter_speed(beta_q: float) -> float:
     """−Σ Re of the filter's poles."""
     p = whole()
-    return -float(lqe(p.A, ground(p), p.C, beta_q * FIGURES.W, FIGURES.V).poles.real.sum())
+    return -float(lqe(p.A, ground(p), p.C, beta_q * FIGURE_WEIGHTS.W, FIGURE_WEIGHTS.V).poles.real.sum())
 
 
 def union() -> float:
@@ -121,7 +109,7 @@ def eight_states() -> float:
     """Largest difference in dB between the loop designed on ten states and the one designed on eight."""
     p = whole()
     d = lqg(balanced_truncation(p, 8).plant)
-    return float(np.abs(suppression(noisy_loop(coils(p), d.controller, ground(p), FIGURES.W, V=LITERAL_V))
+    return float(np.abs(suppression(noisy_loop(coils(p), d.controller, ground(p), FIGURE_WEIGHTS.W, V=LITERAL_V))
                         - suppression(loop(FIGURE_V))).max())
 
 
@@ -135,7 +123,7 @@ def riccati_of_the_appendix() -> float:
     """‖Q − S B R⁻¹ Bᵀ S + S A + AᵀS‖ over ‖Q‖ for the report's weights scaled to one."""
     p = whole()
     c = coils(p)
-    Q = FIGURES.Q(p) / FIGURES.alpha_q / 1e10
+    Q = FIGURE_WEIGHTS.Q(p) / FIGURE_WEIGHTS.alpha_q / 1e10
     S = lqr(c.A, c.B, Q, np.eye(3)).solution
     return float(np.linalg.norm(Q - S @ c.B @ c.B.T @ S + S @ c.A + c.A.T @ S) / np.linalg.norm(Q))
 
@@ -154,7 +142,7 @@ def horizontal_peak() -> float:
 
 
 RECORDS = (
-    Published(SOURCE, "(75), (76): W = σ_w²", "1e-12, 1e-12", lambda: np.diag(FIGURES.W), relative=1e-9),
+    Published(SOURCE, "(75), (76): W = σ_w²", "1e-12, 1e-12", lambda: np.diag(FIGURE_WEIGHTS.W), relative=1e-9),
     Published(SOURCE, "(77): log₁₀ of R_v = σ_v² for σ_v = 1e-9", "-9, -6", lambda: 2 * np.log10(1e-9), "slip", "-18",
               tolerance=1e-9,
               note="the figures are labelled V = 1e-9 and V = 1e-6: an intensity was called a standard deviation"),
@@ -165,7 +153,7 @@ RECORDS = (
     Published(SOURCE, "appendix A, algebraic Riccati equation: residual", "", riccati_of_the_appendix, "beyond", "0",
               tolerance=1e-8, note="A.2 is headed (LQG); it is the LQR"),
     *(Published(SOURCE, f"LQG, V = {V:g}: peaks lowered by dB", "", lambda V=V: suppression(loop(V)), "beyond", text,
-                tolerance=0.55, note=OURS) for V, text in TABLE),
+                tolerance=0.55, note=OURS) for V, text in SUPPRESSION_TABLE),
     Published(SOURCE, "least V of 1e-9, 1e-10 with ≥ 20 dB in every channel: least dB", "20–40 dB",
               lambda: [suppression(loop(V)).min() for V in (1e-9, 1e-10)], "beyond", "11.0, 25.5",
               note="its 20 to 40 dB mean V between 1e-9 and 1e-10, not 1e-18"),

@@ -1,4 +1,4 @@
-"""Source 003, chapter 2 and section 5.3.3: channels, the published SISO pair, its spectra, the decoupled LQG."""
+"""Check source 003, chapter 2 and 5.3.3: channels, SISO pair, decoupled LQG."""
 
 from __future__ import annotations
 
@@ -9,24 +9,24 @@ import numpy as np
 from ..engine import Plant, frequency_response, noisy_loop, sensitivity
 from ..engine.design import loop_shaped, negated, polynomial_roots
 from ..engine.structure import best_mixing, coupling, dominance, mixing_matrix
-from ..plants import platform
-from ..plants import platform_siso as siso
-from ..plants.platform_channels import T_u, T_y, in_channels
-from ..plants.platform_lqg import FIGURES, LITERAL, Weights, coils, ground, lqg
+from ..plants.platform import model
+from ..plants.platform import siso_loops as siso
+from ..plants.platform.channels import T_u, T_y, in_channels
+from ..plants.platform.lqg_weights import FIGURE_WEIGHTS, LITERAL, Weights, coils, ground, lqg
 from .record import Published
 
 SOURCE = "003 platform report"
 NOT_PRINTED = "not printed there; recomputed from the printed coefficients"
 DRIFT = 1e-7  # rad/s: poles nearer to zero stand on the plant's own zero at s = 0
 FREQUENCY = np.unique(np.concatenate([np.geomspace(0.01, 100, 1200), np.linspace(0.9, 1.6, 3000)]))  # Hz
-BAND = np.geomspace(0.1, 10.0, 400)  # Hz, the report's working band
+BAND_HZ = np.geomspace(0.1, 10.0, 400)  # Hz, the report's working band
 VERTICAL_ASD, HORIZONTAL_ASD = 2.5e-7, 6e-9  # m/√Hz at 1 Hz, falling as 1/f²
 
 
 @lru_cache(maxsize=1)
 def plant() -> Plant:
     """The ten states with coils and ground."""
-    return platform.plant()
+    return model.plant()
 
 
 @lru_cache(maxsize=8)
@@ -74,7 +74,7 @@ def roots(polynomial: tuple[float, ...], upper: bool = False) -> np.ndarray:
 def cv_in_band() -> tuple[float, float]:
     """Mean gain of C_v over 0.1–10 Hz with its sign, and the largest phase of −C_v there in degrees."""
     c = siso.published_cv()
-    H = frequency_response(c.A, c.B, c.C, c.D, 2 * np.pi * BAND)[:, 0, 0]
+    H = frequency_response(c.A, c.B, c.C, c.D, 2 * np.pi * BAND_HZ)[:, 0, 0]
     return float(np.mean(np.real(H))), float(np.degrees(np.abs(np.angle(-H))).max())
 
 
@@ -99,13 +99,13 @@ def signs() -> np.ndarray:
 
 def cross_terms() -> tuple[float, float]:
     """Largest |G₁₃|, |G₃₁| over 0.1–10 Hz relative to |G₁₁|: vertical against horizontal, zero by symmetry."""
-    G = dominance(_three(), 2 * np.pi * BAND).response
+    G = dominance(_three(), 2 * np.pi * BAND_HZ).response
     return float(np.abs(G[:, 0, 2] / G[:, 0, 0]).max()), float(np.abs(G[:, 2, 0] / G[:, 0, 0]).max())
 
 
 def row_ratios() -> np.ndarray:
     """Largest row ratio of rotation and of horizontal over 0.1–10 Hz, each with its frequency in Hz."""
-    f = np.unique(np.concatenate([BAND, np.linspace(0.95, 1.25, 3001)]))
+    f = np.unique(np.concatenate([BAND_HZ, np.linspace(0.95, 1.25, 3001)]))
     row = dominance(_three(), 2 * np.pi * f).row
     return np.array([(row[:, i].max(), f[row[:, i].argmax()]) for i in (1, 2)]).ravel()
 
@@ -225,12 +225,12 @@ RECORDS = (
               "horizontal near instability above 0.5 rad/s", pitch_closed, "beyond", "-9.73e-4, -0.018, 6.1",
               note="true only for a C_h that drags the pitch poles away from the zeros of P_h"),
     Published(SOURCE, "V = 1e-9, suppression in dB: full LQG, decoupled LQG (vertical, rotation, horizontal)",
-              "decoupled worst in vertical", lambda: lqg_beside_decoupled(FIGURES), "slip",
+              "decoupled worst in vertical", lambda: lqg_beside_decoupled(FIGURE_WEIGHTS), "slip",
               "31.2, 11.0, 27.2, 31.2, 12.6, 27.2",
               note="the vertical channel is alone by symmetry: decoupling costs nothing there"),
     Published(SOURCE, "V = 1e-18, suppression in dB of vertical: full LQG, decoupled LQG", "",
               lambda: lqg_beside_decoupled(LITERAL)[[0, 3]], "beyond", "110.6, 110.6"),
     Published(SOURCE, "V = 1e-9, rotation at 0.1 Hz in dB: full LQG, decoupled LQG", "full LQG 5–10 dB better",
-              lambda: at_a_tenth_hertz(FIGURES), "beyond", "31.2, 0.0", tolerance=0.05,
+              lambda: at_a_tenth_hertz(FIGURE_WEIGHTS), "beyond", "31.2, 0.0", tolerance=0.05,
               note="below resonance the full LQG makes the deck pitch; the decoupled one does not"),
 )

@@ -1,4 +1,4 @@
-"""A published value beside ours: what was printed, how ours is computed, and whether the two must agree."""
+"""Define a published value, how ours is computed, and whether both must agree."""
 
 from __future__ import annotations
 

@@ -1,5 +1,4 @@
-"""Source 003, sections 5.3 and 6.1: who isolates best in figures 13–25, beside the same loops on a computer at 1
-kHz."""
+"""Check source 003, 5.3 and 6.1: the controllers of figures 13–25, also sampled at 1 kHz."""
 
 from __future__ import annotations
 
@@ -9,23 +8,23 @@ import numpy as np
 
 from ..engine import Plant, balanced_truncation, sampled_loop, sampled_lqg
 from ..engine.sampled import loop_density, mechanics_response, sampled_controller
-from ..plants import platform
-from ..plants import platform_siso as siso
-from ..plants.platform_channels import T_y
-from ..plants.platform_lqg import Weights, coils, ground, lqg
+from ..plants.platform import model
+from ..plants.platform import siso_loops as siso
+from ..plants.platform.channels import T_y
+from ..plants.platform.lqg_weights import Weights, coils, ground, lqg
 from .record import Published
 
 SOURCE = "003 platform report"
 DT = 1e-3  # s
 V = 1e-10  # (m/s)² s, believed and true: where the report's 20–40 dB come out
-BAND = np.unique(np.concatenate([np.geomspace(0.5, 3.0, 400),
+BAND_HZ = np.unique(np.concatenate([np.geomspace(0.5, 3.0, 400),
                                  *(f + np.linspace(-0.05, 0.05, 201) for f in (0.995, 1.193, 1.494))]))
-WHOLE = np.unique(np.concatenate([np.geomspace(0.1, 499, 2000), BAND]))
+FREQUENCIES_HZ = np.unique(np.concatenate([np.geomspace(0.1, 499, 2000), BAND_HZ]))
 
 
 def controllers(v: float) -> tuple[Plant, ...]:
     """None, our SISO pair, full LQG, the same designed for the samples, decoupled LQG."""
-    plant, weights = balanced_truncation(platform.plant(), 8).plant, Weights(v0=v)
+    plant, weights = balanced_truncation(model.plant(), 8).plant, Weights(v0=v)
     nothing = Plant(np.zeros((0, 0)), np.zeros((0, 4)), np.zeros((3, 0)), np.zeros((3, 4)))
     sampled = sampled_lqg(coils(plant), weights.Q(plant), weights.R, weights.W, weights.V, DT, G=ground(plant))
     return nothing, siso.designed(), lqg(plant, weights).controller, sampled.controller, siso.decoupled_lqg(weights)
@@ -35,22 +34,22 @@ def controllers(v: float) -> tuple[Plant, ...]:
 def densities(v: float, whole: bool) -> np.ndarray:
     """Vertical, rotation, horizontal velocity in (m/s)²/Hz under white ground and sensors of intensity v, (5, n_f,
     3)."""
-    plant = platform.plant()
+    plant = model.plant()
     loops = [sampled_loop(plant, sampled_controller(c, DT), range(3), W=1e-12 * np.eye(2), V=v * np.eye(4),
                           outputs=T_y[:3] @ plant.C) for c in controllers(v)]
-    mechanics = mechanics_response(loops[0], WHOLE if whole else BAND)
+    mechanics = mechanics_response(loops[0], FREQUENCIES_HZ if whole else BAND_HZ)
     return np.array([loop_density(loop, mechanics)[:, :3] for loop in loops])
 
 
 def by_area(channel: int) -> np.ndarray:
     """Suppression in dB over 0.5–3 Hz of SISO pair, full LQG, decoupled LQG."""
-    area = np.trapezoid(densities(V, False)[:, :, channel], BAND, axis=1)
+    area = np.trapezoid(densities(V, False)[:, :, channel], BAND_HZ, axis=1)
     return 10 * np.log10(area[0] / area[[1, 2, 4]])
 
 
 def rms(channel: int) -> np.ndarray:
     """RMS velocity from 0.1 Hz up in µm/s: full LQG, decoupled LQG, SISO pair."""
-    return 1e6 * np.sqrt(np.trapezoid(densities(V, True)[:, :, channel], WHOLE, axis=1))[[2, 4, 1]]
+    return 1e6 * np.sqrt(np.trapezoid(densities(V, True)[:, :, channel], FREQUENCIES_HZ, axis=1))[[2, 4, 1]]
 
 
 def peaks(v: float) -> np.ndarray:
@@ -61,13 +60,13 @@ def peaks(v: float) -> np.ndarray:
 
 def filters_apart() -> float:
     """Largest distance in dB of steady LQE and settled recursive filter, 0.1–10 Hz, all three channels."""
-    S, work = densities(V, True), WHOLE <= 10
+    S, work = densities(V, True), FREQUENCIES_HZ <= 10
     return float(np.abs(10 * np.log10(S[3][work] / S[2][work])).max())
 
 
 def fastest(controller: Plant, dt: float) -> float:
     """Largest |z| of the loop with a controller run every dt s by Tustin's rule."""
-    return sampled_loop(platform.plant(), sampled_controller(controller, dt), range(3)).radius
+    return sampled_loop(model.plant(), sampled_controller(controller, dt), range(3)).radius
 
 
 RECORDS = (

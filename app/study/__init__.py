@@ -1,1 +1,1 @@
-"""Big studies: one lesson at many designs, seeds or plants, through whatever runs them, the same bit for bit."""
+"""Run a lesson at many designs, seeds or plants, with the same bits on every executor."""

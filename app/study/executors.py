@@ -1,4 +1,4 @@
-"""Who computes a study: this process, processes beside it, or the workers of a Dask scheduler; what comes out is the same.
+"""Run a study in this process, in several processes, or on a Dask scheduler.
 
 Each executor takes chunks of runs and yields their rows as they come, in any order.
 """
@@ -19,8 +19,8 @@ from .plan import Row, Study, StudyError, programs
 from .points import run_chunk
 
 LARGEST_CHUNK = 50  # runs that a kill may cost, for each worker
-AHEAD = 3  # chunks for each worker that are handed out at once
-PATIENCE = 20  # s for a scheduler to answer
+CHUNKS_PER_WORKER = 3  # chunks for each worker that are handed out at once
+CONNECT_TIMEOUT_S = 20  # s for a scheduler to answer
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 INSTALL = "Workers behind a scheduler are reached by Dask, which is not installed; python -m pip install 'observer-lab[study]' brings it."
 
@@ -55,7 +55,7 @@ def on_processes(study: Study, missing: Sequence[int], workers: int) -> Iterator
     waiting: set[Future[Any]] = set()
     try:
         while True:
-            waiting |= {pool.submit(run_chunk, study, part) for part in islice(parts, AHEAD * workers - len(waiting))}
+            waiting |= {pool.submit(run_chunk, study, part) for part in islice(parts, CHUNKS_PER_WORKER * workers - len(waiting))}
             if not waiting:
                 return
             done, waiting = wait(waiting, return_when=FIRST_COMPLETED)
@@ -93,7 +93,7 @@ def on_dask(study: Study, missing: Sequence[int], address: str) -> Iterator[list
     except ImportError as problem:
         raise StudyError(INSTALL) from problem
     try:
-        client = Client(address, timeout=PATIENCE, set_as_default=False)
+        client = Client(address, timeout=CONNECT_TIMEOUT_S, set_as_default=False)
     except (OSError, ValueError, TypeError) as problem:
         raise StudyError(f"No Dask scheduler answers at {address[:80]}; give an address such as tcp://127.0.0.1:8786.") from problem
     try:
@@ -101,7 +101,7 @@ def on_dask(study: Study, missing: Sequence[int], address: str) -> Iterator[list
         if not workers:
             raise StudyError(f"The scheduler at {address[:80]} has no workers; start some with dask worker {address[:80]}.")
         parts = iter(parts_of(missing, workers))
-        going = as_completed([client.submit(run_chunk, study, part, pure=False) for part in islice(parts, AHEAD * workers)],
+        going = as_completed([client.submit(run_chunk, study, part, pure=False) for part in islice(parts, CHUNKS_PER_WORKER * workers)],
                              loop=client.loop)
         for future in going:
             made_by, rows = future.result()

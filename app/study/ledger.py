@@ -1,4 +1,4 @@
-"""What is done of a study, in a file that only grows: a kill costs what was not yet written down, and nothing else.
+"""Append the finished rows of a study to a file, so that an interrupted study can go on.
 
 Each line is a check sum and JSON: first whose study it is, then the rows of one chunk after another, each on the disk before
 the next is begun. A line that is torn is passed over, and its runs are computed again.

@@ -1,4 +1,4 @@
-"""What a study is, as data: a lesson, what is set, what varies, how often it is drawn, and what is written down."""
+"""Define a study: lesson, settings, axes, number of draws and collected numbers."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
-from ..export.data import plain
+from ..export.data.data import plain
 
-MOST = 200_000  # runs of a study
+MAX_STUDY_RUNS = 200_000  # runs of a study
 
 
 class StudyError(ValueError):

@@ -1,4 +1,4 @@
-"""From the number of a run to what it comes to: pure, and the same in whatever process, order or company."""
+"""Compute one run of a study from its number, the same in any process or order."""
 
 from __future__ import annotations
 
@@ -9,19 +9,19 @@ from functools import lru_cache
 
 import numpy as np
 
-from lessons import LESSONS
+from observer_lab.lessons import LESSONS
 
+from ..course.knobs import KnobError, Number
+from ..course.lesson import Design, Lesson, Outcome
 from ..engine import EngineError
 from ..engine.kernels import SHELF
-from ..lesson.knobs import KnobError, Number
-from ..lesson.lesson import Design, Lesson, Outcome
-from ..plants.beyond import Beyond, beyond_of
-from ..plants.own import canonical, plant_of
+from ..plants.own_plant import canonical_text, plant_of
+from ..plants.plant_extras import PlantExtras, extras_of
 from .plan import Axis, Row, Study, StudyError, programs
 
 ENTRY = re.compile(r"([ABCDFK])\((\d{1,3}),\s*(\d{1,3})\)")
-SEED = "seed"  # the knob that noise is drawn from
-CHECK = "check."  # stands before the name of a check among the numbers
+SEED_KNOB = "seed"  # the knob that noise is drawn from
+CHECK_PREFIX = "check."  # stands before the name of a check among the numbers
 
 Chunk = tuple[dict[str, str], list[Row]]  # by which programs, and what
 
@@ -39,10 +39,10 @@ def outcome_of(lesson: Lesson, design: Design, final: bool) -> Outcome:
 def numbers(outcome: Outcome) -> Mapping[str, float]:
     """The numbers of an outcome by name: its metrics, and for every check 1 where it holds and 0 where not."""
     return {**{name: float(value) for name, value in outcome.metrics.items()},
-            **{CHECK + check.id: float(check.holds) for check in outcome.checks}}
+            **{CHECK_PREFIX + check.id: float(check.holds) for check in outcome.checks}}
 
 
-def where(study: Study, index: int) -> tuple[int, int, tuple[int, ...]]:
+def grid_place(study: Study, index: int) -> tuple[int, int, tuple[int, ...]]:
     """The number of a run's point, of the run at that point, and the point's place on each axis."""
     point, run = divmod(index, study.runs)
     return point, run, tuple(map(int, np.unravel_index(point, study.shape))) if study.axes else ()
@@ -50,7 +50,7 @@ def where(study: Study, index: int) -> tuple[int, int, tuple[int, ...]]:
 
 def seed_at(study: Study, index: int) -> float | None:
     """The seed of a run, None for that of its design."""
-    point, run, _ = where(study, index)
+    point, run, _ = grid_place(study, index)
     if study.seeds:
         return study.seeds[run]
     if not study.drawn:
@@ -61,7 +61,7 @@ def seed_at(study: Study, index: int) -> float | None:
 
 def seed_knob(lesson: Lesson) -> Number:
     """The knob of the seed. Raises StudyError where a lesson draws nothing."""
-    knob = next((knob for knob in lesson.knobs if knob.name == SEED), None)
+    knob = next((knob for knob in lesson.knobs if knob.name == SEED_KNOB), None)
     if not isinstance(knob, Number):
         raise StudyError(f"Lesson {lesson.id} draws nothing from a seed; leave out seeds.")
     return knob
@@ -81,7 +81,7 @@ def design_of(study: Study) -> tuple[Lesson, Design]:
 
 def design_at(study: Study, index: int) -> tuple[Lesson, Design]:
     """The lesson of a run, fitted to its plant, and its design. Raises KnobError or EngineError where there is none."""
-    _, _, place = where(study, index)
+    _, _, place = grid_place(study, index)
     changes, plant = dict(study.changes), study.plant
     here = [(axis, axis.values[at]) for axis, at in zip(study.axes, place, strict=True)]
     changes.update((axis.name, value) for axis, value in here if not axis.of_plant)
@@ -91,10 +91,10 @@ def design_at(study: Study, index: int) -> tuple[Lesson, Design]:
         for axis, value in turned:
             matrices = with_value(matrices, axis, value)
         F, K = matrices.pop("F", None), matrices.pop("K", None)
-        plant = canonical(replace(plant_of(plant), **matrices), Beyond(F, K))
+        plant = canonical_text(replace(plant_of(plant), **matrices), PlantExtras(F, K))
     seed = seed_at(study, index)
     if seed is not None:
-        changes[SEED] = seed
+        changes[SEED_KNOB] = seed
     lesson = LESSONS[study.lesson].fit(plant)
     return lesson, lesson.apply(lesson.start(), changes)
 
@@ -102,7 +102,7 @@ def design_at(study: Study, index: int) -> tuple[Lesson, Design]:
 def matrices_of(plant: str) -> dict[str, np.ndarray]:
     """A, B, C and D of a plant in its canonical text, and F and K of a bilinear one, to be changed."""
     linear = plant_of(plant)
-    beyond = beyond_of(plant, linear)
+    beyond = extras_of(plant, linear)
     found = {name: getattr(linear, name) for name in "ABCD"} | {"F": beyond.F, "K": beyond.K}
     return {name: np.array(matrix) for name, matrix in found.items() if matrix is not None}
 

@@ -1,4 +1,4 @@
-"""The results of a study: a table of its runs, what each point came to, and all of it as JSON."""
+"""Summarise a study: table of runs, summary of each point, JSON."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from typing import Any
 
 import numpy as np
 
-from lessons import LESSONS
+from observer_lab.lessons import LESSONS
 
-from ..export.data import plain
+from ..export.data.data import plain
 from .plan import Row, Study, record
-from .points import CHECK, SEED, seed_at, where
+from .points import CHECK_PREFIX, SEED_KNOB, grid_place, seed_at
 
-BAND = (0.05, 0.95)  # of the runs at a point lie below the band's edges
+QUANTILES = (0.05, 0.95)  # of the runs at a point lie below the band's edges
 Z = 1.959963984540054  # of a normal variable, two-sided at 95 %
 
 
@@ -37,7 +37,7 @@ class Summary:
     @property
     def is_check(self) -> bool:
         """Whether it counts the runs in which something holds."""
-        return self.name.startswith(CHECK)
+        return self.name.startswith(CHECK_PREFIX)
 
 
 def summaries(study: Study, rows: Mapping[int, Row]) -> list[Summary]:
@@ -58,10 +58,10 @@ def _summary(name: str, values: np.ndarray, shape: tuple[int, ...]) -> Summary:
     middle, low, high = np.full((3, len(values)), np.nan)
     for k in np.flatnonzero(count):
         own = values[k][known[k]]
-        if name.startswith(CHECK):
+        if name.startswith(CHECK_PREFIX):
             middle[k], (low[k], high[k]) = own.mean(), wilson(int(own.sum()), len(own))
         else:
-            middle[k], low[k], high[k] = (_quantile(own, share) for share in (0.5, *BAND))
+            middle[k], low[k], high[k] = (_quantile(own, share) for share in (0.5, *QUANTILES))
     return Summary(name, count.reshape(shape), *(each.reshape(shape) for each in (middle, low, high)))
 
 
@@ -86,12 +86,12 @@ def columns(study: Study) -> list[str]:
     lesson = LESSONS[study.lesson].fit(study.plant)
     units = {knob.name: knob.unit for knob in lesson.knobs}
     named = [f"{axis.name} [{units[axis.name]}]" if not axis.of_plant and units[axis.name] else axis.name for axis in study.axes]
-    return ["point", *named, *([SEED] if study.seeds or study.drawn else []), *study.collect, "problem"]
+    return ["point", *named, *([SEED_KNOB] if study.seeds or study.drawn else []), *study.collect, "problem"]
 
 
 def cells(study: Study, row: Row) -> list[Any]:
     """A row of the table: numbers as they are, other values as `--set` takes them, None where there is nothing."""
-    point, _, place = where(study, row.index)
+    point, _, place = grid_place(study, row.index)
     seed = seed_at(study, row.index)
     return [point, *(shown(study, k, at) for k, at in enumerate(place)), *([] if seed is None else [seed]), *row.values, row.problem]
 
@@ -118,7 +118,7 @@ def save_table(study: Study, rows: Mapping[int, Row], path: str | Path, mark: st
             out.writerow(["" if cell is None else repr(cell) if isinstance(cell, float) else cell for cell in cells(study, rows[index])])
 
 
-def result(study: Study, rows: Mapping[int, Row], found: Sequence[Summary], mark: str, token: str,
+def result_record(study: Study, rows: Mapping[int, Row], found: Sequence[Summary], mark: str, token: str,
            made_by: Mapping[str, str]) -> dict[str, Any]:
     """The whole study as plain data, ready for JSON; what is not finite is null."""
     return {

@@ -1,29 +1,29 @@
-"""Words: a message is English with named values, and every other language a folder of gettext catalogues.
+"""Translate messages: English with named values, and gettext catalogues for other languages.
 
 `text("Largest input applied: {peak:.3g} {unit}.", peak=peak, unit=unit)` gives a frozen record; called with a language it
 is a sentence. The English is the id that translators see.
 """
 
 from .languages import languages
-from .message import NO_WORDS, Text, joined, listed, name_of, same, text, text_in, told, wording
-from .numbers import raised, written
-from .symbols import lowered, squared, symbol
+from .message import NO_WORDS, Text, error_words, joined, label_in_language, listed, name_of, same, text, text_in
+from .numbers import format_number, superscript
+from .symbols import squared_unit, subscript, symbol
 
 __all__ = [
     "NO_WORDS",
     "Text",
+    "error_words",
+    "format_number",
     "joined",
+    "label_in_language",
     "languages",
     "listed",
-    "lowered",
     "name_of",
-    "raised",
     "same",
-    "squared",
+    "squared_unit",
+    "subscript",
+    "superscript",
     "symbol",
     "text",
     "text_in",
-    "told",
-    "wording",
-    "written",
 ]

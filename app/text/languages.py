@@ -1,4 +1,4 @@
-"""The languages of the lab: English, and one for every folder of catalogues. Adding one touches no code.
+"""List the languages and load their catalogues; a new language needs no code.
 
 A folder holds gettext catalogues (`*.po`) and two Markdown files a lesson, its words and the notes for its teacher. It
 stands in `app/locale`, or in the folder that the environment variable OBSERVER_LAB_LOCALE names.
@@ -16,14 +16,14 @@ from pathlib import Path
 from babel import Locale, UnknownLocaleError
 from babel.messages import Catalog, mofile, pofile
 
-HERE = Path(__file__).parents[1] / "locale"
+LOCALE_FOLDER = Path(__file__).parents[1] / "locale"
 ELSEWHERE = "OBSERVER_LAB_LOCALE"
 
 
 @lru_cache(maxsize=1)
 def folders() -> tuple[tuple[str, Path], ...]:
     """Code and folder of every language but English, by code."""
-    roots = [HERE, *([Path(os.environ[ELSEWHERE])] if os.environ.get(ELSEWHERE) else [])]
+    roots = [LOCALE_FOLDER, *([Path(os.environ[ELSEWHERE])] if os.environ.get(ELSEWHERE) else [])]
     found = {folder.name: folder for root in roots if root.is_dir() for folder in root.iterdir() if any(folder.glob("*.po"))}
     return tuple(sorted(found.items()))
 
@@ -70,8 +70,8 @@ def translated(message: str, context: str, language: str) -> str:
     return known.pgettext(context, message) if context else known.gettext(message)
 
 
-WIDE = "\u3000-\u303f\u4e00-\u9fff\uff00-\uffef“”…"
-BETWEEN = re.compile(f"(?<=[{WIDE}]) +(?=[{WIDE}])|(?<=[。，；：（]) +| +(?=[。，；：）])")
+WIDE_CHARACTERS = "\u3000-\u303f\u4e00-\u9fff\uff00-\uffef“”…"
+BETWEEN = re.compile(f"(?<=[{WIDE_CHARACTERS}]) +(?=[{WIDE_CHARACTERS}])|(?<=[。，；：（]) +| +(?=[。，；：）])")
 
 
 def closed_up(words: str, language: str) -> str:

@@ -1,4 +1,4 @@
-"""A message: its English, which is its id, and the values that stand in it."""
+"""Define a message: its English, which is its id, and the values put into it."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from functools import reduce
 
 from .languages import closed_up, known_name, translated
-from .numbers import Written, has_powers, written
-from .plurals import counted
+from .numbers import Written, format_number, has_powers
+from .plurals import singular_if_one
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ class Text:
         if not self.values:
             return template
         if template == self.id:  # English, or not translated
-            template = counted(template, dict(self.values))
+            template = singular_if_one(template, dict(self.values))
         places = {name: _Place(value, language, beside_powers) for name, value in self.values}
         return closed_up(template.format_map(places), language)
 
@@ -57,9 +57,9 @@ class _Place:
         if isinstance(value, Text):
             return value.said(language, beside_powers=beside)
         if hasattr(value, "message") and hasattr(value, "values"):
-            return told(value).said(language, beside_powers=beside)
+            return error_words(value).said(language, beside_powers=beside)
         if isinstance(value, Written):
-            return written(value, spec, language, beside_powers=beside)
+            return format_number(value, spec, language, beside_powers=beside)
         return format(value, spec)
 
 
@@ -82,13 +82,13 @@ def name_of(language: str) -> str:
     return known_name(language) if name == OWN_NAME.id and language != "en" else name
 
 
-SAME = "{words}"
+VERBATIM = "{words}"
 NO_WORDS = Text("")
 
 
 def same(words: str) -> Text:
     """A name, a symbol or a number that reads the same in every language."""
-    return Text(SAME, (("words", words),)) if words else NO_WORDS
+    return Text(VERBATIM, (("words", words),)) if words else NO_WORDS
 
 
 def joined(*texts: Text) -> Text:
@@ -106,12 +106,12 @@ def _folded(join: Callable[[Text, Text], Text], texts: Iterable[Text]) -> Text:
     return reduce(join, said) if said else NO_WORDS
 
 
-def wording(words: Text | str, language: str) -> str:
+def label_in_language(words: Text | str, language: str) -> str:
     """A label in one language; a plain string, such as a symbol with its unit, reads the same in all."""
     return words if isinstance(words, str) else words(language)
 
 
-def told(problem: object) -> Text:
+def error_words(problem: object) -> Text:
     """What an error says, in every language: one of the engine carries its message and values, one of ours its text.
 
     Any other error is an English sentence that nobody translated.

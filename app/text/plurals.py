@@ -1,4 +1,4 @@
-"""English in the singular: a message counts `{n} samples`, and where n is 1 it says 1 sample."""
+"""Put an English noun into the singular behind a count of one."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ import re
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from .numbers import Written, written
+from .numbers import Written, format_number
 
-__all__ = ["IRREGULAR", "NOUNS", "counted"]
+__all__ = ["IRREGULAR", "NOUNS", "singular_if_one"]
 
 COUNTED = re.compile(r"\{(?P<name>\w+)(?::(?P<spec>[^{}]*))?\} (?P<noun>[a-z]+s)\b")
 IRREGULAR = MappingProxyType({"axes": "axis", "entries": "entry", "frequencies": "frequency"})
@@ -18,12 +18,12 @@ NOUNS = frozenset((
     "rows", "runs", "samples", "seconds", "starts", "states", "steps", "windows", "years", "zeros"))
 
 
-def counted(template: str, values: Mapping[str, object]) -> str:
+def singular_if_one(template: str, values: Mapping[str, object]) -> str:
     """An English template, in which a noun behind a count of one stands in the singular."""
     def noun(found: re.Match[str]) -> str:
         value, words = values.get(found["name"]), found["noun"]
         one = words in NOUNS or words in IRREGULAR
-        if not one or not isinstance(value, Written) or written(value, found["spec"] or "") != "1":
+        if not one or not isinstance(value, Written) or format_number(value, found["spec"] or "") != "1":
             return found[0]
         return found[0].removesuffix(words) + IRREGULAR.get(words, words[:-1])
     return COUNTED.sub(noun, template)

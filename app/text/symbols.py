@@ -1,4 +1,4 @@
-"""Symbols of signals and units as formulas have them."""
+"""Write the symbols of signals and units as formulas have them."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ LOWERED = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 GREEK = MappingProxyType({"theta": "θ", "omega": "ω", "phi": "φ", "alpha": "α", "beta": "β"})
 
 
-def lowered(words: str) -> str:
+def subscript(words: str) -> str:
     """Digits as subscripts: σ12 → σ₁₂."""
     return words.translate(LOWERED)
 
 
-def squared(unit: str) -> str:
+def squared_unit(unit: str) -> str:
     """The square of a unit: A², (m/s)²; 1 where there is none."""
     return "1" if not unit else f"{unit}²" if unit.isalpha() else f"({unit})²"
 
@@ -23,4 +23,4 @@ def symbol(name: str) -> str:
     if name in GREEK:
         return GREEK[name]
     head = name.rstrip("0123456789")
-    return head + lowered(name[len(head):]) if 1 <= len(head) <= 2 else name
+    return head + subscript(name[len(head):]) if 1 <= len(head) <= 2 else name

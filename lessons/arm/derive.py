@@ -1,4 +1,4 @@
-"""The numbers that stand now in the derivation of lesson 20: inertia and torque, the determinant of A − LC, what cancels the load."""
+"""Compute the numbers in the derivation of lesson 20: inertia, torque, det(A − LC)."""
 
 from __future__ import annotations
 
@@ -6,26 +6,36 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from app.lesson.derivation import Value
-from app.lesson.lesson import Outcome
-from app.plants.arm import ANGLE, LOAD, PARAMETERS, SHEET
+from observer_lab.course.exercises.derivation import Value
+from observer_lab.course.lesson import Outcome
+from observer_lab.plants.arm import ANGLE_INDEX, LOAD_INDEX, MOTOR_DATA, PARAMETERS
 
+from .loop import ARM_PLANT, gains
 from .study import Study
-from .system import PLANT, gains
 
 
 def derived(outcome: Outcome[Study]) -> Mapping[str, Value]:
     """Of the observer with a state for the load alone: without it there is nothing that finds the load."""
-    p, m, design = PARAMETERS, SHEET, outcome.design
+    p, m, design = PARAMETERS, MOTOR_DATA, outcome.design
     known: dict[str, Value] = {"Ja": p.arm, "N": p.ratio, "Jr": m.rotor, "J": p.inertia, "Nk": p.torque, "k": m.torque_constant}
     if not design["load_state"]:
         return known
     L = outcome.gains["L"]
     K, _ = gains(design.with_values(cancel=True))
-    error = PLANT.A - L @ PLANT.C
+    error = ARM_PLANT.A - L @ ARM_PLANT.C
     poles = np.linalg.eigvals(error)
     return known | {
-        "trace": float(np.trace(error)), "trace_A": float(np.trace(PLANT.A)), "l3": float(L[ANGLE, 0]), "l4": float(L[LOAD, 0]),
-        "R": m.resistance, "Lm": m.inductance, "det": float(np.linalg.det(error)), "product": float(np.prod(poles).real),
-        "K1": float(K[0, 0]), "K4": float(K[0, LOAD]), "tau": float(design["load"]),
-        "u": float(m.resistance * design["load"] / p.torque), "i": float(design["load"] / p.torque)}
+        "trace": float(np.trace(error)),
+        "trace_A": float(np.trace(ARM_PLANT.A)),
+        "l3": float(L[ANGLE_INDEX, 0]),
+        "l4": float(L[LOAD_INDEX, 0]),
+        "R": m.resistance,
+        "Lm": m.inductance,
+        "det": float(np.linalg.det(error)),
+        "product": float(np.prod(poles).real),
+        "K1": float(K[0, 0]),
+        "K4": float(K[0, LOAD_INDEX]),
+        "tau": float(design["load"]),
+        "u": float(m.resistance * design["load"] / p.torque),
+        "i": float(design["load"] / p.torque),
+    }

@@ -1,4 +1,4 @@
-"""The figures of lesson 20: load, angle and speed; error, voltage and current; what the gear hides; the sheet and the state of rest."""
+"""Draw the figures of lesson 20: load, angle, speed, error, input, backlash, data sheet."""
 
 from __future__ import annotations
 
@@ -8,16 +8,16 @@ from types import MappingProxyType
 
 import numpy as np
 
-from app.lesson.claims import claim
-from app.lesson.figures import Curve, Figure, LineFigure, PlaneFigure, Point, TableFigure
-from app.lesson.lesson import Outcome
-from app.plants.arm import ANGLE, CURRENT, LOAD, MODEL, SHEET, SPEED
-from app.text import NO_WORDS, Text, joined, text
+from observer_lab.course.figures.claims import claim
+from observer_lab.course.figures.records import Curve, Figure, LineFigure, PlaneFigure, Point, TableFigure
+from observer_lab.course.lesson import Outcome
+from observer_lab.plants.arm import ANGLE_INDEX, CURRENT_INDEX, LOAD_INDEX, MODEL, MOTOR_DATA, SPEED_INDEX
+from observer_lab.text import NO_WORDS, Text, joined, text
 
 from ..toolkit.figures import ERROR_TAB, TIME_TAB, error_figure, input_figure, within
-from .knobs import EXACT, JOINT
+from .knobs import EXACT_ENCODER, JOINT
+from .loop import LOAD_AT
 from .study import RESTED, SOLID, Study, last, sheet_rows
-from .system import LOAD_AT
 
 GEAR_TAB, NUMBERS_TAB = text("Gear"), text("Numbers")
 TRUE, ESTIMATE = text("true"), text("estimate")
@@ -50,7 +50,7 @@ def _angle(outcome: Outcome[Study]) -> LineFigure:
     above = text("At the end the arm is {droop:.3g}° above its target.", droop=-m["droop"])
     on = text("At the end the arm stands on its target.")
     words = claim(on, abs(m["droop"]), below=0.05, otherwise=claim(droop, m["droop"], above=0.0, otherwise=above))
-    return LineFigure("angle", MODEL.watched[0].name, run.t, (*_pair(outcome, ANGLE, degrees(1.0)), target), "θ [°]", tab=TIME_TAB,
+    return LineFigure("angle", MODEL.watched[0].name, run.t, (*_pair(outcome, ANGLE_INDEX, degrees(1.0)), target), "θ [°]", tab=TIME_TAB,
                       caption=words, window=(0.0, 80.0))
 
 
@@ -60,7 +60,7 @@ def _load(outcome: Outcome[Study]) -> LineFigure:
     off = text("In the last tenth of the run the estimate is off by up to {off:.2g} N m.", off=m["load_error"])
     none = text("This observer has no state for the load: its estimate stays at zero.")
     words = off if design["load_state"] else none
-    return LineFigure("load", MODEL.watched[2].name, run.t, _pair(outcome, LOAD), "τ [N m]", tab=TIME_TAB, caption=joined(
+    return LineFigure("load", MODEL.watched[2].name, run.t, _pair(outcome, LOAD_INDEX), "τ [N m]", tab=TIME_TAB, caption=joined(
         words, _false_words(outcome)), window=(-0.2, 2.0))
 
 
@@ -73,17 +73,28 @@ def _false_words(outcome: Outcome[Study]) -> Text:
 def _speed(outcome: Outcome[Study]) -> LineFigure:
     run, m = outcome.run, outcome.metrics
     assert run is not None
-    return LineFigure("speed", MODEL.watched[1].name, run.t, _pair(outcome, SPEED), "ω [rad/s]", tab=TIME_TAB, caption=text(
+    return LineFigure("speed", MODEL.watched[1].name, run.t, _pair(outcome, SPEED_INDEX), "ω [rad/s]", tab=TIME_TAB, caption=text(
         "No sensor of speed: the estimate is off by {speed:.2g} rad/s at most.", speed=m["speed_error"]), window=(-2.0, 6.0))
 
 
 def _current(outcome: Outcome[Study]) -> LineFigure:
     run, m = outcome.run, outcome.metrics
     assert run is not None
-    rated = Curve(text("rated"), np.full(len(run.t), SHEET.nominal_current), "reference", "dot", 1.4)
-    return LineFigure("current", MODEL.watched[3].name, run.t, (*_pair(outcome, CURRENT), rated), "i [A]", tab=ERROR_TAB, caption=text(
-        "No sensor of current: off by {current:.2g} A at most. The winding bears {rated:g} A for good.", current=m["current_error"],
-        rated=SHEET.nominal_current), window=(-10.0, 30.0))
+    rated = Curve(text("rated"), np.full(len(run.t), MOTOR_DATA.nominal_current), "reference", "dot", 1.4)
+    return LineFigure(
+        "current",
+        MODEL.watched[3].name,
+        run.t,
+        (*_pair(outcome, CURRENT_INDEX), rated),
+        "i [A]",
+        tab=ERROR_TAB,
+        caption=text(
+            "No sensor of current: off by {current:.2g} A at most. The winding bears {rated:g} A for good.",
+            current=m["current_error"],
+            rated=MOTOR_DATA.nominal_current,
+        ),
+        window=(-10.0, 30.0),
+    )
 
 
 def _error_words(outcome: Outcome[Study]) -> Text:
@@ -105,8 +116,8 @@ def _gear(outcome: Outcome[Study]) -> LineFigure:
     assert run is not None
     half = design["gap"] / 2
     edges = tuple(Curve(text("flanks"), np.full(len(run.t), sign * half), "reference", "dot", 1.4) for sign in (1, -1))
-    apart = Curve(text("arm less motor"), np.degrees(run.x[:, ANGLE] - shown.motor))
-    belief = Curve(text("arm less estimate"), np.degrees(run.e[:, ANGLE]), "error", "dash")
+    apart = Curve(text("arm less motor"), np.degrees(run.x[:, ANGLE_INDEX] - shown.motor))
+    belief = Curve(text("arm less estimate"), np.degrees(run.e[:, ANGLE_INDEX]), "error", "dash")
     return LineFigure("gear", text("what the gear hides"), run.t, (apart, belief, *edges), "Δθ [°]", tab=GEAR_TAB,
                       caption=_gear_words(outcome), window=(-1.0, 1.0))
 
@@ -118,7 +129,7 @@ def _gear_words(outcome: Outcome[Study]) -> Text:
         return text("This gear has no play: arm and motor are one body.")
     rests = float(np.max(np.abs(last(outcome.study.played.contact) - outcome.study.played.contact[-1])))
     on = text("At the end the arm rests on one flank, {apart:.3g}° from the motor.",
-              apart=abs(degrees(float(run.x[-1, ANGLE] - outcome.study.played.motor[-1]))))
+              apart=abs(degrees(float(run.x[-1, ANGLE_INDEX] - outcome.study.played.motor[-1]))))
     flank = claim(on, rests, below=0.5, otherwise=text("In the last tenth of the run the contact still changes."))
     unseen = text("The encoder at the joint sees the arm itself.") if design["encoder"] == JOINT else text(
         "The encoder on the motor knows nothing of it, however fast the observer.")
@@ -130,7 +141,7 @@ def _loop(outcome: Outcome[Study]) -> PlaneFigure:
     """The arm less the motor over the motor's angle: a line without play, a loop of its width with it."""
     run, motor, half = outcome.run, np.degrees(outcome.study.played.motor), outcome.design["gap"] / 2
     assert run is not None
-    apart = np.degrees(run.x[:, ANGLE]) - motor
+    apart = np.degrees(run.x[:, ANGLE_INDEX]) - motor
     low, high = min(0.0, float(motor.min())), max(80.0, float(motor.max()))
     high, low = min(high, BEYOND["angle"]), max(low, -BEYOND["angle"])
     seen = Curve(text("arm less motor"), np.clip(apart, -BEYOND["gear"], BEYOND["gear"]), x=np.clip(motor, low, high))
@@ -191,17 +202,17 @@ def _rest(outcome: Outcome[Study]) -> TableFigure:
         return (name, *(f"{scale * v:.4g} {unit}".replace("-", "−") for v in places))
     promised = [(np.nan,) * 4] * 2 if rest is None else rest
     rows = (
-        row(text("angle, true"), (promised[0][ANGLE], x[ANGLE]), "°", degrees(1.0)),
-        row(text("angle, estimate"), (promised[1][ANGLE], xhat[ANGLE]), "°", degrees(1.0)),
-        row(text("load, estimate"), (promised[1][LOAD], xhat[LOAD]), "N m"),
-        row(text("current, true"), (promised[0][CURRENT], x[CURRENT]), "A"),
+        row(text("angle, true"), (promised[0][ANGLE_INDEX], x[ANGLE_INDEX]), "°", degrees(1.0)),
+        row(text("angle, estimate"), (promised[1][ANGLE_INDEX], xhat[ANGLE_INDEX]), "°", degrees(1.0)),
+        row(text("load, estimate"), (promised[1][LOAD_INDEX], xhat[LOAD_INDEX]), "N m"),
+        row(text("current, true"), (promised[0][CURRENT_INDEX], x[CURRENT_INDEX]), "A"),
     )
     if rest is None:
         said = text("This loop comes to no rest.")
-    elif not outcome.study.played.linear or design["encoder"] != EXACT:
+    elif not outcome.study.played.linear or design["encoder"] != EXACT_ENCODER:
         said = text("On the left an ideal gear and an exact encoder; on the right this run, which has neither.")
     else:
-        gap = max(abs(degrees(rest[0][ANGLE] - x[ANGLE])), abs(rest[1][LOAD] - xhat[LOAD]))
+        gap = max(abs(degrees(rest[0][ANGLE_INDEX] - x[ANGLE_INDEX])), abs(rest[1][LOAD_INDEX] - xhat[LOAD_INDEX]))
         said = claim(text("The run ends where the equations of rest say."), gap, below=RESTED,
                      otherwise=text("The run has not come to rest yet, or its voltage is at its limit."))
     return TableFigure("rest", text("at rest under the load"), (text("quantity"), text("linear loop"), text("end of this run")), rows,

@@ -1,4 +1,4 @@
-"""The job of lesson 20: the same observer slower and faster; how soon each finds the load, and what it says wrongly for that."""
+"""Compare slower and faster observers: time to find the load, and error at standstill."""
 
 from __future__ import annotations
 
@@ -7,14 +7,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from app.lesson.knobs import KnobError
-from app.lesson.lesson import Design, Job, Outcome
-from app.text import text
+from observer_lab.course.knobs import KnobError
+from observer_lab.course.lesson import Design, Job, Outcome
+from observer_lab.text import text
 
+from .loop import gains, played
 from .study import Study, Tried, measured
-from .system import gains, played
 
-SPEEDS = tuple(float(s) for s in np.geomspace(0.4, 4.0, 11))  # times the poles of the design
+POLE_FACTORS = tuple(float(s) for s in np.geomspace(0.4, 4.0, 11))  # times the poles of the design
 
 
 def try_speeds(outcome: Outcome[Study]) -> Iterator[tuple[float, tuple[Tried, ...]]]:
@@ -25,10 +25,10 @@ def try_speeds(outcome: Outcome[Study]) -> Iterator[tuple[float, tuple[Tried, ..
     if outcome.metrics["slowest_observer"] >= 0 or outcome.metrics["slowest_controller"] >= 0:
         raise KnobError(text("A pole is not in the left half plane, so nothing is found; drag it to the left first."))
     tried: list[Tried] = []
-    for k, speed in enumerate(SPEEDS, start=1):
+    for k, speed in enumerate(POLE_FACTORS, start=1):
         quick = design.with_values(observer_poles=tuple(speed * q for q in design["observer_poles"]))
         tried.append(measured(speed, played(quick, *gains(quick)).run))
-        yield k / len(SPEEDS), tuple(tried)
+        yield k / len(POLE_FACTORS), tuple(tried)
 
 
 def shown(outcome: Outcome[Study], tried: tuple[Tried, ...]) -> Outcome[Study]:

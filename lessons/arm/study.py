@@ -1,4 +1,4 @@
-"""What a design of lesson 20 leads to: the run, how soon and how well the load is found, where the arm comes to rest."""
+"""Compute a design of lesson 20: run, quality of the load estimate, rest position."""
 
 from __future__ import annotations
 
@@ -8,19 +8,19 @@ from math import degrees, radians
 
 import numpy as np
 
-from app.engine import autonomous_error
-from app.engine.simulation import Run, separation_meter
-from app.lesson.claims import claim
-from app.lesson.lesson import Board, Check, Design, Formula, Outcome
-from app.plants.arm import ANGLE, CURRENT, LOAD, MODEL, PARAMETERS, SHEET, SPEED
-from app.text import Text, joined, text
+from observer_lab.course.figures.claims import claim
+from observer_lab.course.lesson import Board, Check, Design, Formula, Outcome
+from observer_lab.engine import autonomous_error
+from observer_lab.engine.simulation import Run, separation_meter
+from observer_lab.plants.arm import ANGLE_INDEX, CURRENT_INDEX, LOAD_INDEX, MODEL, MOTOR_DATA, PARAMETERS, SPEED_INDEX
+from observer_lab.text import Text, joined, text
 
 from ..toolkit.boards import stage
 from ..toolkit.latex import gain_words
-from .knobs import EXACT
-from .system import LOAD_AT, PLANT, Played, gains, played, resting, step_of
+from .knobs import EXACT_ENCODER
+from .loop import ARM_PLANT, LOAD_AT, Played, gains, played, resting, step_of
 
-FOUND = 0.05  # of the load: an estimate this near has found it
+FOUND_SHARE = 0.05  # of the load: an estimate this near has found it
 RESTED = 0.02  # N m and degrees: a run that ends this near to its rest has come there
 SOLID = 1e-9
 
@@ -54,15 +54,18 @@ def compute(design: Design) -> Outcome[Study]:
     K, L = gains(design)
     shown = played(design, K, L)
     run, rest = shown.run, resting(design, K, L)
-    error = PLANT.A - L @ PLANT.C
-    poles = {"controller": np.linalg.eigvals(PLANT.A[:LOAD, :LOAD] - PLANT.B[:LOAD] @ K[:, :LOAD]), "observer": np.linalg.eigvals(error)}
+    error = ARM_PLANT.A - L @ ARM_PLANT.C
+    poles = {
+        "controller": np.linalg.eigvals(ARM_PLANT.A[:LOAD_INDEX, :LOAD_INDEX] - ARM_PLANT.B[:LOAD_INDEX] @ K[:, :LOAD_INDEX]),
+        "observer": np.linalg.eigvals(error),
+    }
     metrics = _metrics(design, shown, poles) | {"separation_meter": separation_meter(run)}
     ideal = shown.linear and not run.saturated
     checks = (
         Check("found", text("the load is found without bias"),
               bool(design["load_state"]) and metrics["slowest_observer"] < 0 and shown.linear, metrics["load_error"]),
         Check("arrives", text("the arm comes to rest on its target"),
-              rest is not None and ideal and abs(float(rest[0][ANGLE]) - radians(design["target"])) < SOLID, metrics["angle_error"]),
+              rest is not None and ideal and abs(float(rest[0][ANGLE_INDEX]) - radians(design["target"])) < SOLID, metrics["angle_error"]),
         Check("autonomous", text("the error lives by itself, ė = (A − LC)e"), metrics["separation_meter"] < SOLID,
               metrics["separation_meter"]),
     )
@@ -90,8 +93,8 @@ def last(values: np.ndarray) -> np.ndarray:
 def found_after(run: Run) -> float | None:
     """How long after it came the load is found for good, in s; None if it is not, or if there is none."""
     late = run.t >= LOAD_AT - 1e-9
-    size = float(abs(run.x[-1, LOAD]))
-    away = np.flatnonzero(np.abs(run.e[late, LOAD]) > FOUND * size)
+    size = float(abs(run.x[-1, LOAD_INDEX]))
+    away = np.flatnonzero(np.abs(run.e[late, LOAD_INDEX]) > FOUND_SHARE * size)
     if not late.any() or not size or (len(away) and away[-1] == late.sum() - 1):
         return None
     return float(run.t[late][away[-1] + 1] - LOAD_AT) if len(away) else 0.0
@@ -99,25 +102,25 @@ def found_after(run: Run) -> float | None:
 
 def measured(speed: float, run: Run) -> Tried:
     """What a run with an observer of some speed came to."""
-    return Tried(speed, found_after(run), float(np.max(np.abs(run.e[run.t < LOAD_AT - 1e-9, LOAD]))),
-                 float(np.max(np.abs(last(run.e[:, LOAD])))))
+    return Tried(speed, found_after(run), float(np.max(np.abs(run.e[run.t < LOAD_AT - 1e-9, LOAD_INDEX]))),
+                 float(np.max(np.abs(last(run.e[:, LOAD_INDEX])))))
 
 
 def _metrics(design: Design, shown: Played, poles: Mapping[str, np.ndarray]) -> dict[str, float]:
     run, found = shown.run, found_after(shown.run)
     early, e = run.t < LOAD_AT - 1e-9, run.e
     return {
-        "load_error": float(np.max(np.abs(last(e[:, LOAD])))), "load_belief": float(np.mean(last(run.xhat[:, LOAD]))),
-        "holding": SHEET.resistance * abs(design["load"]) / PARAMETERS.torque,
+        "load_error": float(np.max(np.abs(last(e[:, LOAD_INDEX])))), "load_belief": float(np.mean(last(run.xhat[:, LOAD_INDEX]))),
+        "holding": MOTOR_DATA.resistance * abs(design["load"]) / PARAMETERS.torque,
         "found_after": run.scenario.horizon if found is None else found,
-        "false_load": float(np.max(np.abs(e[early, LOAD]))),
-        "angle_error": float(np.max(np.abs(last(np.degrees(run.x[:, ANGLE])) - design["target"]))),
-        "droop": design["target"] - degrees(float(np.mean(last(run.x[:, ANGLE])))),
-        "angle_belief": float(np.max(np.abs(last(np.degrees(e[:, ANGLE]))))),
-        "speed_error": float(np.max(np.abs(e[:, SPEED]))), "current_error": float(np.max(np.abs(e[:, CURRENT]))),
-        "largest_current": float(np.max(np.abs(run.x[:, CURRENT]))), "largest_input": float(np.max(np.abs(run.u_asked))),
+        "false_load": float(np.max(np.abs(e[early, LOAD_INDEX]))),
+        "angle_error": float(np.max(np.abs(last(np.degrees(run.x[:, ANGLE_INDEX])) - design["target"]))),
+        "droop": design["target"] - degrees(float(np.mean(last(run.x[:, ANGLE_INDEX])))),
+        "angle_belief": float(np.max(np.abs(last(np.degrees(e[:, ANGLE_INDEX]))))),
+        "speed_error": float(np.max(np.abs(e[:, SPEED_INDEX]))), "current_error": float(np.max(np.abs(e[:, CURRENT_INDEX]))),
+        "largest_current": float(np.max(np.abs(run.x[:, CURRENT_INDEX]))), "largest_input": float(np.max(np.abs(run.u_asked))),
         "clipped_for": MODEL.dt * float(np.sum(np.abs(run.u_asked[:, 0]) > design["u_max"] * (1 + 1e-9))),
-        "apart": float(np.max(np.abs(np.degrees(shown.motor - run.x[:, ANGLE])))),
+        "apart": float(np.max(np.abs(np.degrees(shown.motor - run.x[:, ANGLE_INDEX])))),
         "changes": float(np.sum(np.diff(shown.contact) != 0)),
         "slowest_observer": float(np.max(np.real(poles["observer"]))), "slowest_controller": float(np.max(np.real(poles["controller"]))),
         "whole": float(run.diverged_at is None),
@@ -135,7 +138,7 @@ def _live(design: Design, m: Mapping[str, float], run: Run) -> Text:
     load = _load_words(design, m)
     rests = text("In the last tenth of the run the arm is up to {angle:.2g}° from its target.", angle=m["angle_error"])
     hidden = text("The arm stands up to {apart:.2g}° off the motor, and the encoder on the motor does not see it.", apart=m["apart"])
-    seen = design["gap"] > 0 and design["encoder"] in (EXACT, "motor")
+    seen = design["gap"] > 0 and design["encoder"] in (EXACT_ENCODER, "motor")
     return joined(load, rests, claim(hidden, m["apart"], above=0.0)) if seen else joined(load, rests)
 
 
@@ -151,7 +154,7 @@ def _load_words(design: Design, m: Mapping[str, float]) -> Text:
 
 def sheet_rows() -> tuple[tuple[Text, float, float, str], ...]:
     """What the sheet prints beside what follows from its R, k and no-load current: name, printed, computed, unit."""
-    m, rpm = SHEET, 30 / np.pi
+    m, rpm = MOTOR_DATA, 30 / np.pi
     stall = m.voltage / m.resistance
     return (
         (text("no-load speed"), m.no_load_speed * rpm,

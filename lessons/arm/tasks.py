@@ -1,12 +1,12 @@
-"""The tasks of lesson 20."""
+"""Define the tasks of lesson 20."""
 
 from __future__ import annotations
 
-from app.lesson.claims import claim
-from app.lesson.lesson import Outcome, Task, Verdict, pencil
-from app.lesson.typed import Typed
-from app.plants.arm import PARAMETERS, SHEET
-from app.text import joined, text
+from observer_lab.course.exercises.typed_answers import Typed
+from observer_lab.course.figures.claims import claim
+from observer_lab.course.lesson import Outcome, Task, Verdict, typed_task
+from observer_lab.plants.arm import MOTOR_DATA, PARAMETERS
+from observer_lab.text import joined, text
 
 from .knobs import JOINT
 from .study import SOLID, Study
@@ -17,10 +17,10 @@ CANCEL = Typed("(R+K)/(n*k)", ("R", "K", "n", "k"), slips=(
 INJECTION = Typed("-J*p^3", ("J", "p"), slips=(
     ("J*p^3", text("Mind the sign: under a load the arm lags, θ − θ̂ is negative, and τ̂ must rise.")),
     ("-p^3", text("You left out the inertia."))))
-SEEN = Typed("n*k*R/(J^2*L)", ("n", "k", "R", "J", "L"), slips=(
+DETERMINANT_FORMULA = Typed("n*k*R/(J^2*L)", ("n", "k", "R", "J", "L"), slips=(
     ("-n*k*R/(J^2*L)", text("The size is right; the sign follows the order i, ω, θ, τ of the state.")),
     ("n*k*R/(J*L)", text("ω̇ carries 1/J already, and the load enters with another 1/J."))))
-COUNTS, DROOP, FOUND, STRAY = 2000, 4.5, 0.28, 0.04
+ENCODER_COUNTS, DROOP, FOUND_AFTER_S, STRAY = 2000, 4.5, 0.28, 0.04
 HEAVY = 2.4  # N m
 
 
@@ -30,20 +30,22 @@ def _droops(outcome: Outcome[Study]) -> Verdict:
         return Verdict(False, text("Leave load, target and gear as the lesson has them, and switch the observer's state for the load off."))
     if abs(m["droop"] - DROOP) > 0.02 * DROOP:
         return Verdict(False, text("The arm droops by {droop:.3g}°; asked are {asked:g}° within 2 %.", droop=m["droop"], asked=DROOP))
-    if m["largest_input"] > SHEET.voltage:
+    if m["largest_input"] > MOTOR_DATA.voltage:
         return Verdict(False, text("It droops by {droop:.3g}°, but asks for {peak:.3g} V; keep to {limit:g} V.", droop=m["droop"],
-                                   peak=m["largest_input"], limit=SHEET.voltage))
+                                   peak=m["largest_input"], limit=MOTOR_DATA.voltage))
     return Verdict(True, text("It droops by {droop:.3g}° and asks for {peak:.3g} V at most.", droop=m["droop"], peak=m["largest_input"]))
 
 
 def _counts(outcome: Outcome[Study]) -> Verdict:
     m, d = outcome.metrics, outcome.design
-    if d["encoder"] != JOINT or round(d["counts"]) != COUNTS or d["gap"] or d["load"] != 1.5 or not d["load_state"]:
+    if d["encoder"] != JOINT or round(d["counts"]) != ENCODER_COUNTS or d["gap"] or d["load"] != 1.5 or not d["load_state"]:
         return Verdict(False, text("Take the counting encoder at the joint with its {counts} counts, no play, the load of 1.5 N m.",
-                                   counts=COUNTS))
+                                   counts=ENCODER_COUNTS))
     late, stray = m["found_after"], m["load_error"]
-    if abs(late - FOUND) > 0.05 * FOUND:
-        return Verdict(False, text("The load is found after {late:.3f} s; asked are {asked:g} s within 5 %.", late=late, asked=FOUND))
+    if abs(late - FOUND_AFTER_S) > 0.05 * FOUND_AFTER_S:
+        return Verdict(
+            False, text("The load is found after {late:.3f} s; asked are {asked:g} s within 5 %.", late=late, asked=FOUND_AFTER_S)
+        )
     if stray > STRAY:
         return Verdict(False, text("Found after {late:.3f} s, but the estimate strays by {stray:.2g} N m at the end; at most {most:g}.",
                                    late=late, stray=stray, most=STRAY))
@@ -67,7 +69,7 @@ def _play(outcome: Outcome[Study]) -> Verdict:
 
 def _supply(outcome: Outcome[Study]) -> Verdict:
     m, d = outcome.metrics, outcome.design
-    least = SHEET.resistance * HEAVY / PARAMETERS.torque
+    least = MOTOR_DATA.resistance * HEAVY / PARAMETERS.torque
     if d["load"] != HEAVY or d["target"] != 60.0:
         return Verdict(False, text("Set the load to {heavy:g} N m and leave the target at 60°.", heavy=HEAVY))
     if d["gap"] or m["angle_error"] > 0.3:
@@ -85,9 +87,9 @@ def _around(q: float, slope: float = 1 / 3) -> tuple[complex, ...]:
 
 
 TASKS = (
-    pencil("cancel", CANCEL),
-    pencil("injection", INJECTION),
-    pencil("seen", SEEN),
+    typed_task("cancel", CANCEL),
+    typed_task("injection", INJECTION),
+    typed_task("seen", DETERMINANT_FORMULA),
     Task("droop", _droops, {"load_state": False, "controller_poles": (-11 - 11j, -11 + 11j), "plain_poles": (-55 - 20j, -55 + 20j)}),
     Task("counts", _counts, {"encoder": JOINT, "observer_poles": _around(20.0)}),
     Task("play", _play, {"gap": 2.0, "encoder": JOINT, "observer_poles": _around(13.0)}),

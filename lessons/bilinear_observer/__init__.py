@@ -1,0 +1,1 @@
+"""Hold the modules of lesson 16, functional observer of a bilinear plant."""

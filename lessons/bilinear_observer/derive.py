@@ -1,4 +1,4 @@
-"""The numbers that stand now in the derivation of lesson 16: the eight steps at the present problem and pole, or on an own plant."""
+"""Compute the numbers in the derivation of lesson 16: the eight steps at the present pole."""
 
 from __future__ import annotations
 
@@ -6,15 +6,15 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from app.lesson.derivation import Value
-from app.lesson.lesson import Outcome
-from app.plants.bilinear import X0
+from observer_lab.course.exercises.derivation import Value
+from observer_lab.course.lesson import Outcome
+from observer_lab.plants.bilinear import X0
 
 from ..toolkit.latex import MOST_ENTRIES
-from .drive import FILTERED, form_index
-from .own_words import Story
-from .page import base_of, pole_of
-from .problems import COMPUTED
+from .input_signals import FILTERED_DERIVATIVE, form_index
+from .own_summary import Story
+from .paper_example import base_of, pole_of
+from .problems import COMPUTED_GAIN
 from .study import DT, Study
 
 LATER = 20  # steps after which the error of the run is compared
@@ -33,7 +33,13 @@ def derived(outcome: Outcome[Study]) -> Mapping[str, Value]:
         pole = pole_of(o, o.L)
         known |= {"base4": float(base_of(o)[0, -1]), "pi": o.pi.item(), "free4": float(o.canonical_Q.zero_left[0, -1]),
                   "L4": float(o.L[0, -1]), "A_star": o.A_star.item(), "B_star": o.B_star.item(), "pole": pole, "p": float(o.asked[0].real)}
-        if design["gain"] == COMPUTED and not design["noise"] and design["form"] != FILTERED and design["kick"] < 0 and len(run.t) > LATER:
+        if (
+            design["gain"] == COMPUTED_GAIN
+            and not design["noise"]
+            and design["form"] != FILTERED_DERIVATIVE
+            and design["kick"] < 0
+            and len(run.t) > LATER
+        ):
             errors = run.errors[:, form_index(design)]
             known |= {"time": LATER * DT, "eps0": float(errors[0]), "eps1": float(errors[LATER])}
     return known
@@ -57,7 +63,7 @@ def own_derived(outcome: Outcome[Story]) -> Mapping[str, Value]:
         known |= {"pi": pi.item(), "A_star": o.A_star.item(), "B_star": o.B_star.item(), "pole": pole}
     if o.order == 1:
         known |= {"p": pole}
-        if len(o.K) == 1 and design["form"] != FILTERED and not design["noise"] and design["kick"] < 0 and len(run.t) > LATER:
+        if len(o.K) == 1 and design["form"] != FILTERED_DERIVATIVE and not design["noise"] and design["kick"] < 0 and len(run.t) > LATER:
             errors = run.errors[:, form_index(design), 0]
             if abs(errors[LATER]) > 1e-9 * float(np.abs(run.estimates).max()):  # beyond that it is rounding
                 known |= {"time": LATER * s.here.dt, "eps0": float(errors[0]), "eps1": float(errors[LATER])}

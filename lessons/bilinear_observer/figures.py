@@ -1,4 +1,4 @@
-"""Figures of the lesson: g and its error, the eight steps, the three cases with singular values, the two forms."""
+"""Draw the figures of lesson 16: g and its error, eight steps, three cases, two forms."""
 
 from __future__ import annotations
 
@@ -7,19 +7,19 @@ from functools import lru_cache
 
 import numpy as np
 
-from app.engine.observers import BilinearObserver
-from app.lesson.claims import claim
-from app.lesson.figures import Curve, Dash, LineFigure, TableFigure
-from app.lesson.later import Sheaf, leaf
-from app.lesson.lesson import Check, Outcome
-from app.plants.bilinear import POLE
-from app.text import same, text, text_in
+from observer_lab.course.figures.claims import claim
+from observer_lab.course.figures.records import Curve, Dash, LineFigure, TableFigure
+from observer_lab.course.lazy import FigureSet, tab_figures
+from observer_lab.course.lesson import Check, Outcome
+from observer_lab.engine.observers import BilinearObserver
+from observer_lab.plants.bilinear import POLE
+from observer_lab.text import same, text, text_in
 
 from ..toolkit.figures import TIME_TAB
-from .drive import HORIZON, form_index
-from .page import DOUBTED, LINES, words
-from .problems import PAPER, PROBLEMS
-from .record import Record
+from .input_signals import HORIZON, form_index
+from .paper_example import DOUBTED, PRINTED_LINES, words
+from .problems import PAPER_PROBLEM, PROBLEMS
+from .run_record import Record
 from .study import FORM_NAMES, Study
 
 STEPS_TAB = text("Eight steps")
@@ -43,8 +43,8 @@ def steps_figures(problem: str, o: BilinearObserver, step: int, line: str) -> tu
 
 
 def _step(problem: str, o: BilinearObserver, step: int) -> TableFigure:
-    printed = problem == PAPER
-    rows = tuple((line.name, line.printed if printed else "—", words(line.ours(o))) for line in LINES if line.step == step)
+    printed = problem == PAPER_PROBLEM
+    rows = tuple((line.name, line.printed if printed else "—", words(line.ours(o))) for line in PRINTED_LINES if line.step == step)
     heading = HEADINGS[step - 1]
     moved = printed and step >= 6 and o.asked[0].real != POLE
     caption = (text("The paper works this problem for the pole −30 only; the last column follows your pole.") if moved
@@ -55,7 +55,7 @@ def _step(problem: str, o: BilinearObserver, step: int) -> TableFigure:
 
 
 def _page(line: str) -> TableFigure:
-    o = PROBLEMS[PAPER].solved
+    o = PROBLEMS[PAPER_PROBLEM].solved
     rows = []
     for each in DOUBTED:
         assert each.alone is not None
@@ -75,13 +75,13 @@ def _page(line: str) -> TableFigure:
                        tuple(rows), tab=STEPS_TAB, caption=caption)
 
 
-def figures(outcome: Outcome[Study]) -> Sheaf:
+def figures(outcome: Outcome[Study]) -> FigureSet:
     """Everything on the right of the stage."""
     design, observer, run = outcome.design, outcome.study.observer, outcome.study.run
-    return Sheaf(leaf(TIME_TAB, lambda: (_functional(outcome, run), _error(outcome, run), _input(run))),
-                 leaf(STEPS_TAB, lambda: steps_figures(design["problem"], observer, int(design["step"]), design["line"])),
-                 leaf(CASES_TAB, lambda: (lights(outcome.checks), _singular(observer), _problems(design["problem"]))),
-                 leaf(FORMS_TAB, lambda: (_forms(run), _fed(run, design["tau"]))))
+    return FigureSet(tab_figures(TIME_TAB, lambda: (_functional(outcome, run), _error(outcome, run), _input(run))),
+                 tab_figures(STEPS_TAB, lambda: steps_figures(design["problem"], observer, int(design["step"]), design["line"])),
+                 tab_figures(CASES_TAB, lambda: (lights(outcome.checks), _singular(observer), _problems(design["problem"]))),
+                 tab_figures(FORMS_TAB, lambda: (_forms(run), _fed(run, design["tau"]))))
 
 
 def _functional(outcome: Outcome[Study], run: Record) -> LineFigure:

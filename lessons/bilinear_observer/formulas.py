@@ -1,16 +1,16 @@
-"""The live formulas of each of the eight steps."""
+"""Write the live formulas of the eight design steps."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from app.engine.observers import BilinearForm, BilinearObserver
-from app.lesson.lesson import Formula
+from observer_lab.course.lesson import Formula
+from observer_lab.engine.observers import BilinearForm, BilinearObserver
 
 from ..toolkit.latex import MOST_ENTRIES, matrix, number, pole_words
-from .page import base_of, pole_of
+from .paper_example import base_of, pole_of
 
-BLOCK = r"\begin{bmatrix} FT_2 & AT_3 & FT_3 \end{bmatrix}"
+BLOCK_MATRIX = r"\begin{bmatrix} FT_2 & AT_3 & FT_3 \end{bmatrix}"
 BLOCKS = r"\begin{bmatrix} F_jT_2 & AT_3 & F_jT_3 \end{bmatrix}_{j=1,\ldots,%d}"  # of several inputs
 P = "(V_2 - LV_1)"
 EMPTY = r"\varnothing"
@@ -29,7 +29,7 @@ def _is(name: str, left: str, M: np.ndarray, digits: int = 4) -> Formula:
 def formulas_of(o: BilinearObserver, L: np.ndarray, plain: BilinearForm, step: int) -> tuple[Formula, ...]:
     """The equations of one step with their present entries; L (1×m) and `plain` are what runs."""
     c, k = o.canonical_Q, o.plant.inputs
-    block, times = (BLOCK, "uF") if k == 1 else (BLOCKS % k, r"\textstyle\sum_j u_jF_j")
+    block, times = (BLOCK_MATRIX, "uF") if k == 1 else (BLOCKS % k, r"\textstyle\sum_j u_jF_j")
     match step:
         case 1:
             return (Formula("x", r"x = T_1 y + T_2 \mu + T_3 \eta"), _is("K1", r"K_1 = K \bar C^R", o.K1),

@@ -1,15 +1,15 @@
-"""Knobs of the lesson: the step shown, the problem, the input, the pole and the gain, the form that runs."""
+"""Define the knobs of lesson 16: step, problem, input, pole, gain, form."""
 
 from __future__ import annotations
 
-from app.lesson.knobs import Choice, Number, Poles, Track
-from app.plants.bilinear import POLE
-from app.text import same, text, text_in
+from observer_lab.course.knobs import Choice, Number, Poles, Track
+from observer_lab.plants.bilinear import POLE
+from observer_lab.text import same, text, text_in
 
 from ..toolkit.knobs import run_knobs
-from .drive import FORMS, HORIZON, PLAIN
-from .page import OPTIONS
-from .problems import COMPUTED, PAPER, PRINTED, PROBLEMS, ROUNDED, TYPED
+from .input_signals import FORMS, HORIZON, PLAIN_FORM
+from .paper_example import OPTIONS
+from .problems import AS_PRINTED, COMPUTED_GAIN, PAPER_PROBLEM, PROBLEMS, ROUNDED_GAIN, TYPED_GAIN
 from .study import FORM_NAMES, OBSERVER_WINDOW
 
 MOST_INPUT = 4.0
@@ -18,7 +18,7 @@ SHAPED = ("step", *MOVING, "random")
 KNOBS = (
     Number("step", "", text("step of the algorithm"), low=1, high=8, default=1, scale="integer",
            hint=text("The formulas and the tab Eight steps show this step.")),
-    Choice("problem", "", text("problem"), default=PAPER,
+    Choice("problem", "", text("problem"), default=PAPER_PROBLEM,
            options=tuple((p.id, p.label) for p in PROBLEMS.values()),
            hint=text("Which gauges are lit, and which number is wanted.")),
     Choice("input", "u", text("input"), default="sine", options=(
@@ -35,15 +35,15 @@ KNOBS = (
     Track("hand", "u", text("input by hand"), low=-MOST_INPUT, high=MOST_INPUT, when=("input", ("hand",)),
           hint=text("Slow the clock down, press play and move this.")),
     Poles("pole", "p", text("Observer pole"), "rad/s", default=(complex(POLE),), re_low=OBSERVER_WINDOW.re_low,
-          re_high=OBSERVER_WINDOW.re_high, im_high=OBSERVER_WINDOW.im_high, role="estimate", when=("problem", (PAPER,)),
+          re_high=OBSERVER_WINDOW.re_high, im_high=OBSERVER_WINDOW.im_high, role="estimate", when=("problem", (PAPER_PROBLEM,)),
           hint=text("Real, since the observer has one state; step 6 finds π for it.")),
-    Choice("gain", "L", text("gain"), default=COMPUTED, when=("problem", (PAPER,)), options=(
-        (COMPUTED, text("computed")), (PRINTED, text("L as the paper prints it")),
-        (TYPED, text("with L₄ typed")), (ROUNDED, text("step 8 in printed decimals"))),
+    Choice("gain", "L", text("gain"), default=COMPUTED_GAIN, when=("problem", (PAPER_PROBLEM,)), options=(
+        (COMPUTED_GAIN, text("computed")), (AS_PRINTED, text("L as the paper prints it")),
+        (TYPED_GAIN, text("with L₄ typed")), (ROUNDED_GAIN, text("step 8 in printed decimals"))),
         hint=text("What runs: our numbers, or those of the paper taken at their word.")),
-    Number("l4", r"L_4", same("L₄"), low=0.0, high=14.0, default=9.0, step=0.01, when=("gain", (TYPED,)),
+    Number("l4", r"L_4", same("L₄"), low=0.0, high=14.0, default=9.0, step=0.01, when=("gain", (TYPED_GAIN,)),
            hint=text("The other entries stay as computed.")),
-    Choice("form", "", text("form of the observer"), default=PLAIN,
+    Choice("form", "", text("form of the observer"), default=PLAIN_FORM,
            options=tuple(zip(FORMS, FORM_NAMES, strict=True)),
            hint=text("Which estimate the ghost shows; the first is (18) with (19), the second (17) with (13).")),
     Number("tau", r"\tau", text("differentiator's time constant"), "s", low=0.001, high=0.1, default=0.02,

@@ -1,4 +1,4 @@
-"""The lesson on a person's own bilinear plant: any K with any number of rows, chosen poles, what fails and what to change."""
+"""Compute lesson 16 on the user's own bilinear plant: any K, chosen poles, failed conditions."""
 
 from __future__ import annotations
 
@@ -8,22 +8,22 @@ from functools import partial
 
 import numpy as np
 
-from app.lesson.later import Later, LaterItems, LaterMap
-from app.lesson.lesson import Board, Check, Design, Lesson, Outcome, Stage
-from app.plants import Model
-from app.text import text
+from observer_lab.course.lazy import LazyMap, LazySequence, LazyValue
+from observer_lab.course.lesson import Board, Check, Design, Lesson, Outcome, Stage
+from observer_lab.plants import Model
+from observer_lab.text import text
 
 from ..toolkit.boards import listed
 from ..toolkit.figures import settle_time
 from .code import own_code
 from .derive import own_derived
-from .drive import columns, form_index, number_of
 from .formulas import own_formulas
+from .input_signals import columns, form_index, number_of
 from .own_figures import figures
 from .own_knobs import own_knobs
 from .own_plant import Here, error_matrix, fitted
 from .own_run import forms_at, run_of
-from .own_words import LAW, Story, live
+from .own_summary import LAW, Story, live
 from .study import promises
 
 
@@ -35,11 +35,11 @@ def compute(here: Here, design: Design) -> Outcome[Story]:
     poles = np.sort_complex(np.linalg.eigvals(error_matrix(wanted.solved, L)).astype(complex))
     run = run_of(here, design, wanted, L)
     story = Story(here, wanted, L, forms_at(wanted, L)[1], poles, run)
-    metrics, plants = LaterMap(lambda: _metrics(design, story)), np.sort_complex(np.asarray(here.model.plant.poles, dtype=complex))
-    return Outcome(design, {"L": L}, {"observer": poles, "plant": plants}, metrics, LaterItems(lambda: _checks(story, metrics)), None,
-                   _boards(design, story), _stage(design, story), LaterItems(lambda: own_formulas(
+    metrics, plants = LazyMap(lambda: _metrics(design, story)), np.sort_complex(np.asarray(here.model.plant.poles, dtype=complex))
+    return Outcome(design, {"L": L}, {"observer": poles, "plant": plants}, metrics, LazySequence(lambda: _checks(story, metrics)), None,
+                   _boards(design, story), _stage(design, story), LazySequence(lambda: own_formulas(
                        wanted.solved, L, story.plain, wanted.pi(asked), poles, int(design["step"]))),
-                   Later(lambda: live(design, story, metrics)), story)
+                   LazyValue(lambda: live(design, story, metrics)), story)
 
 
 def _metrics(design: Design, s: Story) -> dict[str, float]:

@@ -1,37 +1,37 @@
-"""Figures of the lesson on a person's own plant: g and its error, the lights, every wanted g, the three forms."""
+"""Draw the figures for an own bilinear plant: g, error, conditions, the three forms."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from app.lesson.claims import claim
-from app.lesson.figures import Curve, Dash, LineFigure, TableFigure
-from app.lesson.later import Sheaf, leaf
-from app.lesson.lesson import Outcome
-from app.text import joined, listed, same, text, text_in
+from observer_lab.course.figures.claims import claim
+from observer_lab.course.figures.records import Curve, Dash, LineFigure, TableFigure
+from observer_lab.course.lazy import FigureSet, tab_figures
+from observer_lab.course.lesson import Outcome
+from observer_lab.text import joined, listed, same, text, text_in
 
 from ..toolkit.boards import listed as in_pairs
 from ..toolkit.figures import TIME_TAB
 from ..toolkit.latex import pole_words
-from .drive import columns, form_index
 from .figures import CASES_TAB, FORMS_TAB, HEADINGS, STEPS_TAB, lights
-from .own_words import LAW, Story
+from .input_signals import columns, form_index
+from .own_summary import LAW, Story
 from .study import FORM_NAMES, bound, counts
 
-DRAWN = 3  # rows of g in a figure
+MAX_DRAWN_ROWS = 3  # rows of g in a figure
 MOST_CELLS = 12  # entries of a matrix that a table writes out
 ROLES = (("plant", "estimate"), ("second", "disturbance"), ("force", "error"))
-WINDOW = (1e-6, 1.0)
+ERROR_RANGE = (1e-6, 1.0)
 LOWERED = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 
 
-def figures(outcome: Outcome[Story]) -> Sheaf:
+def figures(outcome: Outcome[Story]) -> FigureSet:
     """Everything on the right of the stage."""
     s = outcome.study
-    return Sheaf(leaf(TIME_TAB, lambda: (_functional(outcome), _error(outcome), _input(outcome))),
-                 leaf(STEPS_TAB, lambda: (_step(outcome),)),
-                 leaf(CASES_TAB, lambda: (lights(outcome.checks), _conditions(s), _wanted(s))),
-                 leaf(FORMS_TAB, lambda: (_forms(s), _fed(outcome))))
+    return FigureSet(tab_figures(TIME_TAB, lambda: (_functional(outcome), _error(outcome), _input(outcome))),
+                 tab_figures(STEPS_TAB, lambda: (_step(outcome),)),
+                 tab_figures(CASES_TAB, lambda: (lights(outcome.checks), _conditions(s), _wanted(s))),
+                 tab_figures(FORMS_TAB, lambda: (_forms(s), _fed(outcome))))
 
 
 def _sizes(s: Story) -> np.ndarray:
@@ -45,7 +45,7 @@ def _functional(outcome: Outcome[Story]) -> LineFigure:
     several = len(w.rows) > 1
     size = _sizes(s) if several else np.ones(1)
     curves = []
-    for i, name in enumerate(w.rows[:DRAWN]):
+    for i, name in enumerate(w.rows[:MAX_DRAWN_ROWS]):
         true, guess = ROLES[i]
         estimated = text("{name}, estimated {form}", name=name, form=FORM_NAMES[index])
         curves += [Curve(name, run.g[:, i] / size[i], true), Curve(estimated, run.estimates[:, index, i] / size[i], guess, "dash")]
@@ -59,10 +59,10 @@ def _functional(outcome: Outcome[Story]) -> LineFigure:
 
 def _error(outcome: Outcome[Story]) -> LineFigure:
     s, m, index = outcome.study, outcome.metrics, form_index(outcome.design)
-    size, rows = _sizes(s), s.wanted.rows[:DRAWN]
+    size, rows = _sizes(s), s.wanted.rows[:MAX_DRAWN_ROWS]
     curves = [Curve(text("|ε| of {name}", name=name), np.abs(s.run.errors[:, index, i]) / size[i], ROLES[i][1])
               for i, name in enumerate(rows)]
-    if len(rows) < DRAWN:
+    if len(rows) < MAX_DRAWN_ROWS:
         curves += [Curve(text("law of {name}", name=name), np.abs(s.run.law[:, i]) / size[i], "reference", "dash", 1.6)
                    for i, name in enumerate(rows)]
     said = claim(text("|ε| follows ẇ = A_L w to within {law_gap:.0e} of its peak, whatever u does.", law_gap=m["law_gap"]), m["law_gap"],
@@ -70,8 +70,17 @@ def _error(outcome: Outcome[Story]) -> LineFigure:
                                            late=m["late_error"]))
     if s.wanted.solved.case == 1:  # at some u it may follow a law all the same
         said = text("No L frees |ε| from u and x: in the last tenth of the run it is up to {late:.2g} of g.", late=m["late_error"])
-    return LineFigure("error", text("error ε = ĝ − g over the largest g"), s.run.t, tuple(curves), "|ε| / |g|", log_y=True, window=WINDOW,
-                      tab=TIME_TAB, caption=said)
+    return LineFigure(
+        "error",
+        text("error ε = ĝ − g over the largest g"),
+        s.run.t,
+        tuple(curves),
+        "|ε| / |g|",
+        log_y=True,
+        window=ERROR_RANGE,
+        tab=TIME_TAB,
+        caption=said,
+    )
 
 
 def _input(outcome: Outcome[Story]) -> LineFigure:
@@ -162,7 +171,7 @@ def _forms(s: Story) -> LineFigure:
     styles: tuple[tuple[str, Dash], ...] = (("error", "solid"), ("second", "dot"), ("disturbance", "dash"))
     curves = tuple(Curve(name, part, *style) for name, part, style in zip(FORM_NAMES, worst.T, styles, strict=True))
     return LineFigure("forms", text("|ε| of the three ways to run it, over the largest g"), run.t, curves, "|ε| / |g|", log_y=True,
-                      window=WINDOW, tab=FORMS_TAB, caption=text(
+                      window=ERROR_RANGE, tab=FORMS_TAB, caption=text(
                           "In the second half of the run the error is up to {late:.2g} of g without ẏ, {late2:.2g} with the true ẏ and "
                           "{late3:.2g} with a differentiator.", late=late[0], late2=late[1], late3=late[2]))
 

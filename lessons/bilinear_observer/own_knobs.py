@@ -1,12 +1,12 @@
-"""Knobs of the lesson on a person's own plant: what is wanted, the inputs, the poles, the form that runs, the noise."""
+"""Define the knobs for an own bilinear plant: wanted g, inputs, poles, form, noise."""
 
 from __future__ import annotations
 
-from app.lesson.knobs import Choice, Knob, Number, Poles, Track
-from app.text import text, text_in
+from observer_lab.course.knobs import Choice, Knob, Number, Poles, Track
+from observer_lab.text import text, text_in
 
 from ..toolkit.knobs import run_knobs
-from .drive import FILTERED, FORMS, PLAIN
+from .input_signals import FILTERED_DERIVATIVE, FORMS, PLAIN_FORM
 from .knobs import MOVING, SHAPED
 from .own_plant import Here, omega_of
 from .study import FORM_NAMES
@@ -42,10 +42,10 @@ def own_knobs(here: Here) -> tuple[Knob, ...]:
         *(Poles(f"poles_{w.id}", "p", text("Observer poles"), "rad/s", default=w.poles, re_low=w.window.re_low, re_high=w.window.re_high,
                 im_high=w.window.im_high, role="estimate", when=("wanted", (w.id,)),
                 hint=text("Those that π moves; poles that stay put in every L are bolted.")) for w in here.wanted if w.poles),
-        Choice("form", "", text("form of the observer"), default=PLAIN, options=tuple(zip(FORMS, FORM_NAMES, strict=True)),
+        Choice("form", "", text("form of the observer"), default=PLAIN_FORM, options=tuple(zip(FORMS, FORM_NAMES, strict=True)),
                hint=text("Which estimate the ghost shows; the first is (18) with (19), the second (17) with (13).")),
         Number("tau", r"\tau", text("differentiator's time constant"), "s", low=here.horizon / 2000, high=here.horizon / 20,
-               default=here.horizon / 100, scale="log", when=("form", (FILTERED,)), hint=text("ẏ is replaced by s/(τs + 1) y.")),
+               default=here.horizon / 100, scale="log", when=("form", (FILTERED_DERIVATIVE,)), hint=text("ẏ is replaced by s/(τs + 1) y.")),
         Number("noise", r"\sigma", text("noise of each sensor"), "%", low=0.0, high=10.0, default=0.0, step=0.1,
                hint=text("The standard deviation of what each sensor adds to y, as a share of what it reads at most in the first run.")),
         run_knobs(here.horizon)[1],

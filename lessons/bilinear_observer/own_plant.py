@@ -1,4 +1,4 @@
-"""A person's own bilinear plant: does it fit, which numbers g = K x may be wanted of it, and the scales of its run."""
+"""Check an own bilinear plant, list the possible g = K x, and scale its run."""
 
 from __future__ import annotations
 
@@ -6,25 +6,25 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from app.engine import BilinearPlant, EngineError, Plant, bilinear_functional_observer, simulate_bilinear
-from app.engine.design import StartingGain, shift_poles, starting_feedback, typical_rate
-from app.engine.observers import BilinearForm, BilinearObserver
-from app.lesson.knobs import KnobError
-from app.plants import Model
-from app.plants.body import Body
-from app.plants.model import Window
-from app.plants.names import called
-from app.plants.own import board_of
-from app.plants.own_body import MOST_IN_ROW, tubes_body
-from app.text import Text, lowered, same, text
+from observer_lab.course.knobs import KnobError
+from observer_lab.engine import BilinearPlant, EngineError, Plant, bilinear_functional_observer, simulate_bilinear
+from observer_lab.engine.design import StartingGain, shift_poles, starting_feedback, typical_rate
+from observer_lab.engine.observers import BilinearForm, BilinearObserver
+from observer_lab.plants import Model
+from observer_lab.plants.bodies.body import Body
+from observer_lab.plants.bodies.own_body import MOST_IN_ROW, tubes_body
+from observer_lab.plants.model import Window
+from observer_lab.plants.own_plant import board_of
+from observer_lab.plants.signal_names import signal_name
+from observer_lab.text import Text, same, subscript, text
 
-from .drive import columns, together, wave
-from .page import base_of
+from .input_signals import columns, together, wave
+from .paper_example import base_of
 
-STEPS = 400  # of a run
+RUN_STEPS = 400  # of a run
 MOST_SINGLE = 8  # states that may be wanted one by one
-SPAN, GROWTH = 6.0, 8.0  # a run is this many typical times long, or e^GROWTH of what grows fastest
-QUICK = 25.0  # how eager the observer begins
+RUN_TYPICAL_TIMES, MAX_GROWTH_EXPONENT = 6.0, 8.0  # a run is this many typical times long, or e^GROWTH of what grows fastest
+START_EAGERNESS = 25.0  # how eager the observer begins
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,7 +94,7 @@ class Here:
     def names(self) -> tuple[Text, ...]:
         """What the inputs are called."""
         p = self.model.plant
-        return tuple(called(p, name) for name in p.input_names[:self.plant.inputs])
+        return tuple(signal_name(p, name) for name in p.input_names[:self.plant.inputs])
 
     @property
     def units(self) -> tuple[str, ...]:
@@ -110,7 +110,7 @@ class Here:
     @property
     def dt(self) -> float:
         """The step of a run in s."""
-        return self.horizon / STEPS
+        return self.horizon / RUN_STEPS
 
     def of(self, id: str) -> Wanted:
         """The choice of that name."""
@@ -138,7 +138,7 @@ def fitted(model: Model) -> Here:
     plant = BilinearPlant(p.A, p.B[:, :count], F, p.C)
     rate = typical_rate(p)
     growing = float(np.max(np.real(p.poles)))
-    horizon = float(f"{min(SPAN / rate, GROWTH / growing if growing > 0 else np.inf):.2g}")
+    horizon = float(f"{min(RUN_TYPICAL_TIMES / rate, MAX_GROWTH_EXPONENT / growing if growing > 0 else np.inf):.2g}")
     here = Here(model, plant, (), _strength(model, plant, rate), horizon, np.ones(p.p))
     x, u = _first_run(here)
     readings = np.max(np.abs(x @ p.C.T), axis=0)
@@ -184,13 +184,13 @@ def _choices(model: Model) -> list[tuple[str, Text, tuple[Text, ...], tuple[str,
     p, K, one = model.plant, model.beyond.K, np.eye(model.plant.n)
     found = []
     if K is not None:
-        names = tuple(same("g" if len(K) == 1 else lowered(f"g{i + 1}")) for i in range(len(K)))
+        names = tuple(same("g" if len(K) == 1 else subscript(f"g{i + 1}")) for i in range(len(K)))
         found.append(("K", text("g = K x of the file, {count} numbers", count=len(K)) if len(K) > 1 else text("g = K x of the file"),
                       names, ("",) * len(K), K))
         if len(K) > 1:
             found += [(f"g{i + 1}", text("row {row} of K alone", row=i + 1), (names[i],), ("",), K[i:i + 1]) for i in range(len(K))]
     unseen = [i for i in range(p.n) if np.linalg.matrix_rank(np.vstack([_even(p.C), one[i]]), 1e-9) > p.p]
-    found += [(f"x{i + 1}", text("state {name}", name=called(p, p.state_names[i])), (called(p, p.state_names[i]),),
+    found += [(f"x{i + 1}", text("state {name}", name=signal_name(p, p.state_names[i])), (signal_name(p, p.state_names[i]),),
                (p.unit(p.state_names[i]),), one[i:i + 1]) for i in unseen[:MOST_SINGLE]]
     return found
 
@@ -203,7 +203,7 @@ def _even(C: np.ndarray) -> np.ndarray:
 def _choice(here: Here, id: str, label: Text, rows: tuple[Text, ...], units: tuple[str, ...], o: BilinearObserver, full: np.ndarray,
             sizes: np.ndarray, u: np.ndarray) -> Wanted:
     p = here.model.plant
-    start = starting_feedback(Plant(o.A_star, o.B_star, np.eye(o.order)), eager=QUICK) if o.case == 3 else None
+    start = starting_feedback(Plant(o.A_star, o.B_star, np.eye(o.order)), eager=START_EAGERNESS) if o.case == 3 else None
     if start is not None:
         shown = board_of(start, 0.0)
         poles, window = shown.poles, shown.window
@@ -217,7 +217,7 @@ def _choice(here: Here, id: str, label: Text, rows: tuple[Text, ...], units: tup
     told = (text("A tube for each state, lit where a sensor reads it alone, and on the right one for each row of g with its ghost ĝ; green "
                  "arrow: u.") if few else
             text("Tubes for states that no sensor reads alone, and on the right one for each row of g with its ghost ĝ; green arrow: u."))
-    body = replace(tubes_body([*(called(p, p.state_names[k]) for k in states), *rows], [*full[states].tolist(), *sizes.tolist()],
+    body = replace(tubes_body([*(signal_name(p, p.state_names[k]) for k in states), *rows], [*full[states].tolist(), *sizes.tolist()],
                               measured if few else (), [float(s) or 1.0 for s in np.max(np.abs(u), axis=0)]), caption=told)
     return Wanted(id, label, rows, units, o, start, poles, window, body, np.array([*states, *range(p.n, p.n + len(rows))]), sizes)
 

@@ -1,4 +1,4 @@
-"""A run of a person's own bilinear plant beside three forms of its observer, with the noise of its sensors."""
+"""Simulate an own bilinear plant beside three observer forms with sensor noise."""
 
 from __future__ import annotations
 
@@ -6,12 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.engine.observers import BilinearForm, BilinearRun
-from app.lesson.lesson import Design
+from observer_lab.course.lesson import Design
+from observer_lab.engine.observers import BilinearForm, BilinearRun
 
-from .drive import Signal, form_index, joined, noise_values, promised, signal, together
+from .input_signals import Signal, form_index, joined, noise_values, promised, signal, together
 from .own_plant import Here, Wanted, error_matrix
-from .record import Record, Setting, end_to_end, fed_of, kicked_at, whole
+from .run_record import Record, Setting, end_to_end, fed_of, kicked_at, whole
 
 HELD_SHARE = 1e-4  # of the largest |ĝ| and |g|: an error below this is compared with that, for digits' sake
 

@@ -1,4 +1,4 @@
-"""Four problems on one plant, one for each thing that can happen when an observer is sought."""
+"""Define four problems on one plant, one for each possible outcome of the design."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from types import MappingProxyType
 
 import numpy as np
 
-from app.engine import BilinearPlant, bilinear_functional_observer
-from app.engine.observers import BilinearObserver
-from app.plants import bilinear as example
-from app.plants.body import Body
-from app.plants.gauge_body import gauge_body
-from app.text import Text, text
+from observer_lab.engine import BilinearPlant, bilinear_functional_observer
+from observer_lab.engine.observers import BilinearObserver
+from observer_lab.plants import bilinear as example
+from observer_lab.plants.bodies.body import Body
+from observer_lab.plants.bodies.gauge_body import gauge_body
+from observer_lab.text import Text, text
 
-PAPER, BLIND, TUNED, STUCK = "paper", "three", "three-fitting", "stuck"
+PAPER_PROBLEM, THREE_SENSORS, FITTING_SENSORS, NO_SOLUTION = "paper", "three", "three-fitting", "stuck"
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,10 +53,10 @@ def _fitting() -> np.ndarray:
 
 
 PROBLEMS: Mapping[str, Problem] = MappingProxyType({p.id: p for p in (
-    _problem(PAPER, text("as in the paper: x₁ … x₄ measured"), (0, 1, 2, 3), example.K),
-    _problem(BLIND, text("only x₁, x₂, x₃ measured"), (0, 1, 2), example.K),
-    _problem(TUNED, text("x₁, x₂, x₃ measured, another K"), (0, 1, 2), _fitting()),
-    _problem(STUCK, text("x₁, x₃, x₅, x₆ measured"), (0, 2, 4, 5), example.K),
+    _problem(PAPER_PROBLEM, text("as in the paper: x₁ … x₄ measured"), (0, 1, 2, 3), example.WANTED_ROW),
+    _problem(THREE_SENSORS, text("only x₁, x₂, x₃ measured"), (0, 1, 2), example.WANTED_ROW),
+    _problem(FITTING_SENSORS, text("x₁, x₂, x₃ measured, another K"), (0, 1, 2), _fitting()),
+    _problem(NO_SOLUTION, text("x₁, x₃, x₅, x₆ measured"), (0, 2, 4, 5), example.WANTED_ROW),
 )})
 
 
@@ -65,4 +65,4 @@ def nearest_gain(observer: BilinearObserver) -> np.ndarray:
     return observer.right @ np.linalg.pinv(observer.Q)
 
 
-COMPUTED, PRINTED, TYPED, ROUNDED = "computed", "printed", "typed", "rounded"
+COMPUTED_GAIN, AS_PRINTED, TYPED_GAIN, ROUNDED_GAIN = "computed", "printed", "typed", "rounded"

@@ -1,4 +1,4 @@
-"""What a design leads to: the eight steps, and the plant under any input beside three forms of one observer."""
+"""Compute a design of lesson 16: eight steps, and the run of three observer forms."""
 
 from __future__ import annotations
 
@@ -7,26 +7,26 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.engine import BilinearPlant
-from app.engine.observers import BilinearForm, BilinearObserver
-from app.lesson.claims import claim
-from app.lesson.later import Later, LaterItems, LaterMap
-from app.lesson.lesson import Board, Check, Design, Outcome, Stage
-from app.plants.bilinear import PLANT, PRINTED_FORM, PRINTED_L, X0
-from app.plants.body import Body
-from app.plants.model import Window
-from app.text import Text, text, written
+from observer_lab.course.figures.claims import claim
+from observer_lab.course.lazy import LazyMap, LazySequence, LazyValue
+from observer_lab.course.lesson import Board, Check, Design, Outcome, Stage
+from observer_lab.engine import BilinearPlant
+from observer_lab.engine.observers import BilinearForm, BilinearObserver
+from observer_lab.plants.bilinear import BILINEAR_PLANT, PRINTED_FORM, PRINTED_L, X0
+from observer_lab.plants.bodies.body import Body
+from observer_lab.plants.model import Window
+from observer_lab.text import Text, format_number, text
 
 from ..toolkit.boards import listed
 from ..toolkit.figures import settle_time
-from .drive import HORIZON, form_index, joined, noise_values, promised, signal
 from .formulas import formulas_of
-from .page import pole_of, words
-from .problems import COMPUTED, PAPER, PRINTED, PROBLEMS, ROUNDED, nearest_gain
-from .record import Record, Setting, end_to_end, fed_of, kicked_at, whole
+from .input_signals import HORIZON, form_index, joined, noise_values, promised, signal
+from .paper_example import pole_of, words
+from .problems import AS_PRINTED, COMPUTED_GAIN, PAPER_PROBLEM, PROBLEMS, ROUNDED_GAIN, nearest_gain
+from .run_record import Record, Setting, end_to_end, fed_of, kicked_at, whole
 
 DT = 0.005
-KICK = (0.0, 0.0, 0.0, 0.0, 2.0, 0.0)
+STATE_JUMP = (0.0, 0.0, 0.0, 0.0, 2.0, 0.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,7 +42,7 @@ def watch(plant: BilinearPlant, K: np.ndarray, plain: BilinearForm, exact: Bilin
     tau, last = design["tau"], round(HORIZON / DT)
     x0, start = np.array(X0), (exact.R @ plant.C @ X0).item()
     z0 = np.array([design["chi0"], design["chi0"] + start, design["chi0"] + start, start])
-    setting = Setting(plant, joined(plain, exact, tau), np.repeat(K, 3, axis=0), signal(design), x0, z0, np.array(KICK),
+    setting = Setting(plant, joined(plain, exact, tau), np.repeat(K, 3, axis=0), signal(design), x0, z0, np.array(STATE_JUMP),
                       kicked_at(design["kick"], DT, last), last, DT)
     still = setting.pieces(None)
     pieces = setting.pieces(design["noise"] * noise_values(design, last + 1, plant.m)) if design["noise"] else still
@@ -56,37 +56,37 @@ def watch(plant: BilinearPlant, K: np.ndarray, plain: BilinearForm, exact: Bilin
 
 FORM_NAMES = (text("without ẏ"), text("with the true ẏ"), text("with a differentiator"))
 OBSERVER_WINDOW, PLANT_WINDOW = Window(-60.0, 20.0, 20.0), Window(-30.0, 10.0, 12.0)
-PLANT_POLES = np.sort_complex(np.linalg.eigvals(PLANT.A))
+PLANT_POLES = np.sort_complex(np.linalg.eigvals(BILINEAR_PLANT.A))
 PLANT_POLES.setflags(write=False)
 
 
 def compute(design: Design) -> Outcome[Study]:
     """The eight steps for the problem and the pole, and one run of all three forms under the chosen input."""
     problem = PROBLEMS[design["problem"]]
-    paper = problem.id == PAPER
+    paper = problem.id == PAPER_PROBLEM
     observer = problem.observer(design["pole"][0].real) if paper else problem.solved
     L = _gain(design, observer)
     exact, plain = observer.forms(L)
-    if paper and design["gain"] == ROUNDED:
+    if paper and design["gain"] == ROUNDED_GAIN:
         plain = PRINTED_FORM
     running = plain if form_index(design) == 0 else exact
     pole = PRINTED_FORM.A.item() if running is PRINTED_FORM else pole_of(observer, L)
     run = watch(problem.plant, problem.K, plain, exact, design, pole)
-    metrics = LaterMap(lambda: _metrics(design, observer, run, pole) | (
+    metrics = LazyMap(lambda: _metrics(design, observer, run, pole) | (
         _noise(design, run, joined(running, running, design["tau"]), problem.plant.m) if design["noise"] else {}))
     return Outcome(design, {"L": L}, {"observer": np.array([complex(pole)]), "plant": PLANT_POLES}, metrics,
-                   LaterItems(lambda: _checks(observer, metrics)), None, _boards(design, observer, pole),
-                   _stage(problem.body, design, run), LaterItems(lambda: formulas_of(observer, L, plain, int(design["step"]))),
-                   Later(lambda: _live(design, observer, metrics)), Study(observer, run))
+                   LazySequence(lambda: _checks(observer, metrics)), None, _boards(design, observer, pole),
+                   _stage(problem.body, design, run), LazySequence(lambda: formulas_of(observer, L, plain, int(design["step"]))),
+                   LazyValue(lambda: _live(design, observer, metrics)), Study(observer, run))
 
 
 def _gain(design: Design, observer: BilinearObserver) -> np.ndarray:
     """L (1×m) of the run: computed, of the paper, with L₄ typed, or of least squares where none meets (20)."""
     if observer.L is None:
         return nearest_gain(observer)
-    if design["problem"] != PAPER or design["gain"] in (COMPUTED, ROUNDED):
+    if design["problem"] != PAPER_PROBLEM or design["gain"] in (COMPUTED_GAIN, ROUNDED_GAIN):
         return observer.L
-    if design["gain"] == PRINTED:
+    if design["gain"] == AS_PRINTED:
         return PRINTED_L
     typed = observer.L.copy()
     typed[0, 3] = design["l4"]
@@ -152,7 +152,7 @@ def promises(o: BilinearObserver) -> tuple[Check, Check, Check]:
 
 
 def _boards(design: Design, o: BilinearObserver, pole: float) -> tuple[Board, Board]:
-    paper = design["problem"] == PAPER
+    paper = design["problem"] == PAPER_PROBLEM
     seen = listed(np.array([complex(pole)]))
     title = (text("observer pole  A* − B*π") if o.case == 3
              else text("observer pole  (V₂ − LV₁)AT₂"))
@@ -162,7 +162,7 @@ def _boards(design: Design, o: BilinearObserver, pole: float) -> tuple[Board, Bo
         Board("observer", title, seen if paper else (), "pole" if paper else None, fixed=() if paper or o.case == 1 else seen,
               role="estimate", side="right", re_low=OBSERVER_WINDOW.re_low, re_high=OBSERVER_WINDOW.re_high,
               im_high=OBSERVER_WINDOW.im_high,
-              also=(("gain", COMPUTED),) if paper else ()),
+              also=(("gain", COMPUTED_GAIN),) if paper else ()),
     )
 
 
@@ -172,7 +172,7 @@ def _stage(body: Body, design: Design, run: Record) -> Stage:
 
 
 def _live(design: Design, o: BilinearObserver, m: Mapping[str, float]) -> Text:
-    pole, late = words(np.array([m["pole"]]), 2), written(m["late_error"], ".1e")
+    pole, late = words(np.array([m["pole"]]), 2), format_number(m["late_error"], ".1e")
     if o.case == 1:
         return text("Case 1: no L frees ε from u and x. The nearest one leaves ε at {late} when the run ends.",
                     late=late)

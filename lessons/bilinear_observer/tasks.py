@@ -1,26 +1,26 @@
-"""Tasks of the lesson: the slip, the runaway, no derivative, three sensors, an input that blinds, sensors off, how many sensors."""
+"""Define the tasks of lesson 16."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from app.lesson.lesson import Outcome, Task, Verdict, pencil
-from app.lesson.typed import Typed
-from app.plants.bilinear import POLE
-from app.text import text, written
+from observer_lab.course.exercises.typed_answers import Typed
+from observer_lab.course.lesson import Outcome, Task, Verdict, typed_task
+from observer_lab.plants.bilinear import POLE
+from observer_lab.text import format_number, text
 
-from .drive import FILTERED
-from .page import FATAL, NONE
-from .problems import COMPUTED, PAPER, TYPED
+from .input_signals import FILTERED_DERIVATIVE
+from .paper_example import FATAL, NONE
+from .problems import COMPUTED_GAIN, PAPER_PROBLEM, TYPED_GAIN
 from .study import Study
 
 TO_TYPE, AT_FIRST = 0.1, 0.05  # rad/s that the pole may be off, and |ε(0)|
-NOISY = Verdict(False, text("Turn the sensors' noise off: this task is about the error that is left without it."))
-LONGEST = 16.7  # of the row G − Y/p
+NOISE_IS_ON = Verdict(False, text("Turn the sensors' noise off: this task is about the error that is left without it."))
+MAX_ROW_NORM = 16.7  # of the row G − Y/p
 
 
 def _number(value: float) -> str:
-    return written(value, ".3g")
+    return format_number(value, ".3g")
 
 
 def _slip(outcome: Outcome[Study]) -> Verdict:
@@ -30,7 +30,7 @@ def _slip(outcome: Outcome[Study]) -> Verdict:
     if line != FATAL:
         return Verdict(False, text("That line is no worse than rounding: by itself it leaves the pole at −30 or "
                                    "next to it."))
-    if outcome.design["problem"] != PAPER or outcome.design["gain"] != TYPED:
+    if outcome.design["problem"] != PAPER_PROBLEM or outcome.design["gain"] != TYPED_GAIN:
         return Verdict(False, text("That is the line. Now type what L₄ must be."))
     if abs(pole - POLE) > TO_TYPE:
         return Verdict(False, text("With L₄ = {typed:.2f} the pole is {pole}; −30 is wanted, within 0.1.",
@@ -43,7 +43,7 @@ def _runaway(outcome: Outcome[Study]) -> Verdict:
     m = outcome.metrics
     peak, late = m["late_g"], m["late_error"]
     if outcome.design["noise"]:
-        return NOISY
+        return NOISE_IS_ON
     if abs(peak - 1000) > 100:
         return Verdict(False, text("In the last tenth of the run |g| is at most {peak}; let it be 1000, within 10 %.",
                                    peak=_number(peak)))
@@ -58,10 +58,10 @@ def _runaway(outcome: Outcome[Study]) -> Verdict:
 def _lag(outcome: Outcome[Study]) -> Verdict:
     late = outcome.metrics["half_error"]
     if outcome.design["noise"]:
-        return NOISY
-    if outcome.design["form"] != FILTERED:
+        return NOISE_IS_ON
+    if outcome.design["form"] != FILTERED_DERIVATIVE:
         return Verdict(False, text("The ghost does not use the differentiator yet; choose that form."))
-    if outcome.metrics["pole"] >= 0 or outcome.design["problem"] != PAPER:
+    if outcome.metrics["pole"] >= 0 or outcome.design["problem"] != PAPER_PROBLEM:
         return Verdict(False, text("Take the paper's problem and a pole on the left."))
     if late > 0.02:
         return Verdict(False, text("In the second half of the run |ε| is up to {late}; bring it to 0.02 or less.",
@@ -76,7 +76,7 @@ def _lag(outcome: Outcome[Study]) -> Verdict:
 def _three(outcome: Outcome[Study]) -> Verdict:
     observer, m = outcome.study.observer, outcome.metrics
     if outcome.design["noise"]:
-        return NOISY
+        return NOISE_IS_ON
     if observer.plant.m > 3:
         return Verdict(False, text("Four sensors are still in use; the task allows three."))
     if not observer.solved:
@@ -93,13 +93,13 @@ def _three(outcome: Outcome[Study]) -> Verdict:
 
 def _offsets(outcome: Outcome[Study]) -> Verdict:
     d, pole = outcome.design, outcome.metrics["pole"]
-    if d["problem"] != PAPER or d["gain"] != COMPUTED or pole >= 0:
+    if d["problem"] != PAPER_PROBLEM or d["gain"] != COMPUTED_GAIN or pole >= 0:
         return Verdict(False, text("Take the paper's problem with the computed gain, and a pole on the left."))
     plain = outcome.study.observer.forms(outcome.gains["L"])[1]
     long = float(np.linalg.norm(plain.G_y - plain.G_z @ np.linalg.solve(plain.A, plain.Y)))
-    if long > LONGEST:
+    if long > MAX_ROW_NORM:
         return Verdict(False, text("At {pole} the row is {long:.2f} long; at most {most:g} is wanted.", pole=_number(pole), long=long,
-                                   most=LONGEST))
+                                   most=MAX_ROW_NORM))
     return Verdict(True, text("At {pole} the row is {long:.2f} long: neither too deaf nor too credulous.", pole=_number(pole), long=long))
 
 
@@ -113,11 +113,11 @@ ENOUGH = Typed("((k+1)*n-r)/(k+2)", ("n", "k", "r"), slips=(
     ("k*(2*n-r)/(2*k+1)", text("A T₃ stands in Q once, however many inputs there are."))))
 
 TASKS = (
-    Task("slip", _slip, {"line": FATAL, "gain": TYPED, "l4": 9.29}),
+    Task("slip", _slip, {"line": FATAL, "gain": TYPED_GAIN, "l4": 9.29}),
     Task("runaway", _runaway, {"input": "step", "amplitude": 2.5}),
-    Task("lag", _lag, {"form": FILTERED, "tau": 0.004}),
+    Task("lag", _lag, {"form": FILTERED_DERIVATIVE, "tau": 0.004}),
     Task("three-sensors", _three, {"problem": "three-fitting", "chi0": 4.5}),
-    pencil("blind-input", BLIND_INPUT),
+    typed_task("blind-input", BLIND_INPUT),
     Task("offsets", _offsets, {"pole": (-8.4 + 0j,)}),
-    pencil("enough", ENOUGH),
+    typed_task("enough", ENOUGH),
 )

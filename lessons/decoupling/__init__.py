@@ -1,0 +1,1 @@
+"""Hold the modules of lesson 11, decoupled control of the platform."""

@@ -1,24 +1,35 @@
-"""Three channels, a mixing, their loop and its run as code."""
+"""Describe the three channels, the mixing, the loop and the run as code."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from app.engine import Plant
-from app.lesson.code import Code, Given, Shown
-from app.lesson.lesson import Outcome
-from app.plants import platform
-from app.plants import platform_siso as siso
-from app.plants.platform_channels import HORIZONTAL, T_u, T_y
-from app.plants.platform_lqg import coils
+from observer_lab.course.lesson import Outcome
+from observer_lab.course.script_record import Code, GivenValue, ShownValue
+from observer_lab.engine import Plant
+from observer_lab.plants.platform import model
+from observer_lab.plants.platform import siso_loops as siso
+from observer_lab.plants.platform.channels import HORIZONTAL, T_u, T_y
+from observer_lab.plants.platform.lqg_weights import coils
 
-from .loops import BAND, DT, FALLING, GROUND, KICK, PLATFORM, SAMPLES, SLOWEST, lower_of, platform_of
+from .loops import (
+    AXIS_POLE_RAD_S,
+    BAND_HZ,
+    DT,
+    FALLING,
+    GROUND_MATRIX,
+    INDEX_FREQUENCIES,
+    PLATFORM_PLANT,
+    STATE_JUMP,
+    lower_of,
+    platform_of,
+)
 from .study import Study
 
-UNSAID = "The least J by search, the rightmost pole with pitch open, and the residual of the placement"
+NOT_IN_SCRIPT = "The least J by search, the rightmost pole with pitch open, and the residual of the placement"
 WILD = 0.1  # m or m/s: a run on this quiet ground that gets there magnifies rounding as much
 METRICS = ("vertical", "rotation", "horizontal")
-NOTHING = Plant(np.zeros((0, 0)), np.zeros((0, 1)), np.zeros((1, 0)), np.zeros((1, 1)))
+NO_PLANT = Plant(np.zeros((0, 0)), np.zeros((0, 1)), np.zeros((1, 0)), np.zeros((1, 1)))
 
 
 def code(outcome: Outcome[Study]) -> Code:
@@ -26,37 +37,78 @@ def code(outcome: Outcome[Study]) -> Code:
     d, m, s = outcome.design, outcome.metrics, outcome.study
     lower = lower_of(d)
     plant, built = coils(platform_of(lower)), s.controllers
-    given: list[Given] = []
+    given: list[GivenValue] = []
     for name, controller in (("v", built.vertical), ("t", built.rotation), ("h", built.horizontal)):
-        c = NOTHING if controller is None else controller
-        given += [Given(f"A_{name}", c.A, {"v": "C_v, the vertical controller (a loop that is open has none)", "t": "C_theta, of pitch",
-                                           "h": "C_h, the horizontal one"}[name]),
-                  Given(f"B_{name}", c.B), Given(f"C_{name}", c.C), Given(f"D_{name}", np.asarray(c.D))]
-    numerator, denominator = siso.rigid_polynomials(HORIZONTAL, s.mixed.S, platform.Parameters(lower=lower))
-    shown = [Shown("S", outcome.gains["S"]), Shown("eigvals(loop)", outcome.poles["loop"], poles=True), Shown("J", m["J"]),
-             Shown("J_plain", m["J_plain"]), Shown("rightmost", m["rightmost"], max(1e-3, abs(m["rightmost"]))),
-             Shown("bare", s.spectra.bare), Shown("density", s.spectra.closed), Shown("forces", s.spectra.forces),
-             Shown("suppression", [m[name] for name in METRICS], 1.0), Shown("ground", s.shaken.ground), Shown("x_bare", s.shaken.bare)]
+        c = NO_PLANT if controller is None else controller
+        given += [
+            GivenValue(
+                f"A_{name}",
+                c.A,
+                {
+                    "v": "C_v, the vertical controller (a loop that is open has none)",
+                    "t": "C_theta, of pitch",
+                    "h": "C_h, the horizontal one",
+                }[name],
+            ),
+            GivenValue(f"B_{name}", c.B),
+            GivenValue(f"C_{name}", c.C),
+            GivenValue(f"D_{name}", np.asarray(c.D)),
+        ]
+    numerator, denominator = siso.rigid_polynomials(HORIZONTAL, s.mixed.S, model.Parameters(lower=lower))
+    shown = [
+        ShownValue("S", outcome.gains["S"]),
+        ShownValue("eigvals(loop)", outcome.poles["loop"], poles=True),
+        ShownValue("J", m["J"]),
+        ShownValue("J_plain", m["J_plain"]),
+        ShownValue("rightmost", m["rightmost"], max(1e-3, abs(m["rightmost"]))),
+        ShownValue("bare", s.spectra.bare),
+        ShownValue("density", s.spectra.closed),
+        ShownValue("forces", s.spectra.forces),
+        ShownValue("suppression", [m[name] for name in METRICS], 1.0),
+        ShownValue("ground", s.shaken.ground),
+        ShownValue("x_bare", s.shaken.bare),
+    ]
     calm = m["rightmost"] < 0 and float(np.abs(s.shaken.x).max()) < WILD
     if calm:
-        shown += [Shown("x", s.shaken.x), Shown("u", s.shaken.u)]
+        shown += [ShownValue("x", s.shaken.x), ShownValue("u", s.shaken.u)]
     if len(outcome.poles["zeros of P_h"]):
-        shown.append(Shown("np.roots(numerator)", outcome.poles["zeros of P_h"], poles=True))
+        shown.append(ShownValue("np.roots(numerator)", outcome.poles["zeros of P_h"], poles=True))
     if built.placed is not None:
-        shown += [Shown("E", built.placed.E), Shown("F", built.placed.F)]
-    return Code(("decoupling",), (
-        Given("A", plant.A, "the platform"), Given("B", plant.B, "its coils"), Given("C", plant.C), Given("G", GROUND, "its ground"),
-        Given("B_nominal", coils(PLATFORM).B, "of the platform without control, whose coil stands in the spring's line"),
-        Given("T_y", T_y[:3], "readings to vertical, rotation, horizontal"), Given("T_u", T_u, "common, differential, horizontal to coils"),
-        Given("a", m["a"], "the mixing S = [1 b; a 1] between the last two"), Given("b", m["b"]),
-        Given("band", (d["f_low"], d["f_high"]), "Hz, of J"), Given("samples", SAMPLES), *given,
-        Given("numerator", numerator, "of P_h on a rigid deck, highest power first"), Given("denominator", denominator),
-        Given("asked", np.real(np.poly([*d["control_poles"], *d["observer_poles"]])) if built.placed else np.zeros(0),
-              "Phi, if C_h is placed by poles"),
-        Given("falling", d["ground"] == FALLING, "the ground falls as 1/f^2, or is white"),
-        Given("sensor", d["noise"], "m/s/sqrt(Hz), of each sensor"), Given("frequency", s.spectra.f, "Hz"),
-        Given("peaks", BAND, "Hz between which peaks are looked for"), Given("slowest", SLOWEST, "1/s: poles nearer to zero are drift"),
-        Given("h", DT, "s"), Given("count", len(s.shaken.t)), Given("seed", int(d["seed"])),
-        Given("kick_at", round(d["kick"] / DT) if d["kick"] >= 0 else -1, "the grid point at which x jumps, -1: never"),
-        Given("kick", KICK)), tuple(shown), UNSAID + ("" if calm else ", and the run with control, which magnifies rounding"),
-                (Given("ground", s.shaken.ground),))
+        shown += [ShownValue("E", built.placed.E), ShownValue("F", built.placed.F)]
+    return Code(
+        ("decoupling",),
+        (
+            GivenValue("A", plant.A, "the platform"),
+            GivenValue("B", plant.B, "its coils"),
+            GivenValue("C", plant.C),
+            GivenValue("G", GROUND_MATRIX, "its ground"),
+            GivenValue("B_nominal", coils(PLATFORM_PLANT).B, "of the platform without control, whose coil stands in the spring's line"),
+            GivenValue("T_y", T_y[:3], "readings to vertical, rotation, horizontal"),
+            GivenValue("T_u", T_u, "common, differential, horizontal to coils"),
+            GivenValue("a", m["a"], "the mixing S = [1 b; a 1] between the last two"),
+            GivenValue("b", m["b"]),
+            GivenValue("band", (d["f_low"], d["f_high"]), "Hz, of J"),
+            GivenValue("samples", INDEX_FREQUENCIES),
+            *given,
+            GivenValue("numerator", numerator, "of P_h on a rigid deck, highest power first"),
+            GivenValue("denominator", denominator),
+            GivenValue(
+                "asked",
+                np.real(np.poly([*d["control_poles"], *d["observer_poles"]])) if built.placed else np.zeros(0),
+                "Phi, if C_h is placed by poles",
+            ),
+            GivenValue("falling", d["ground"] == FALLING, "the ground falls as 1/f^2, or is white"),
+            GivenValue("sensor", d["noise"], "m/s/sqrt(Hz), of each sensor"),
+            GivenValue("frequency", s.spectra.f, "Hz"),
+            GivenValue("peaks", BAND_HZ, "Hz between which peaks are looked for"),
+            GivenValue("slowest", AXIS_POLE_RAD_S, "1/s: poles nearer to zero are drift"),
+            GivenValue("h", DT, "s"),
+            GivenValue("count", len(s.shaken.t)),
+            GivenValue("seed", int(d["seed"])),
+            GivenValue("kick_at", round(d["kick"] / DT) if d["kick"] >= 0 else -1, "the grid point at which x jumps, -1: never"),
+            GivenValue("kick", STATE_JUMP),
+        ),
+        tuple(shown),
+        NOT_IN_SCRIPT + ("" if calm else ", and the run with control, which magnifies rounding"),
+        (GivenValue("ground", s.shaken.ground),),
+    )

@@ -1,4 +1,4 @@
-"""The numbers that stand now in the derivation of lesson 11: A E + B F = Φ of the horizontal loop at 0, a zero and a pole."""
+"""Compute the numbers in the derivation of lesson 11: A E + B F = Φ of the horizontal loop."""
 
 from __future__ import annotations
 
@@ -6,17 +6,17 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from app.engine import EngineError
-from app.engine.design import polynomial_roots
-from app.lesson.derivation import Value
-from app.lesson.lesson import Outcome
-from app.plants import platform
-from app.plants import platform_siso as siso
+from observer_lab.course.exercises.derivation import Value
+from observer_lab.course.lesson import Outcome
+from observer_lab.engine import EngineError
+from observer_lab.engine.design import polynomial_roots
+from observer_lab.plants.platform import model
+from observer_lab.plants.platform import siso_loops as siso
 
 from .loops import lower_of
 from .study import Study
 
-SLOW = 1e-6  # rad/s: the zero at s = 0
+ZERO_POLE_RAD_S = 1e-6  # rad/s: the zero at s = 0
 
 
 def derived(outcome: Outcome[Study]) -> Mapping[str, Value]:
@@ -24,12 +24,12 @@ def derived(outcome: Outcome[Study]) -> Mapping[str, Value]:
     design, S = outcome.design, outcome.gains["S"]
     try:
         placed = siso.horizontal_by_poles(design["control_poles"], design["observer_poles"], S,
-                                          platform.Parameters(lower=lower_of(design)))
+                                          model.Parameters(lower=lower_of(design)))
     except EngineError:
         return {}
     A, B, E, F, poles = placed.A, placed.B, placed.E, placed.F, (*design["control_poles"], *design["observer_poles"])
     zeros = polynomial_roots(B)
-    zero = max(zeros, key=lambda z: (abs(z) > SLOW, z.imag))
+    zero = max(zeros, key=lambda z: (abs(z) > ZERO_POLE_RAD_S, z.imag))
     p = poles[0]
 
     def size(polynomial: np.ndarray, s: complex) -> float:

@@ -1,4 +1,4 @@
-"""Figures of the lesson, from an outcome and nothing else."""
+"""Draw the figures of lesson 11 from an outcome."""
 
 from __future__ import annotations
 
@@ -8,10 +8,8 @@ from types import MappingProxyType
 
 import numpy as np
 
-from app.engine import Plant, frequency_response
-from app.engine.design import polynomial_roots
-from app.lesson.figures import (
-    FLOOR,
+from observer_lab.course.figures.records import (
+    LOG_AXIS_FLOOR,
     Curve,
     LineFigure,
     MapFigure,
@@ -20,45 +18,64 @@ from app.lesson.figures import (
     TableFigure,
     over_frequency,
 )
-from app.lesson.later import Sheaf, leaf
-from app.lesson.lesson import Outcome
-from app.plants import platform_siso as siso
-from app.plants.platform_channels import T_y
-from app.text import NO_WORDS, Text, joined, same, text, text_in, written
+from observer_lab.course.lazy import FigureSet, tab_figures
+from observer_lab.course.lesson import Outcome
+from observer_lab.engine import Plant, frequency_response
+from observer_lab.engine.design import polynomial_roots
+from observer_lab.plants.platform import siso_loops as siso
+from observer_lab.plants.platform.channels import T_y
+from observer_lab.text import NO_WORDS, Text, format_number, joined, same, text, text_in
 
-from .loops import A_EDGE, B_EDGE, CHANNELS, GRID_A, GRID_B, NONE, OWN, PLATFORM, PUBLISHED, channels, lower_of
+from .loops import (
+    A_EDGE,
+    B_EDGE,
+    CHANNEL_FREQUENCIES_HZ,
+    GRID_A,
+    GRID_B,
+    NO_MIX,
+    OWN_MIX,
+    PLATFORM_PLANT,
+    PUBLISHED_LOOP,
+    channels,
+    lower_of,
+)
 from .margins import Margin, margins
-from .report import REPORT_TAB, report_figures
+from .report_levels import REPORT_TAB, report_figures
 from .study import Study
 
 SPECTRA_TAB, CHANNEL_TAB = text("Spectra"), text("Channels")
 LOOP_TAB, TIME_TAB, FORCE_TAB = text("Controllers"), text("Time"), text("Forces")
 NANO = 1e9
-LOW, HIGH = 1e-9, 1e7  # nm/s/√Hz
-BARE, CLOSED, SENSOR = text("no control"), text("closed"), text("sensor noise")
-VERTICAL, ROTATION, HORIZONTAL = (text_in("channel", "vertical"), text_in("channel", "rotation"), text_in("channel", "horizontal"))
-DOWN = ((text("down 10 dB or more"), "force"), (text("down 3 to 10 dB"), "second"),
+MIN_DENSITY, MAX_DENSITY = 1e-9, 1e7  # nm/s/√Hz
+BARE, CLOSED, SENSOR_LABEL = text("no control"), text("closed"), text("sensor noise")
+VERTICAL_LABEL, ROTATION_LABEL, HORIZONTAL_LABEL = (
+    text_in("channel", "vertical"),
+    text_in("channel", "rotation"),
+    text_in("channel", "horizontal"),
+)
+SUPPRESSION_CLASSES = ((text("down 10 dB or more"), "force"), (text("down 3 to 10 dB"), "second"),
         (text("down less"), "plant"), (text("up"), "muted"), (text("least"), "error"))
-# what the peaks come down by in the report: (35) to (36), (37) to (38), (33) to (34)
 PRINTED_DB = MappingProxyType({"vertical": text("90 to 100"), "rotation": text("20 to 30"), "horizontal": text("40")})
 CONTROLLER_SWEEP = np.geomspace(1e-3, 1e3, 160)
 RE_LOW, RE_HIGH, IM_HIGH = -20.0, 5.0, 20.0
 
 
-def figures(outcome: Outcome[Study]) -> Sheaf:
+def figures(outcome: Outcome[Study]) -> FigureSet:
     """Spectra, channels, controllers, time, forces, the report's levels: at most three in a tab."""
-    three = ((0, "vertical", VERTICAL), (2, "horizontal", HORIZONTAL), (1, "rotation", ROTATION))
-    return Sheaf(
-        leaf(SPECTRA_TAB, lambda: [_spectrum(outcome, *channel) for channel in three]),
-        leaf(CHANNEL_TAB, lambda: (_dominance(outcome),)), leaf(CHANNEL_TAB, lambda: (_map(outcome),), "always"),
-        leaf(CHANNEL_TAB, lambda: (_mixing(outcome),)),
-        leaf(LOOP_TAB, lambda: (_magnitudes(outcome), _poles(outcome), _facts(outcome))),
-        leaf(TIME_TAB, lambda: [_velocity(outcome, *channel) for channel in three]),
-        leaf(FORCE_TAB, lambda: (_force_spectrum(outcome), _forces(outcome))), leaf(REPORT_TAB, lambda: report_figures(outcome)))
+    three = ((0, "vertical", VERTICAL_LABEL), (2, "horizontal", HORIZONTAL_LABEL), (1, "rotation", ROTATION_LABEL))
+    return FigureSet(
+        tab_figures(SPECTRA_TAB, lambda: [_spectrum(outcome, *channel) for channel in three]),
+        tab_figures(CHANNEL_TAB, lambda: (_dominance(outcome),)),
+        tab_figures(CHANNEL_TAB, lambda: (_map(outcome),), "always"), tab_figures(CHANNEL_TAB, lambda: (_mixing(outcome),)),
+        tab_figures(LOOP_TAB, lambda: (_magnitudes(outcome), _poles(outcome), _facts(outcome))),
+        tab_figures(TIME_TAB, lambda: [_velocity(outcome, *channel) for channel in three]),
+        tab_figures(FORCE_TAB, lambda: (_force_spectrum(outcome), _forces(outcome))),
+        tab_figures(REPORT_TAB, lambda: report_figures(outcome)),
+    )
 
 
 def _nano(density: np.ndarray) -> np.ndarray:
-    return np.clip(NANO * np.sqrt(np.maximum(density, 0.0)), LOW, HIGH)
+    return np.clip(NANO * np.sqrt(np.maximum(density, 0.0)), MIN_DENSITY, MAX_DENSITY)
 
 
 def _spectrum(outcome: Outcome[Study], i: int, name: str, title: Text) -> LineFigure:
@@ -73,7 +90,7 @@ def _spectrum(outcome: Outcome[Study], i: int, name: str, title: Text) -> LineFi
                text("Peak in 0.1–10 Hz up by {gain:.1f} dB; the report prints {printed} dB down.", gain=-gain, printed=PRINTED_DB[name]))
     return over_frequency(f"spectrum-{name}", text("{title} velocity", title=title), s.f,
                           (Curve(BARE, _nano(s.bare[:, i]), "muted"), Curve(CLOSED, _nano(s.closed[:, i]), "plant"),
-                           Curve(SENSOR, _nano(noise), "disturbance", "dash", 1.6)), "[nm/s/√Hz]", caption=caption,
+                           Curve(SENSOR_LABEL, _nano(noise), "disturbance", "dash", 1.6)), "[nm/s/√Hz]", caption=caption,
                           tab=SPECTRA_TAB, window=(1.0, 1e6))
 
 
@@ -83,12 +100,12 @@ def _dominance(outcome: Outcome[Study]) -> LineFigure:
     mixed, plain = outcome.study.mixed, channels(lower_of(outcome.design))
     G = plain.response @ mixed.S
     rows = np.abs(np.stack([G[:, 1, 2] / G[:, 1, 1], G[:, 2, 1] / G[:, 2, 2]], axis=1))
-    width = np.gradient(np.log(CHANNELS))
+    width = np.gradient(np.log(CHANNEL_FREQUENCIES_HZ))
     lost = float(width[(rows > 1).any(axis=1)].sum() / width.sum())
     curves = [Curve(text("into rotation"), np.clip(rows[:, 0], 1e-4, 1e3), "plant"),
               Curve(text("into horizontal"), np.clip(rows[:, 1], 1e-4, 1e3), "estimate", "dash"),
-              Curve(text("equal to the diagonal"), np.ones(len(CHANNELS)), "reference", "dot", 1.4)]
-    return over_frequency("dominance", text("off the diagonal over on it, by row"), CHANNELS,
+              Curve(text("equal to the diagonal"), np.ones(len(CHANNEL_FREQUENCIES_HZ)), "reference", "dot", 1.4)]
+    return over_frequency("dominance", text("off the diagonal over on it, by row"), CHANNEL_FREQUENCIES_HZ,
                           tuple(curves), text("|off-diagonal| / |diagonal|"), tab=CHANNEL_TAB, window=(1e-3, 1e2),
                           caption=text("Dominance is lost on {lost:.0f} % of the decades from 0.1 to 10 Hz; "
                                        "vertical is decoupled exactly.",
@@ -105,7 +122,7 @@ def _map(outcome: Outcome[Study]) -> MapFigure:
         values[int(np.argmin(np.abs(GRID_B - b))), int(np.argmin(np.abs(GRID_A - a)))] = 4
     share = 100 * float(np.mean(values <= 1))
     tail = NO_WORDS if inside else text("The optimum lies outside the map.")
-    return MapFigure("index", text("J(a, b) against no mixing"), GRID_A, GRID_B, values, DOWN,
+    return MapFigure("index", text("J(a, b) against no mixing"), GRID_A, GRID_B, values, SUPPRESSION_CLASSES,
                      "a", "b", (float(np.clip(mixed.a, -A_EDGE, A_EDGE)), float(np.clip(mixed.b, -B_EDGE, B_EDGE))),
                      caption=joined(text("On {share:.0f} % of the map J comes down by 3 dB or more; click a point to use it.",
                                          share=share), tail), tab=CHANNEL_TAB)
@@ -131,7 +148,7 @@ def _mixing(outcome: Outcome[Study]) -> TableFigure:
 
 
 def _short(value: float) -> str:
-    return written(value, ".4g")
+    return format_number(value, ".4g")
 
 
 def _decibel(ratio: float) -> str:
@@ -147,7 +164,7 @@ def _magnitudes(outcome: Outcome[Study]) -> LineFigure:
                                     (text_in("channel", "rotation"), "force", "dot", built.rotation)):
         size = np.zeros(len(CONTROLLER_SWEEP)) if plant is None else _size(plant)  # nothing is drawn of a loop that is open
         words = name if plant is not None else text("{name} (open)", name=name)
-        curves.append(Curve(words, np.clip(size, FLOOR, 1e8), role, dash))  # type: ignore[arg-type]
+        curves.append(Curve(words, np.clip(size, LOG_AXIS_FLOOR, 1e8), role, dash))  # type: ignore[arg-type]
     phase = _phase(built.vertical)
     caption = (text("The vertical channel is open.") if phase is None else
                text("Between 0.1 and 10 Hz the vertical controller's phase strays from −180° by at most "
@@ -164,7 +181,7 @@ def _size(plant: Plant) -> np.ndarray:
 def _phase(plant: Plant | None) -> float | None:
     if plant is None:
         return None
-    H = frequency_response(plant.A, plant.B, plant.C, plant.D, 2 * np.pi * CHANNELS[::4])[:, 0, 0]
+    H = frequency_response(plant.A, plant.B, plant.C, plant.D, 2 * np.pi * CHANNEL_FREQUENCIES_HZ[::4])[:, 0, 0]
     return float(np.degrees(np.abs(np.angle(-H))).max())
 
 
@@ -176,10 +193,10 @@ def _poles(outcome: Outcome[Study]) -> PlaneFigure:
               for p in group if RE_LOW <= p.real <= RE_HIGH and abs(p.imag) <= IM_HIGH]
     right = outcome.metrics["rightmost"]
     drift = outcome.metrics["drift"]
-    at = written(right, ".3g")
+    at = format_number(right, ".3g")
     words = text("Rightmost pole of the loop: {at} rad/s.", at=at)
     if drift > 0:
-        years, size = 1 / (drift * 3.156e7), written(drift, ".2g")
+        years, size = 1 / (drift * 3.156e7), format_number(drift, ".2g")
         words = text("{words} C_v adds one at +{size} rad/s: e-fold in {years:.0f} years.",
                      words=words, size=size, years=years)
     return PlaneFigure("poles", text("poles of the loop, near the origin"), (), tuple(points), "Re s",
@@ -202,14 +219,17 @@ def _facts(outcome: Outcome[Study]) -> TableFigure:
                                 (text("horizontal in use"), design["horizontal"], built.horizontal)):
         if plant is None:
             rows.append((name, text("open")))
-        elif chosen == PUBLISHED:
+        elif chosen == PUBLISHED_LOOP:
             rows.append((name, text("as printed")))
         else:
             worst = float(np.max(np.real(plant.poles))) if plant.n else -np.inf
             rows.append((name, text("order {n}, {worst}",
                                     n=plant.n, worst=text("unstable by itself") if worst > 0 else text("stable"))))
-    rows += [(text("{name} loop: delay it bears, min |1 + ℓ|", name=name), _bears(margin))
-             for name, margin in zip((VERTICAL, ROTATION, HORIZONTAL), _margins(outcome), strict=True) if margin is not None]
+    rows += [
+        (text("{name} loop: delay it bears, min |1 + ℓ|", name=name), _bears(margin))
+        for name, margin in zip((VERTICAL_LABEL, ROTATION_LABEL, HORIZONTAL_LABEL), _margins(outcome), strict=True)
+        if margin is not None
+    ]
     return TableFigure("facts", text("what the controllers are"), (text("fact"), text("value")),
                        tuple(rows), tab=LOOP_TAB,
                        caption=text("Poles in rad/s, recomputed from the printed coefficients."))
@@ -234,13 +254,13 @@ def printed_roots() -> tuple[np.ndarray, np.ndarray]:
 
 
 def _root(p: complex) -> str:
-    return written(p.real, "+.3g") if abs(p.imag) < 1e-12 else f"{p.real:+.3g} ± {abs(p.imag):.3g}j".replace("-", "−")
+    return format_number(p.real, "+.3g") if abs(p.imag) < 1e-12 else f"{p.real:+.3g} ± {abs(p.imag):.3g}j".replace("-", "−")
 
 
 # --- time --------------------------------------------------------------------------------------------------------------
 def _velocity(outcome: Outcome[Study], i: int, name: str, title: Text) -> LineFigure:
     run = outcome.study.shaken
-    row = 1e6 * (T_y[i] @ PLATFORM.C)
+    row = 1e6 * (T_y[i] @ PLATFORM_PLANT.C)
     now, bare = run.x @ row, run.bare @ row
     size, without = float(np.std(now)), float(np.std(bare))
     return LineFigure(f"velocity-{name}", text("{title} velocity", title=title), run.t,
@@ -271,10 +291,10 @@ def _forces(outcome: Outcome[Study]) -> LineFigure:
                    for j, (n, role, dash) in enumerate(zip(names, ("plant", "estimate", "force"), ("solid", "dash", "dot"),
                                                            strict=True)))
     return LineFigure("forces", text("forces on the shaking ground"), run.t, curves, "[mN]", tab=FORCE_TAB,
-                      caption=text("Largest force: {largest:.3g} mN.", largest=largest) if outcome.design["mix"] == NONE else
+                      caption=text("Largest force: {largest:.3g} mN.", largest=largest) if outcome.design["mix"] == NO_MIX else
                       text("Largest force: {largest:.3g} mN, after the mixing.", largest=largest))
 
 
 def pick(outcome: Outcome[Study], a: float, b: float) -> Mapping[str, str | float]:
     """A click on the map of J takes its a and b."""
-    return {"mix": OWN, "a": float(np.clip(a, -A_EDGE, A_EDGE)), "b": float(np.clip(b, -B_EDGE, B_EDGE))}
+    return {"mix": OWN_MIX, "a": float(np.clip(a, -A_EDGE, A_EDGE)), "b": float(np.clip(b, -B_EDGE, B_EDGE))}

@@ -1,4 +1,4 @@
-"""What a design of the lesson means: three controllers, a mixing, the loop they close, its spectra and one run."""
+"""Build the loop of lesson 11: controllers, mixing, closed loop, spectra and one run."""
 
 from __future__ import annotations
 
@@ -8,36 +8,37 @@ from functools import lru_cache
 import numpy as np
 from scipy.linalg import expm
 
-from app.engine import Plant, noisy_loop
-from app.engine.design import Diophantine, LoopShape, loop_shaped, negated
-from app.engine.feedback import NoisyLoop
-from app.engine.structure import Coupling, Dominance, Mixing, best_mixing, coupling, dominance, mixing_matrix
-from app.engine.systems import held_scan
-from app.lesson.knobs import KnobError
-from app.lesson.lesson import Design
-from app.plants import MODELS, platform
-from app.plants import platform_siso as siso
-from app.plants.platform_channels import T_y, in_channels
-from app.plants.platform_lqg import coils, ground
-from app.text import text
+from observer_lab.course.knobs import KnobError
+from observer_lab.course.lesson import Design
+from observer_lab.engine import Plant, noisy_loop
+from observer_lab.engine.design import Diophantine, LoopShape, loop_shaped, negated
+from observer_lab.engine.feedback import NoisyLoop
+from observer_lab.engine.structure import Coupling, Dominance, Mixing, best_mixing, coupling, dominance, mixing_matrix
+from observer_lab.engine.systems import held_scan
+from observer_lab.plants import MODELS
+from observer_lab.plants.platform import model
+from observer_lab.plants.platform import siso_loops as siso
+from observer_lab.plants.platform.channels import T_y, in_channels
+from observer_lab.plants.platform.lqg_weights import coils, ground
+from observer_lab.text import text
 
-PUBLISHED, SHAPED, POLES, GAIN, OPEN = "published", "shaped", "poles", "gain", "open"
-NONE, OWN, BEST = "none", "own", "best"
+PUBLISHED_LOOP, SHAPED_LOOP, BY_POLES, BY_GAIN, OPEN_LOOP = "published", "shaped", "poles", "gain", "open"
+NO_MIX, OWN_MIX, BEST_MIX = "none", "own", "best"
 WHITE, FALLING = "white", "falling"
 MODEL = MODELS["platform"]
-PLATFORM = platform.plant()
-GROUND = ground(PLATFORM)
+PLATFORM_PLANT = model.plant()
+GROUND_MATRIX = ground(PLATFORM_PLANT)
 HORIZON, DT = 10.0, 0.02
-SLOWEST = 1e-7  # rad/s: poles nearer to zero stand on the plant's zero at s = 0; they are read off the controllers
+AXIS_POLE_RAD_S = 1e-7  # rad/s: poles nearer to zero stand on the plant's zero at s = 0; they are read off the controllers
 MODES = (0.9953, 1.1811, 1.1925, 1.4938)  # Hz: the deck's three, and the zeros that P_h has between them
-BAND = (0.1, 10.0)  # Hz, where peaks are compared
+BAND_HZ = (0.1, 10.0)  # Hz, where peaks are compared
 SWEEP = np.unique(np.concatenate([np.geomspace(0.01, 200.0, 150), *(m * np.linspace(0.97, 1.03, 13) for m in MODES)]))
-CHANNELS = np.unique(np.concatenate([np.geomspace(0.1, 10.0, 90), np.linspace(0.95, 1.3, 71)]))
-SAMPLES = 80  # frequencies in J
+CHANNEL_FREQUENCIES_HZ = np.unique(np.concatenate([np.geomspace(0.1, 10.0, 90), np.linspace(0.95, 1.3, 71)]))
+INDEX_FREQUENCIES = 80  # frequencies in J
 WHITE_ASD = 1e-6  # m/√Hz
 FALLING_ASD = (2.5e-7, 6e-9)  # m/√Hz at 1 Hz, vertical and horizontal, falling as 1/f²
-FAR = 1.0  # m or m/s beyond which a run is drawn at the edge
-KICK = np.array(MODEL.kick) * 0.004
+DISPLAY_LIMIT = 1.0  # m or m/s beyond which a run is drawn at the edge
+STATE_JUMP = np.array(MODEL.kick) * 0.004
 A_EDGE, B_EDGE = 0.6, 0.3
 GRID_A, GRID_B = np.linspace(-A_EDGE, A_EDGE, 49), np.linspace(-B_EDGE, B_EDGE, 41)
 
@@ -93,7 +94,7 @@ class Shaken:
 @lru_cache(maxsize=64)
 def platform_of(lower: float) -> Plant:
     """The platform whose horizontal coil pushes `lower` m below the line of the spring: all that the coil's height moves is B."""
-    return platform.plant(platform.Parameters(lower=lower))
+    return model.plant(model.Parameters(lower=lower))
 
 
 @lru_cache(maxsize=64)
@@ -106,13 +107,13 @@ def three(lower: float = 0.0) -> Plant:
 @lru_cache(maxsize=64)
 def channels(lower: float = 0.0) -> Dominance:
     """G over the working band, without mixing."""
-    return dominance(three(lower), 2 * np.pi * CHANNELS)
+    return dominance(three(lower), 2 * np.pi * CHANNEL_FREQUENCIES_HZ)
 
 
 @lru_cache(maxsize=128)
 def band_of(low: float, high: float, lower: float = 0.0) -> tuple[Coupling, Mixing, np.ndarray]:
     """J over a band in Hz, its optimum, and its map over the grid."""
-    J = coupling(dominance(three(lower), 2 * np.pi * np.geomspace(low, high, SAMPLES)).response, channels=(1, 2))
+    J = coupling(dominance(three(lower), 2 * np.pi * np.geomspace(low, high, INDEX_FREQUENCIES)).response, channels=(1, 2))
     return J, best_mixing(J.response), J.map(GRID_A, GRID_B)
 
 
@@ -128,19 +129,19 @@ def mixed(design: Design) -> Mixed:
         raise KnobError(text("The band must reach from {low:g} Hz to at least {low2:.3g} Hz.",
                              low=low, low2=1.5 * low))
     J, best, over = band_of(low, high, lower_of(design))
-    a, b = {NONE: (0.0, 0.0), OWN: (design["a"], design["b"]), BEST: (best.a, best.b)}[design["mix"]]
+    a, b = {NO_MIX: (0.0, 0.0), OWN_MIX: (design["a"], design["b"]), BEST_MIX: (best.a, best.b)}[design["mix"]]
     return Mixed(J, best, over, a, b, J(a, b), mixing_matrix(a, b, size=3, channels=(1, 2)))
 
 
 # --- controllers -------------------------------------------------------------------------------------------------------
 def controllers(design: Design, S: np.ndarray) -> Controllers:
     """The controllers of a design; those placed by poles are placed for the mixed plant."""
-    placed = (siso.horizontal_by_poles(design["control_poles"], design["observer_poles"], S, platform.Parameters(lower=lower_of(design)))
-              if design["horizontal"] == POLES else None)
-    horizontal = {PUBLISHED: lambda: negated(siso.published_ch()), POLES: lambda: placed.controller() if placed else None,
-                  GAIN: lambda: loop_shaped(LoopShape(-design["gain_h"])), OPEN: lambda: None}[design["horizontal"]]()
-    vertical = {PUBLISHED: siso.published_cv, SHAPED: lambda: loop_shaped(shape_of(design)),
-                OPEN: lambda: None}[design["vertical"]]()
+    placed = (siso.horizontal_by_poles(design["control_poles"], design["observer_poles"], S, model.Parameters(lower=lower_of(design)))
+              if design["horizontal"] == BY_POLES else None)
+    horizontal = {PUBLISHED_LOOP: lambda: negated(siso.published_ch()), BY_POLES: lambda: placed.controller() if placed else None,
+                  BY_GAIN: lambda: loop_shaped(LoopShape(-design["gain_h"])), OPEN_LOOP: lambda: None}[design["horizontal"]]()
+    vertical = {PUBLISHED_LOOP: siso.published_cv, SHAPED_LOOP: lambda: loop_shaped(shape_of(design)),
+                OPEN_LOOP: lambda: None}[design["vertical"]]()
     rotation = siso.pitch_loop(design["bandwidth"]) if design["pitch"] else None
     return Controllers(vertical, rotation, horizontal, siso.from_channels(vertical, rotation, horizontal, mixing=S), placed)
 
@@ -154,7 +155,7 @@ def shape_of(design: Design) -> LoopShape:
 
 def close(controller: Plant, noise: float = 0.0, lower: float = 0.0) -> NoisyLoop:
     """The loop with unit ground and sensors of one-sided density noise², in m/s/√Hz."""
-    return noisy_loop(coils(platform_of(lower)), controller, GROUND, 1.0, V=noise**2 / 2)
+    return noisy_loop(coils(platform_of(lower)), controller, GROUND_MATRIX, 1.0, V=noise**2 / 2)
 
 
 def rightmost(loop: NoisyLoop, controller: Plant) -> tuple[float, float]:
@@ -163,8 +164,8 @@ def rightmost(loop: NoisyLoop, controller: Plant) -> tuple[float, float]:
     A controller's pole within 1e-7 rad/s of zero meets the plant's zero at s = 0 and hardly moves (less than one part in
     ten thousand); among poles of 1e5 rad/s an eigenvalue that small would be rounding.
     """
-    own = controller.poles[np.abs(controller.poles) < SLOWEST] if controller.n else np.zeros(0)
-    real = np.real(loop.poles[np.abs(loop.poles) >= SLOWEST])
+    own = controller.poles[np.abs(controller.poles) < AXIS_POLE_RAD_S] if controller.n else np.zeros(0)
+    real = np.real(loop.poles[np.abs(loop.poles) >= AXIS_POLE_RAD_S])
     return float(real.max()), float(np.real(own).max(initial=-np.inf))
 
 
@@ -179,7 +180,7 @@ def ground_density(f: np.ndarray, kind: str) -> np.ndarray:
 @lru_cache(maxsize=1)
 def bare_loop() -> NoisyLoop:
     """The platform without control."""
-    return noisy_loop(coils(PLATFORM), None, GROUND, 1.0)
+    return noisy_loop(coils(PLATFORM_PLANT), None, GROUND_MATRIX, 1.0)
 
 
 @lru_cache(maxsize=1)
@@ -211,7 +212,7 @@ def spectra(loop: NoisyLoop, kind: str) -> Spectra:
 
 def suppression(s: Spectra) -> np.ndarray:
     """How far the highest peak of vertical, rotation, horizontal between 0.1 and 10 Hz comes down, in dB, sensors apart."""
-    inside = (s.f >= BAND[0]) & (s.f <= BAND[1])
+    inside = (s.f >= BAND_HZ[0]) & (s.f <= BAND_HZ[1])
     moved = np.maximum(s.closed - s.sensors, 1e-300)
     return 10 * np.log10(s.bare[inside].max(axis=0) / moved[inside].max(axis=0))
 
@@ -239,13 +240,13 @@ def run(A: np.ndarray, B: np.ndarray, ground_motion: np.ndarray, kick: float) ->
         power = expm(block)
     Phi, Gamma, steps = power[:n, :n], power[:n, n:], ground_motion[:-1]
     if not np.isfinite(power).all():
-        return np.full((len(ground_motion), n), FAR)
+        return np.full((len(ground_motion), n), DISPLAY_LIMIT)
     at = min(round(kick / DT), len(steps)) if kick >= 0 else len(steps)
     first = held_scan(Phi, Gamma, steps[:at], np.zeros(n)) if at else np.zeros((1, n))
     if kick < 0:
         return first
     jumped = first[-1].copy()
-    jumped[:len(KICK)] += KICK
+    jumped[:len(STATE_JUMP)] += STATE_JUMP
     rest = held_scan(Phi, Gamma, steps[at:], jumped) if at < len(steps) else jumped[None]
     return np.vstack([first[:-1], rest])
 
@@ -253,13 +254,13 @@ def run(A: np.ndarray, B: np.ndarray, ground_motion: np.ndarray, kick: float) ->
 @lru_cache(maxsize=32)
 def bare_run(seed: int, kind: str, kick: float) -> np.ndarray:
     """The platform without control on the same ground."""
-    return run(PLATFORM.A, GROUND, shaking(seed, kind), kick)
+    return run(PLATFORM_PLANT.A, GROUND_MATRIX, shaking(seed, kind), kick)
 
 
 def shaken(loop: NoisyLoop, design: Design) -> Shaken:
     """The loop of a design and the bare platform on the same ground; sensors without noise."""
     seed, kind, kick = int(design["seed"]), design["ground"], design["kick"]
     motion = shaking(seed, kind)
-    z = np.clip(np.nan_to_num(run(loop.A, loop.B[:, :2], motion, kick), nan=FAR, posinf=1e6, neginf=-1e6), -1e6, 1e6)
-    return Shaken(DT * np.arange(len(motion)), np.clip(z[:, :10], -FAR, FAR), bare_run(seed, kind, kick),
+    z = np.clip(np.nan_to_num(run(loop.A, loop.B[:, :2], motion, kick), nan=DISPLAY_LIMIT, posinf=1e6, neginf=-1e6), -1e6, 1e6)
+    return Shaken(DT * np.arange(len(motion)), np.clip(z[:, :10], -DISPLAY_LIMIT, DISPLAY_LIMIT), bare_run(seed, kind, kick),
                   np.clip(z @ loop.C[4:].T, -1e4, 1e4), motion)

@@ -1,4 +1,4 @@
-"""How much each loop bears with the others closed: its distance from −1 and the delay at which it is lost."""
+"""Compute the margin of each loop with the others closed: distance to −1 and delay margin."""
 
 from __future__ import annotations
 
@@ -6,12 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.engine import Plant, frequency_response
+from observer_lab.engine import Plant, frequency_response
 
 from .loops import Controllers, three
 
-WIDE = np.geomspace(1e-2, 1e6, 400)  # rad/s
-NEAR = np.array([0.9, 0.97, 0.99, 0.997, 1.0, 1.003, 1.01, 1.03, 1.1])  # times each of the loop's own frequencies
+WIDE_BAND_RAD_S = np.geomspace(1e-2, 1e6, 400)  # rad/s
+RESONANCE_FACTORS = np.array([0.9, 0.97, 0.99, 0.997, 1.0, 1.003, 1.01, 1.03, 1.1])  # times each of the loop's own frequencies
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,11 @@ def margins(built: Controllers, S: np.ndarray, lower: float, poles: np.ndarray) 
     has every frequency of the loop's poles on it; the loop must be stable but for drift.
     """
     own = np.abs(np.concatenate([poles, np.imag(poles)]))
-    omega = np.unique(np.concatenate([WIDE, *(own[(own > WIDE[0]) & (own < WIDE[-1])] * near for near in NEAR)]))
+    omega = np.unique(
+        np.concatenate(
+            [WIDE_BAND_RAD_S, *(own[(own > WIDE_BAND_RAD_S[0]) & (own < WIDE_BAND_RAD_S[-1])] * near for near in RESONANCE_FACTORS)]
+        )
+    )
     plant = three(lower)
     P = frequency_response(plant.A, plant.B @ S, plant.C, np.zeros((3, 3)), omega)
     K = np.stack([_response(c, omega) for c in (built.vertical, built.rotation, built.horizontal)], axis=1)

@@ -1,4 +1,4 @@
-"""What a design leads to: mixing, controllers, spectra and one run, with what is said of them."""
+"""Compute a design of lesson 11: mixing, controllers, spectra and one run."""
 
 from __future__ import annotations
 
@@ -8,22 +8,22 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from app.engine.design import polynomial_roots
-from app.engine.feedback import NoisyLoop
-from app.engine.structure import mixing_matrix
-from app.lesson.claims import claim
-from app.lesson.later import Later, LaterItems, LaterMap
-from app.lesson.lesson import Board, Check, Design, Formula, Outcome, Stage
-from app.plants import platform
-from app.plants import platform_siso as siso
-from app.plants.body import with_longer_arrows
-from app.plants.platform_channels import HORIZONTAL
-from app.text import Text, joined, text, written
+from observer_lab.course.figures.claims import claim
+from observer_lab.course.lazy import LazyMap, LazySequence, LazyValue
+from observer_lab.course.lesson import Board, Check, Design, Formula, Outcome, Stage
+from observer_lab.engine.design import polynomial_roots
+from observer_lab.engine.feedback import NoisyLoop
+from observer_lab.engine.structure import mixing_matrix
+from observer_lab.plants.bodies.body import with_longer_arrows
+from observer_lab.plants.platform import model
+from observer_lab.plants.platform import siso_loops as siso
+from observer_lab.plants.platform.channels import HORIZONTAL
+from observer_lab.text import Text, format_number, joined, text
 
 from ..toolkit.latex import number
 from .loops import (
+    BY_POLES,
     MODEL,
-    POLES,
     Controllers,
     Mixed,
     Shaken,
@@ -78,13 +78,13 @@ def compute(design: Design) -> Outcome[Study]:
     built, loop, right, drift = _closed(replace(design, values=tuple(v for v in design.values if v[0] not in BESIDE)), mix.a, mix.b)
     run = shaken(loop, design)
     study, known = Study(design, mix, built, loop, run), {"rightmost": right, "drift": max(drift, -1.0)}
-    metrics = LaterMap(lambda: _metrics(known, design, study), known)
+    metrics = LazyMap(lambda: _metrics(known, design, study), known)
     zeros = zeros_of(mix.a, mix.b, lower)
     own = built.whole.poles if built.whole.n else np.zeros(0, dtype=complex)
     return Outcome(design, {"S": mix.S}, {"loop": loop.poles, "controller": own, "zeros of P_h": zeros}, metrics,
-                   LaterItems(lambda: _checks(metrics, drift)), None,
+                   LazySequence(lambda: _checks(metrics, drift)), None,
                    _boards(design, zeros), Stage(BODY, run.t, run.x, run.bare, np.hstack([run.u, run.ground])),
-                   LaterItems(lambda: _formulas(mix, built)), Later(lambda: _live(metrics)), study)
+                   LazySequence(lambda: _formulas(mix, built)), LazyValue(lambda: _live(metrics)), study)
 
 
 @lru_cache(maxsize=16)
@@ -99,7 +99,7 @@ def _closed(design: Design, a: float, b: float) -> tuple[Controllers, NoisyLoop,
 def zeros_of(a: float, b: float, lower: float) -> np.ndarray:
     """The zeros of the horizontal channel under a mixing."""
     S = mixing_matrix(a, b, size=3, channels=(1, 2))
-    return polynomial_roots(siso.rigid_polynomials(HORIZONTAL, S, platform.Parameters(lower=lower))[0])
+    return polynomial_roots(siso.rigid_polynomials(HORIZONTAL, S, model.Parameters(lower=lower))[0])
 
 
 def _metrics(known: Mapping[str, float], design: Design, study: Study) -> dict[str, float]:
@@ -124,7 +124,7 @@ def _checks(m: Mapping[str, float], drift: float) -> tuple[Check, ...]:
 
 def _boards(design: Design, zeros: np.ndarray) -> tuple[Board, Board]:
     drawn = tuple(complex(z) for z in zeros if abs(z) > 1e-9)
-    also = (("horizontal", POLES),)
+    also = (("horizontal", BY_POLES),)
     return (
         Board("control", text("horizontal: first roots of Φ"), design["control_poles"],
               "control_poles", zeros=drawn, role="plant", side="left", re_low=CONTROL_LOW, re_high=CONTROL_HIGH,
@@ -160,7 +160,7 @@ def _column(p: np.ndarray) -> str:
 
 
 def _live(m: Mapping[str, float]) -> Text:
-    right, drift = (written(v, "+.3g") for v in (m["rightmost"], m["drift"]))
+    right, drift = (format_number(v, "+.3g") for v in (m["rightmost"], m["drift"]))
     if m["rightmost"] >= 0:
         return claim(text("Closing pitch has made the loop unstable: rightmost pole {right} rad/s.", right=right),
                      m["rightmost_pitch_open"], below=0.0, otherwise=text(

@@ -1,27 +1,27 @@
-"""Tasks of the lesson: what C_v really is, a mixing that works, the claim about pitch, pitch closed, a damper, a zero."""
+"""Define the tasks of lesson 11."""
 
 from __future__ import annotations
 
 from types import MappingProxyType
 
-from app.lesson.lesson import Outcome, Task, Verdict, pencil
-from app.lesson.typed import Typed
-from app.text import text
+from observer_lab.course.exercises.typed_answers import Typed
+from observer_lab.course.lesson import Outcome, Task, Verdict, typed_task
+from observer_lab.text import text
 
-from .loops import BEST, NONE, POLES, SHAPED, WHITE
+from .loops import BEST_MIX, BY_POLES, NO_MIX, SHAPED_LOOP, WHITE
 from .study import Study
 
 AS_WELL = (93.0, 94.0)  # dB: the published C_v gives 93.5
 TENFOLD = 10.0
 FAR_ABOVE = 500.0  # Hz: a roll-off from there on is not felt at 10 Hz
 CLAIMED = 0.5  # rad/s
-WIDE, LEAST_ROTATION, LEAST_HORIZONTAL = 1.0, 25.0, 15.0
+MIN_BANDWIDTH, LEAST_ROTATION, LEAST_HORIZONTAL = 1.0, 25.0, 15.0
 
 
 def _constant(outcome: Outcome[Study]) -> Verdict:
     m, d = outcome.metrics, outcome.design
     got = m["vertical"]
-    if d["vertical"] != SHAPED:
+    if d["vertical"] != SHAPED_LOOP:
         return Verdict(False, text("Shape the vertical controller yourself."))
     if d["ground"] != WHITE:
         return Verdict(False, text("Take the white ground; on the falling one the published C_v gives less."))
@@ -43,7 +43,7 @@ def _mixing(outcome: Outcome[Study]) -> Verdict:
     m, d = outcome.metrics, outcome.design
     factor = m["J_plain"] / max(m["J"], 1e-300)
     band = text("{f_low:g} to {f_high:g} Hz", f_low=d["f_low"], f_high=d["f_high"])
-    if d["mix"] == NONE:
+    if d["mix"] == NO_MIX:
         return Verdict(False, text("Nothing is mixed yet: a = b = 0."))
     if d["f_high"] < 3 * d["f_low"]:
         return Verdict(False, text("Keep the band at least as wide as one to three."))
@@ -72,7 +72,7 @@ def _claim(outcome: Outcome[Study]) -> Verdict:
 
 def _close(outcome: Outcome[Study]) -> Verdict:
     m, d = outcome.metrics, outcome.design
-    if d["horizontal"] != POLES or not d["pitch"] or d["bandwidth"] < WIDE:
+    if d["horizontal"] != BY_POLES or not d["pitch"] or d["bandwidth"] < MIN_BANDWIDTH:
         return Verdict(False, text("Place the horizontal poles yourself and close pitch at 1 rad/s or more."))
     if m["rightmost"] >= 0:
         return Verdict(False, text("The loop is unstable: rightmost pole {rightmost:+.3g} rad/s.",
@@ -91,17 +91,17 @@ NEAR_THE_ZEROS = (-0.3 + 7.42j, -0.3 - 7.42j)
 DAMPER = Typed("sqrt(1+k*m/g^2)", ("k", "m", "g"), slips=(
     ("sqrt(k*m)/g", text("That is the coil on the deck's own velocity; a damper between deck and ground lets the ground push too.")),
     ("1+sqrt(k*m)/g", text("Spring and damper push a quarter of a period apart: add the squares."))))
-ZERO = Typed("sqrt(k/(J+m*h^2))", ("J", "m", "h", "k"), slips=(
+ZERO_FREQUENCY = Typed("sqrt(k/(J+m*h^2))", ("J", "m", "h", "k"), slips=(
     ("sqrt(k/J)", text("That is the pitch about the centre of mass; while the line stands still the deck turns about the line.")),
     ("k/(J+m*h^2)", text("That is its square."))))
 
 TASKS = (
-    Task("constant", _constant, MappingProxyType({"vertical": SHAPED, "gain_v": 31250.0, "lag": 0.0, "lead": 0.0})),
-    Task("mixing", _mixing, MappingProxyType({"mix": BEST, "f_low": 2.0, "f_high": 10.0})),
-    Task("claim", _claim, MappingProxyType({"horizontal": POLES, "pitch": True, "bandwidth": 0.5})),
+    Task("constant", _constant, MappingProxyType({"vertical": SHAPED_LOOP, "gain_v": 31250.0, "lag": 0.0, "lead": 0.0})),
+    Task("mixing", _mixing, MappingProxyType({"mix": BEST_MIX, "f_low": 2.0, "f_high": 10.0})),
+    Task("claim", _claim, MappingProxyType({"horizontal": BY_POLES, "pitch": True, "bandwidth": 0.5})),
     Task("close-pitch", _close, MappingProxyType({
-        "horizontal": POLES, "pitch": True, "bandwidth": 5.0, "control_poles": (-20 + 15j, -20 - 15j, *NEAR_THE_ZEROS),
+        "horizontal": BY_POLES, "pitch": True, "bandwidth": 5.0, "control_poles": (-20 + 15j, -20 - 15j, *NEAR_THE_ZEROS),
         "observer_poles": (-60 + 45j, -60 - 45j, *NEAR_THE_ZEROS)})),
-    pencil("damper", DAMPER),
-    pencil("zero", ZERO),
+    typed_task("damper", DAMPER),
+    typed_task("zero", ZERO_FREQUENCY),
 )

@@ -1,4 +1,4 @@
-"""The numbers that stand now in the derivation of lesson 5: both Riccati equations term by term, both gains."""
+"""Compute the numbers in the derivation of lesson 5: both Riccati equations, both gains."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from app.engine import lqr
-from app.lesson.derivation import Value
-from app.lesson.lesson import Outcome
+from observer_lab.course.exercises.derivation import Value
+from observer_lab.course.lesson import Outcome
+from observer_lab.engine import lqr
 
-from .twins import Setting, Twins, weights_of
+from .dual_quantities import Setting, Twins, weights_of
 
 
 def derived(here: Setting, outcome: Outcome[Twins]) -> Mapping[str, Value]:

@@ -1,4 +1,4 @@
-"""The exams of lesson 5."""
+"""Define the exams of lesson 5."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ import math
 
 import numpy as np
 
-from app.lesson.exam import Exam, ExamItem, Lot, decimals
+from observer_lab.course.exercises.exam import Exam, ExamItem, SeededDraws, decimals
 
 
-def _gain(lot: Lot) -> ExamItem:
+def _gain(lot: SeededDraws) -> ExamItem:
     """Spring-damper with m = 1: a feedback for (Aᵀ, Cᵀ) with poles p, q is given; what is the second entry of L?"""
     b, k = lot.part(1, 8, 4), float(lot.whole(1, 6))
     p, q = (-float(v) for v in lot.some(range(2, 9), 2))
@@ -17,21 +17,21 @@ def _gain(lot: Lot) -> ExamItem:
     return ExamItem({"b": b, "k": k, "p": p, "q": q, "first": first}, p * q - k - b * first)
 
 
-def _pole(lot: Lot) -> ExamItem | None:
+def _pole(lot: SeededDraws) -> ExamItem | None:
     """Regulator and filter share the pole −√(a² + c² W/V)."""
     a, c, W, V = float(lot.whole(-3, 4)), float(lot.whole(2, 4)), float(lot.whole(2, 20)), float(lot.whole(2, 8))
     root = math.sqrt(a * a + c * c * W / V)
     return ExamItem({"a": a, "c": c, "W": W, "V": V}, -root, {"P": V * (a + root) / (c * c)}) if abs(a) > 1 else None
 
 
-def _predictor(lot: Lot) -> ExamItem:
+def _predictor(lot: SeededDraws) -> ExamItem:
     """L = a M with the filter's gain M = P⁻ c/(c² P⁻ + R)."""
     a, c, P, R = lot.part(11, 25), float(lot.whole(2, 5)), lot.part(2, 19), float(lot.whole(2, 9))
     M = P * c / (c * c * P + R)
     return ExamItem({"a": a, "c": c, "P": P, "R": R}, a * M, {"M": M})
 
 
-def _adjoint(lot: Lot) -> ExamItem | None:
+def _adjoint(lot: SeededDraws) -> ExamItem | None:
     """λᵀx stays: λ₂ = (λ(0)ᵀx(0) − λ₁ x₁)/x₂."""
     a, b, c, d, u, first = (lot.whole(-6, 6) for _ in range(6))
     v = lot.one((-5, -4, -2, 2, 4, 5))

@@ -1,45 +1,45 @@
-"""Figures of duality: the run, the twins in tables and over time, the ellipses."""
+"""Draw the figures of lesson 5: the run, dual quantities side by side, ellipses."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from app.lesson.figures import Curve, LineFigure, PlaneFigure, TableFigure, nice
-from app.lesson.later import Sheaf, leaf
-from app.lesson.lesson import Design, Outcome
-from app.text import NO_WORDS, Text, joined, same, symbol, text, written
+from observer_lab.course.figures.records import Curve, LineFigure, PlaneFigure, TableFigure, round_up_nicely
+from observer_lab.course.lazy import FigureSet, tab_figures
+from observer_lab.course.lesson import Design, Outcome
+from observer_lab.text import NO_WORDS, Text, format_number, joined, same, symbol, text
 
 from ..toolkit.figures import ERROR_TAB, TIME_TAB, error_figure, input_figure, state_figures
 from ..toolkit.latex import pole_words
-from .horizon import HORIZON_TAB, horizon_figure
-from .twins import Setting, Twins, weights_of
+from .dual_quantities import Setting, Twins, weights_of
+from .finite_horizon import HORIZON_TAB, horizon_figure
 
 TWINS_TAB, ELLIPSES_TAB = text("Twins"), text("Ellipses")
 MOST_ROWS = 12  # of a table
-CIRCLE = np.linspace(0.0, 2 * np.pi, 121)
+CIRCLE_ANGLES_RAD = np.linspace(0.0, 2 * np.pi, 121)
 
 
-def all_figures(here: Setting, outcome: Outcome[Twins]) -> Sheaf:
+def all_figures(here: Setting, outcome: Outcome[Twins]) -> FigureSet:
     """The run; gains, Riccati solutions and the pairing beside their twins; both ellipses."""
     run, twins, design = outcome.run, outcome.study, outcome.design
     assert run is not None
-    return Sheaf(
-        leaf(TIME_TAB, lambda: state_figures(here.model, run, 2)),
-        leaf(ERROR_TAB, lambda: (error_figure(run), input_figure(run, here.model))),
-        leaf(TWINS_TAB, lambda: (_gain_table(outcome, twins), _riccati_table(here, outcome, twins),
+    return FigureSet(
+        tab_figures(TIME_TAB, lambda: state_figures(here.model, run, 2)),
+        tab_figures(ERROR_TAB, lambda: (error_figure(run), input_figure(run, here.model))),
+        tab_figures(TWINS_TAB, lambda: (_gain_table(outcome, twins), _riccati_table(here, outcome, twins),
                                  _pairing(twins, twins.pairing_gap))),
-        leaf(HORIZON_TAB, lambda: (_horizon(here, design, twins),)),
-        leaf(ELLIPSES_TAB, lambda: _ellipses(here, design["window"], twins, twins.mirror_gap)))
+        tab_figures(HORIZON_TAB, lambda: (_horizon(here, design, twins),)),
+        tab_figures(ELLIPSES_TAB, lambda: _ellipses(here, design["window"], twins, twins.mirror_gap)))
 
 
 def _entry(value: float) -> str:
-    return written(value, ".6g")
+    return format_number(value, ".6g")
 
 
 def _gain_table(outcome: Outcome[Twins], twins: Twins) -> TableFigure:
     wide = twins.L.shape[1] > 1
     names = (symbol(f"L{i + 1}{j + 1}" if wide else f"L{i + 1}") for i, j in np.ndindex(twins.L.shape))
-    rows = tuple((name, _entry(float(a)), _entry(float(b)), written(abs(a - b), ".0e")) for name, a, b in zip(
+    rows = tuple((name, _entry(float(a)), _entry(float(b)), format_number(abs(a - b), ".0e")) for name, a, b in zip(
         names, twins.L.ravel(), twins.K_dual.T.ravel(), strict=True))[:MOST_ROWS]
     left, right = (pole_words(outcome.poles[side].tolist()) for side in ("controller", "observer"))
     return TableFigure(
@@ -64,7 +64,7 @@ def _riccati_table(here: Setting, outcome: Outcome[Twins], twins: Twins) -> Tabl
 
 
 def _pairing(twins: Twins, relative: float) -> LineFigure:
-    value = written(twins.pairing[0], ".4g")
+    value = format_number(twins.pairing[0], ".4g")
     return LineFigure(
         "pairing", text("observer forward, dual backward"), twins.pair.t,
         (Curve(same("‖e(t)‖"), np.linalg.norm(twins.pair.e, axis=1), "error"),
@@ -85,7 +85,7 @@ def _ellipse(W: np.ndarray) -> tuple[np.ndarray, np.ndarray, float, float]:
     """x and y of W^{1/2} times the unit circle, and the half axes, long and short."""
     values, axes = np.linalg.eigh(W)
     half = np.sqrt(np.maximum(values, 0.0))
-    x, y = (axes * half) @ np.array([np.cos(CIRCLE), np.sin(CIRCLE)])
+    x, y = (axes * half) @ np.array([np.cos(CIRCLE_ANGLES_RAD), np.sin(CIRCLE_ANGLES_RAD)])
     return x, y, float(half[-1]), float(half[0])
 
 
@@ -100,7 +100,7 @@ def _plane(name: str, title: Text, caption: Text, own: np.ndarray, twin: np.ndar
 def _ellipses(here: Setting, window: float, twins: Twins, mirror: float) -> tuple[PlaneFigure, PlaneFigure]:
     at, energies = np.ix_(here.pair, here.pair), twins.energies
     reach, seen = _ellipse(energies.reach[at]), _ellipse(energies.seen[at])
-    half = 1.15 * nice(max(reach[2], seen[2]))
+    half = 1.15 * round_up_nicely(max(reach[2], seen[2]))
     mirrored = (text("It is the mirror image of the upper one.") if mirror < 1e-6 else NO_WORDS)
     return (
         _plane("reach", text("states reached with unit energy"),

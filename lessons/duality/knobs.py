@@ -1,14 +1,14 @@
-"""Duality: the block whose sensor turns, and what a person may choose."""
+"""Define the knobs of lesson 5, on the block with a sensor that turns."""
 
 from __future__ import annotations
 
 from types import MappingProxyType
 
-from app.lesson.knobs import Choice, Number, Poles, Switch
-from app.plants import MODELS
-from app.text import Text, text
+from observer_lab.course.knobs import Choice, Number, Poles, Switch
+from observer_lab.plants import MODELS
+from observer_lab.text import Text, text
 
-from ..toolkit.boards import WEIGHTS
+from ..toolkit.boards import WEIGHTS_FOLDER
 from ..toolkit.knobs import BY_POLES, BY_WEIGHTS, run_knobs
 
 MODEL = MODELS["spring-damper"]
@@ -21,7 +21,7 @@ HINTS = MappingProxyType({
 
 
 def _weight(name: str, symbol: str, label: Text, default: float, tied: bool) -> Number:
-    return Number(name, symbol, label, low=1e-3, high=1e3, default=default, scale="log", group=WEIGHTS,
+    return Number(name, symbol, label, low=1e-3, high=1e3, default=default, scale="log", group=WEIGHTS_FOLDER,
                   when=None if tied else ("mirror", (False,)), hint=HINTS[name])
 
 

@@ -1,4 +1,4 @@
-"""Duality on a person's own plant: two Riccati equations, two Gramians, and, for one output, one set of poles for both boards."""
+"""Fit lesson 5 to the user's own plant: Riccati equations, Gramians, poles."""
 
 from __future__ import annotations
 
@@ -7,20 +7,20 @@ from functools import partial
 
 import numpy as np
 
-from app.engine import controllability, observability
-from app.lesson.knobs import Choice, Knob, KnobError, Number, Poles
-from app.lesson.lesson import Lesson
-from app.plants import Model, Window
-from app.plants.names import with_unit
-from app.text import text
+from observer_lab.course.knobs import Choice, Knob, KnobError, Number, Poles
+from observer_lab.course.lesson import Lesson
+from observer_lab.engine import controllability, observability
+from observer_lab.plants import Model, Window
+from observer_lab.plants.signal_names import with_unit
+from observer_lab.text import text
 
 from ..toolkit.gains import sizes
 from ..toolkit.knobs import BY_POLES, BY_WEIGHTS, run_knobs
 from .derive import derived
+from .dual_quantities import Setting
 from .figures import all_figures
 from .knobs import KNOBS
 from .study import compute
-from .twins import Setting
 
 BY_HAND = 6  # most states for which Ackermann's formula, the observer's own, is trusted
 

@@ -1,4 +1,4 @@
-"""What duality computes: both gains, both Riccati solutions, both Gramians, and one run of the plant under them."""
+"""Compute a design of lesson 5: both gains, Riccati solutions, Gramians, one run."""
 
 from __future__ import annotations
 
@@ -7,20 +7,20 @@ from functools import lru_cache
 
 import numpy as np
 
-from app.engine import Plant, Scenario, simulate
-from app.engine.systems import sorted_poles
-from app.lesson.later import Later, LaterItems, LaterMap
-from app.lesson.lesson import Board, Check, Design, Formula, Outcome
-from app.plants import Window
-from app.text import Text, same, text, written
+from observer_lab.course.lazy import LazyMap, LazySequence, LazyValue
+from observer_lab.course.lesson import Board, Check, Design, Formula, Outcome
+from observer_lab.engine import Plant, Scenario, simulate
+from observer_lab.engine.systems import sorted_poles
+from observer_lab.plants import Window
+from observer_lab.text import Text, format_number, same, text
 
 from ..toolkit.boards import listed, stage
 from ..toolkit.knobs import BY_POLES, kicks
 from ..toolkit.latex import gain_words
+from .dual_quantities import TINY, Setting, Twins, gap
 from .knobs import MODEL
-from .twins import TINY, Setting, Twins, gap
 
-EXACT = 1e-8  # agreement asked of the two sides, relative to their size
+DUAL_RTOL = 1e-8  # agreement asked of the two sides, relative to their size
 
 
 @lru_cache(maxsize=128)
@@ -42,11 +42,11 @@ def compute(here: Setting, design: Design) -> Outcome[Twins]:
                             impulses=kicks(design, model), seed=int(design["seed"])))
     error_matrix = plant.A - own @ plant.C
     left, right = map(sorted_poles, (plant.A - plant.B @ K, error_matrix))
-    metrics = LaterMap(lambda: _metrics(twins, left, right))
+    metrics = LazyMap(lambda: _metrics(twins, left, right))
     gains = {"K": K, "L": L}
-    return Outcome(design, LaterMap(lambda: {**gains, "K_dual": twins.K_dual}, gains), {"controller": left, "observer": right}, metrics,
-                   LaterItems(lambda: _checks(metrics)), run, _boards(here, design, left, right, error_matrix), stage(model, run),
-                   LaterItems(lambda: _formulas(K, own, twins.K_dual)), Later(lambda: _live(own, metrics)), twins)
+    return Outcome(design, LazyMap(lambda: {**gains, "K_dual": twins.K_dual}, gains), {"controller": left, "observer": right}, metrics,
+                   LazySequence(lambda: _checks(metrics)), run, _boards(here, design, left, right, error_matrix), stage(model, run),
+                   LazySequence(lambda: _formulas(K, own, twins.K_dual)), LazyValue(lambda: _live(own, metrics)), twins)
 
 
 def _metrics(twins: Twins, left: np.ndarray, right: np.ndarray) -> dict[str, float]:
@@ -67,7 +67,7 @@ def _checks(m: Mapping[str, float]) -> tuple[Check, ...]:
         ("gramians", "gramian_gap", text("each Gramian = its twin's")),
         ("pairing", "pairing_gap", text("x_d(T − t)ᵀ e(t) is constant")),
     )
-    return tuple(Check(name, words, m[key] <= EXACT, m[key]) for name, key, words in sentences)
+    return tuple(Check(name, words, m[key] <= DUAL_RTOL, m[key]) for name, key, words in sentences)
 
 
 def _boards(here: Setting, design: Design, left: np.ndarray, right: np.ndarray, error_matrix: np.ndarray) -> tuple[Board, Board]:
@@ -91,11 +91,21 @@ def _formulas(K: np.ndarray, L: np.ndarray, K_dual: np.ndarray) -> tuple[Formula
 
 
 def _live(L: np.ndarray, m: Mapping[str, float]) -> Text:
-    numbers = f"({', '.join(written(v, '.4g') for v in L[:4, 0])}{', …' if L.size > 4 else ''})"
+    numbers = f"({', '.join(format_number(v, '.4g') for v in L[:4, 0])}{', …' if L.size > 4 else ''})"
     return text("The observer's own equation gives L = {numbers}; the feedback of the transposed plant, turned on "
                 "its side, differs by {gain_gap:.0e} of its size.",
                 numbers=numbers, gain_gap=m["gain_gap"])
 
 
-BLOCK = Setting(MODEL, lambda design: turned(design["sensor"]), np.eye(2), np.eye(1), np.eye(2), np.eye(1), (0, 1), ("q [m]", "v [m/s]"),
-                Window(-5.0, 1.5, 3.0), mirror=True)
+BLOCK_SETTING = Setting(
+    MODEL,
+    lambda design: turned(design["sensor"]),
+    np.eye(2),
+    np.eye(1),
+    np.eye(2),
+    np.eye(1),
+    (0, 1),
+    ("q [m]", "v [m/s]"),
+    Window(-5.0, 1.5, 3.0),
+    mirror=True,
+)

@@ -1,17 +1,22 @@
-"""Tasks of duality, checked on the outcome."""
+"""Define the tasks of lesson 5, checked on the outcome."""
 
 from __future__ import annotations
 
-from app.lesson.lesson import Outcome, Task, Verdict, pencil
-from app.lesson.typed import Typed
-from app.text import text, written
+from observer_lab.course.exercises.typed_answers import Typed
+from observer_lab.course.lesson import Outcome, Task, Verdict, typed_task
+from observer_lab.text import format_number, text
 
 from ..toolkit.knobs import BY_POLES, BY_WEIGHTS
-from .study import BLOCK
-from .twins import Twins, gap
+from .dual_quantities import Twins, gap
+from .study import BLOCK_SETTING
 
-SAME = 0.01  # of L: two gains nearer than this are one
-SLOW, QUICK, CLOSE, MODEST = -0.5, -1.5, 0.02, 3.0  # slowest poles asked for, how nearly, and the largest entry of L
+SAME_GAIN_RTOL = 0.01  # of L: two gains nearer than this are one
+SLOWEST_CONTROLLER_POLE, SLOWEST_OBSERVER_POLE, POLE_TOLERANCE, MAX_GAIN_ENTRY = (
+    -0.5,
+    -1.5,
+    0.02,
+    3.0,
+)  # slowest poles asked for, how nearly, and the largest entry of L
 
 
 def _published(outcome: Outcome[Twins]) -> Verdict:
@@ -30,12 +35,12 @@ def _ratio(outcome: Outcome[Twins]) -> Verdict:
     if d["method"] != BY_WEIGHTS or d["mirror"]:
         return Verdict(False, text("Choose gains by weights and switch the mirror off."))
     scale = d["w"] / d["q"]
-    L, mirrored = outcome.gains["L"], Twins(BLOCK, d.with_values(mirror=True), BLOCK.plant(d)).L_engine
+    L, mirrored = outcome.gains["L"], Twins(BLOCK_SETTING, d.with_values(mirror=True), BLOCK_SETTING.plant(d)).L_engine
     if max(scale, 1 / scale) < 10:
         return Verdict(False, text("α_W is {scale:.3g} times α_Q; make it at least ten times larger or smaller.",
                                    scale=scale))
-    if gap(L, mirrored) > SAME:
-        now, wanted = (f"({written(M[0, 0], '.3g')}, {written(M[1, 0], '.3g')})" for M in (L, mirrored))
+    if gap(L, mirrored) > SAME_GAIN_RTOL:
+        now, wanted = (f"({format_number(M[0, 0], '.3g')}, {format_number(M[1, 0], '.3g')})" for M in (L, mirrored))
         return Verdict(False, text("L is {now}; mirrored weights give {wanted}.", now=now, wanted=wanted))
     return Verdict(True, text("P is {scale:.3g} times as large, yet L is what mirrored weights give.", scale=scale))
 
@@ -56,12 +61,22 @@ def _threefold(outcome: Outcome[Twins]) -> Verdict:
     largest = max(abs(m["L1"]), abs(m["L2"]))
     if outcome.design["method"] != BY_WEIGHTS:
         return Verdict(False, text("Let weights choose the gains, not poles."))
-    if abs(controller - SLOW) > CLOSE * abs(SLOW) or abs(observer - QUICK) > CLOSE * abs(QUICK):
-        return Verdict(False, text("The slowest poles are at {controller:.3g} and {observer:.3g}; wanted are {slow:g} and {quick:g}, "
-                                   "within 2 %.", controller=controller, observer=observer, slow=SLOW, quick=QUICK))
-    if largest > MODEST:
+    if abs(controller - SLOWEST_CONTROLLER_POLE) > POLE_TOLERANCE * abs(SLOWEST_CONTROLLER_POLE) or abs(
+        observer - SLOWEST_OBSERVER_POLE
+    ) > POLE_TOLERANCE * abs(SLOWEST_OBSERVER_POLE):
+        return Verdict(
+            False,
+            text(
+                "The slowest poles are at {controller:.3g} and {observer:.3g}; wanted are {slow:g} and {quick:g}, within 2 %.",
+                controller=controller,
+                observer=observer,
+                slow=SLOWEST_CONTROLLER_POLE,
+                quick=SLOWEST_OBSERVER_POLE,
+            ),
+        )
+    if largest > MAX_GAIN_ENTRY:
         return Verdict(False, text("The poles are right, but the largest entry of L is {largest:.3g}; at most {most:g}. Another ratio of "
-                                   "the weights has the same slowest pole.", largest=largest, most=MODEST))
+                                   "the weights has the same slowest pole.", largest=largest, most=MAX_GAIN_ENTRY))
     return Verdict(True, text("Slowest poles at {controller:.3g} and {observer:.3g}, with no entry of L above {largest:.3g}.",
                               controller=controller, observer=observer, largest=largest))
 
@@ -79,6 +94,6 @@ TASKS = (
     Task("ratio", _ratio, {"method": BY_WEIGHTS, "mirror": False, "w": 40.0, "v": 10.0}),
     Task("mirror", _mirror_image, {"sensor": 90.0}, easy="the sensor belongs where the force acts, which is its stop"),
     Task("threefold", _threefold, {"method": BY_WEIGHTS, "mirror": False, "q": 0.39, "w": 5.25}),
-    pencil("read-off", READ_OFF),
-    pencil("listen", LISTEN),
+    typed_task("read-off", READ_OFF),
+    typed_task("listen", LISTEN),
 )

@@ -1,0 +1,1 @@
+"""Hold the modules of lesson 2, dynamics of the estimation error."""

@@ -1,4 +1,4 @@
-"""The numbers that stand now in the derivation of lesson 2: the error's matrix, its solution beside the run, its polynomial."""
+"""Compute the numbers in the derivation of lesson 2: error matrix, solution, polynomial."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ from collections.abc import Mapping
 import numpy as np
 from scipy.linalg import expm
 
-from app.lesson.derivation import Value
-from app.lesson.lesson import Outcome
+from observer_lab.course.exercises.derivation import Value
+from observer_lab.course.lesson import Outcome
 
-from .knobs import PRINTED
+from .knobs import AS_PRINTED
 from .study import Setting, Study
 
-PART = 0.1  # of the run: when the solution is compared with it
+COMPARISON_RUN_SHARE = 0.1  # of the run: when the solution is compared with it
 
 
 def derived(here: Setting, outcome: Outcome[Study]) -> Mapping[str, Value]:
@@ -22,12 +22,12 @@ def derived(here: Setting, outcome: Outcome[Study]) -> Mapping[str, Value]:
     Nothing where the observer runs the matrix of the notes: there it copies another plant.
     """
     run, plant, L = outcome.run, here.model.plant, outcome.gains["L"]
-    if run is None or outcome.design["method"] == PRINTED:
+    if run is None or outcome.design["method"] == AS_PRINTED:
         return {}
     F = plant.A - L @ plant.C
     known: dict[str, Value] = {
         "A": plant.A, "C": plant.C, "L": L, "LC": L @ plant.C, "F": F, "x0": run.x[:1].T, "xhat0": run.xhat[:1].T, "e0": run.e[:1].T}
-    index = round(PART * here.horizon / here.dt)
+    index = round(COMPARISON_RUN_SHARE * here.horizon / here.dt)
     if not run.scenario.impulses and index < len(run.t):
         time = float(run.t[index])
         known |= {"time": time, "Phi": expm(F * time), "e_run": run.e[index:index + 1].T}

@@ -1,4 +1,4 @@
-"""The exams of lesson 2."""
+"""Define the exams of lesson 2."""
 
 from __future__ import annotations
 
@@ -6,17 +6,17 @@ import math
 
 import numpy as np
 
-from app.lesson.exam import WHOLE, Exam, ExamItem, Lot, decimals
+from observer_lab.course.exercises.exam import WHOLE_NUMBER, Exam, ExamItem, SeededDraws, decimals
 
 
-def _double(lot: Lot) -> ExamItem:
+def _double(lot: SeededDraws) -> ExamItem:
     """A block m = 1 with other b and k, both observer poles at p: l₂ = p² − k − b l₁ with l₁ = −2p − b."""
     b, k, p = lot.part(1, 9), float(lot.whole(1, 6)), -float(lot.whole(2, 6))
     first = -2 * p - b
     return ExamItem({"b": b, "k": k, "p": p}, p**2 - k - b * first, {"first": first})
 
 
-def _decay(lot: Lot) -> ExamItem | None:
+def _decay(lot: SeededDraws) -> ExamItem | None:
     """A complex pair of A − LC has the real part −(l₁ + b)/2."""
     b, k = lot.part(1, 9), float(lot.whole(1, 6))
     l1, l2, N = lot.part(2, 30), float(lot.whole(1, 9)), lot.one((10.0, 20.0, 50.0, 100.0, 1000.0))
@@ -26,14 +26,14 @@ def _decay(lot: Lot) -> ExamItem | None:
     return ExamItem({"b": b, "k": k, "L": np.array([[l1], [l2]]), "N": N}, math.log(N) / sigma, {"l1": l1, "sigma": sigma})
 
 
-def _form(lot: Lot) -> ExamItem:
+def _form(lot: SeededDraws) -> ExamItem:
     """Observer form: l₁ = c₀ − a₀ with c₀ = σ² + ω²."""
     a0, a1, re, im = float(lot.whole(-6, 9)), float(lot.whole(-5, 5)), -float(lot.whole(2, 7)), float(lot.whole(2, 6))
     c0 = re**2 + im**2
     return ExamItem({"A": np.array([[0.0, -a0], [1.0, -a1]]), "re": re, "im": im}, c0 - a0, {"c0": c0, "a0": a0})
 
 
-def _push(lot: Lot) -> ExamItem:
+def _push(lot: SeededDraws) -> ExamItem:
     """ė = (A − LC) e + (0, d) rests at e₁ = d/(p₁ p₂), e₂ = l₁ e₁."""
     b, k, d = lot.part(1, 9), float(lot.whole(1, 6)), float(lot.whole(2, 9))
     p, r = (-float(v) for v in lot.some(range(2, 9), 2))
@@ -44,6 +44,6 @@ def _push(lot: Lot) -> ExamItem:
 EXAMS = (
     Exam("double", decimals(2), _double),
     Exam("decay", decimals(2), _decay),
-    Exam("form", WHOLE, _form),
+    Exam("form", WHOLE_NUMBER, _form),
     Exam("push", decimals(2), _push),
 )

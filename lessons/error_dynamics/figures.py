@@ -1,4 +1,4 @@
-"""The figures of lesson 2: signals and force; the error with and without the force; the page of the notes."""
+"""Draw the figures of lesson 2: signals, force, error with and without force, notes page."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ import math
 
 import numpy as np
 
-from app.engine.simulation import Run
-from app.lesson.figures import Curve, Figure, LineFigure, TableFigure
-from app.lesson.lesson import Outcome
-from app.text import same, text, written
+from observer_lab.course.figures.records import Curve, Figure, LineFigure, TableFigure
+from observer_lab.course.lesson import Outcome
+from observer_lab.engine.simulation import Run
+from observer_lab.text import format_number, same, text
 
 from ..toolkit.figures import TIME_TAB, rate_of_error, settled_words, state_figures
-from .notes import notes_figures
+from .notes_page import notes_figures
 from .study import Setting, Study, left_alone
 
 ERROR_TAB = text("Error")
@@ -92,4 +92,4 @@ def _digits(value: float, places: int) -> str:
 
 
 def _order(value: float) -> str:
-    return written(value, ".0e") if value else "0"
+    return format_number(value, ".0e") if value else "0"

@@ -1,4 +1,4 @@
-"""Error dynamics on a person's own plant: the same two runs, in its own measures; the notes stay with their block."""
+"""Fit lesson 2 to the user's own plant, without the notes."""
 
 from __future__ import annotations
 
@@ -7,18 +7,18 @@ from functools import partial
 
 import numpy as np
 
-from app.engine.design import typical_rate
-from app.lesson.knobs import Choice, Knob, Number, Poles, Track
-from app.lesson.lesson import Lesson
-from app.plants import Model
-from app.plants.names import called
-from app.text import text
+from observer_lab.course.knobs import Choice, Knob, Number, Poles, Track
+from observer_lab.course.lesson import Lesson
+from observer_lab.engine.design import typical_rate
+from observer_lab.plants import Model
+from observer_lab.plants.signal_names import signal_name
+from observer_lab.text import text
 
 from ..toolkit.gains import injection
 from ..toolkit.knobs import run_knobs
 from .derive import derived
 from .figures import figures
-from .knobs import KNOBS, POLES
+from .knobs import BY_POLES, KNOBS
 from .study import Setting, compute
 
 
@@ -27,7 +27,7 @@ def own_knobs(model: Model) -> tuple[Knob, ...]:
     window, pace, size = model.observer_window, typical_rate(model.plant) / (2 * np.pi), model.u_max
     name = model.plant.input_names[0]
     return (
-        Choice("input", "u", text("input {name}", name=called(model.plant, name)), default="sine",
+        Choice("input", "u", text("input {name}", name=signal_name(model.plant, name)), default="sine",
                options=KNOBS[0].options,  # type: ignore[attr-defined]
                hint=text("The plant and the observer get the same input.")),
         Number("amplitude", r"u_0", text("amplitude"), model.input_unit, low=0.0, high=5 * size, default=size,
@@ -39,7 +39,7 @@ def own_knobs(model: Model) -> tuple[Knob, ...]:
                when=("input", ("random",)), hint=text("The same seed gives the same input.")),
         Track("hand", "u", text("input by hand"), model.input_unit, low=-2 * size, high=2 * size,
               when=("input", ("hand",)), hint=text("Press play and move this: your hand is recorded.")),
-        Choice("method", "L", text("gain by"), default=POLES, options=((POLES, text("dragging poles")),),
+        Choice("method", "L", text("gain by"), default=BY_POLES, options=((BY_POLES, text("dragging poles")),),
                hidden=True),
         Poles("observer_poles", "q", text("Observer poles"), "rad/s", default=model.observer_poles,
               re_low=window.re_low, re_high=window.re_high, im_high=window.im_high, role="estimate",

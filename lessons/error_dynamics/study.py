@@ -1,4 +1,4 @@
-"""What a design of lesson 2 leads to: one run with the chosen force and one without any."""
+"""Compute a design of lesson 2: one run with the chosen force and one without."""
 
 from __future__ import annotations
 
@@ -7,23 +7,23 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from app.engine import Plant, Scenario, observer_gain, simulate
-from app.engine.simulation import Run
-from app.engine.systems import sorted_poles
-from app.lesson.claims import claim
-from app.lesson.lesson import Board, Check, Design, Formula, Outcome
-from app.plants import Model
-from app.text import Text, same, text, written
+from observer_lab.course.figures.claims import claim
+from observer_lab.course.lesson import Board, Check, Design, Formula, Outcome
+from observer_lab.engine import Plant, Scenario, observer_gain, simulate
+from observer_lab.engine.simulation import Run
+from observer_lab.engine.systems import sorted_poles
+from observer_lab.plants import Model
+from observer_lab.text import Text, format_number, same, text
 
 from ..toolkit.boards import bolts, listed, stage
 from ..toolkit.figures import settle_time
 from ..toolkit.knobs import kicks
 from ..toolkit.latex import gain_words, matrix
-from .knobs import DT, HORIZON, MODEL, NUMBERS, POLES, PRINTED
-from .notes import PLANT, PRINTED_GAIN, poles_of, printed_model
+from .knobs import AS_PRINTED, BY_NUMBERS, BY_POLES, DT, HORIZON, MODEL
+from .notes_page import PLANT, PRINTED_GAIN, poles_of, printed_model
 
-HOLD = 20  # steps for which a random force is held
-ROUNDING = 1e-9  # an error moved by less than this share of the largest state is moved by rounding alone, in whatever units
+FORCE_HOLD_STEPS = 20  # steps for which a random force is held
+ERROR_ROUNDING = 1e-9  # an error moved by less than this share of the largest state is moved by rounding alone, in whatever units
 PRINTED_MODEL = printed_model()
 
 
@@ -65,7 +65,7 @@ def force(design: Design, horizon: float = HORIZON, dt: float = DT) -> np.ndarra
         return np.where((t * design["frequency"]) % 1.0 < 0.5, size, -size)
     if kind == "random":
         rng = np.random.default_rng(int(design["seed"]))
-        return np.repeat(rng.uniform(-size, size, len(t) // HOLD + 1), HOLD)[:len(t)]
+        return np.repeat(rng.uniform(-size, size, len(t) // FORCE_HOLD_STEPS + 1), FORCE_HOLD_STEPS)[:len(t)]
     if kind == "hand" and design["hand"]:
         times, values = np.array(design["hand"]).T
         return np.concatenate([[0.0], values])[np.searchsorted(times, t + 1e-9 * dt, side="right")]
@@ -74,15 +74,15 @@ def force(design: Design, horizon: float = HORIZON, dt: float = DT) -> np.ndarra
 
 def gain(design: Design) -> np.ndarray:
     """L (2×1): from the poles, typed, or as the notes print it."""
-    if design["method"] == PRINTED:
+    if design["method"] == AS_PRINTED:
         return PRINTED_GAIN
-    if design["method"] == NUMBERS:
+    if design["method"] == BY_NUMBERS:
         return np.array([[design["l1"]], [design["l2"]]])
     return observer_gain(PLANT.A, PLANT.C, design["observer_poles"]).gain
 
 
-BLOCK = Setting(
-    MODEL, HORIZON, DT, lambda design: PRINTED_MODEL if design["method"] == PRINTED else PLANT, gain,
+BLOCK_SETTING = Setting(
+    MODEL, HORIZON, DT, lambda design: PRINTED_MODEL if design["method"] == AS_PRINTED else PLANT, gain,
     lambda design: (design["guess_q"], design["guess_v"]), ((same("e₁"), "m"), (same("e₂"), "m/s")),
     text("the block's own poles  eig(A)"), notes=True)
 
@@ -124,19 +124,19 @@ def _metrics(run: Run, quiet: Run) -> dict[str, float]:
 
 def _boards(here: Setting, design: Design, poles: np.ndarray, error: np.ndarray) -> tuple[Board, Board]:
     window, own = here.model.observer_window, here.model.plant.poles
-    shown = design["observer_poles"] if design["method"] == POLES else listed(poles)
+    shown = design["observer_poles"] if design["method"] == BY_POLES else listed(poles)
     return (
         Board("plant", here.whose, listed(own), side="left", re_low=window.re_low, re_high=window.re_high,
               im_high=window.im_high),
         Board("observer", text("observer poles  eig(A − LC)"), shown, "observer_poles",
               bolts(here.model.observer, window), role="estimate", side="right", re_low=window.re_low, re_high=window.re_high,
-              im_high=window.im_high, also=(("method", POLES),), landscape=error),
+              im_high=window.im_high, also=(("method", BY_POLES),), landscape=error),
     )
 
 
 def _formulas(here: Setting, design: Design, L: np.ndarray, error: np.ndarray) -> tuple[Formula, ...]:
     gain_now = Formula("L", gain_words("L", L))
-    if design["method"] != PRINTED:
+    if design["method"] != AS_PRINTED:
         return (Formula("law", r"\dot e = (A - LC)\,e"), gain_now, Formula("error", gain_words("A - LC", error)))
     plant = here.model.plant
     leak = plant.A - L @ plant.C - error
@@ -147,16 +147,16 @@ def _formulas(here: Setting, design: Design, L: np.ndarray, error: np.ndarray) -
 def _live(m: dict[str, float]) -> Text:
     if m["state_moved"] == 0:
         return text("No input acts: plant and error are left to themselves.")
-    moved = written(m["state_moved"], ".2g")
+    moved = format_number(m["state_moved"], ".2g")
     driven = text("The input moves the state by up to {moved} and the error by up to {error_moved:.2g}: the "
                   "error is not left alone.",
                   moved=moved, error_moved=m["error_moved"])
     alone = text("The input moves the state by up to {moved} and the error by {error_moved:.0e}: rounding, nothing "
                  "else.",
                  moved=moved, error_moved=m["error_moved"])
-    return claim(driven, m["error_moved"], above=ROUNDING * m["largest"], otherwise=alone)
+    return claim(driven, m["error_moved"], above=ERROR_ROUNDING * m["largest"], otherwise=alone)
 
 
 def left_alone(m: Mapping[str, float]) -> bool:
     """Whether the force moves the error by rounding alone."""
-    return m["error_moved"] <= ROUNDING * m["largest"]
+    return m["error_moved"] <= ERROR_ROUNDING * m["largest"]

@@ -1,23 +1,23 @@
-"""The tasks of lesson 2."""
+"""Define the tasks of lesson 2."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from app.lesson.lesson import Outcome, Task, Verdict, pencil
-from app.lesson.typed import Typed
-from app.text import text, written
+from observer_lab.course.exercises.typed_answers import Typed
+from observer_lab.course.lesson import Outcome, Task, Verdict, typed_task
+from observer_lab.text import format_number, text
 
-from .knobs import NUMBERS, POLES, PRINTED, QUIET
-from .notes import FIRST, GAIN, MATRIX, NONE, RIGHT_GAIN, signed
+from .knobs import AS_PRINTED, BY_NUMBERS, BY_POLES, NO_FORCE
+from .notes_page import FIRST_LINE, GAIN_LINE, MATRIX_LINE, NONE, RIGHT_GAIN, signed
 from .study import Study
 
-SOON, CALM = (2.1, 2.25), 0.7  # s and m/s
+SETTLING_BAND_S, MAX_SPEED_M_S = (2.1, 2.25), 0.7  # s and m/s
 
 
 def _gain_words(outcome: Outcome[Study]) -> str:
     l1, l2 = outcome.gains["L"][:, 0]
-    return f"({written(l1, '.4g')}, {written(l2, '.4g')})"
+    return f"({format_number(l1, '.4g')}, {format_number(l2, '.4g')})"
 
 
 def double_pole(outcome: Outcome[Study]) -> Verdict:
@@ -25,7 +25,7 @@ def double_pole(outcome: Outcome[Study]) -> Verdict:
     error = outcome.study.error
     damping, square = -float(np.trace(error)), float(np.linalg.det(error))
     words = _gain_words(outcome)
-    if outcome.design["method"] == PRINTED:
+    if outcome.design["method"] == AS_PRINTED:
         return Verdict(False, text("This is the pair from the notes; choose the poles or the gain yourself."))
     if abs(damping - 2) <= 0.02 and abs(square - 1) <= 0.02:
         return Verdict(True, text("Both poles are at −1, and L = {words}.", words=words))
@@ -36,17 +36,17 @@ def double_pole(outcome: Outcome[Study]) -> Verdict:
 def first_slip(outcome: Outcome[Study]) -> Verdict:
     """The line where the notes first go wrong, and the gain that follows once it is mended."""
     line, words = outcome.design["line"], _gain_words(outcome)
-    if outcome.design["method"] == PRINTED or not np.allclose(outcome.gains["L"], RIGHT_GAIN, rtol=0, atol=1e-6):
+    if outcome.design["method"] == AS_PRINTED or not np.allclose(outcome.gains["L"], RIGHT_GAIN, rtol=0, atol=1e-6):
         return Verdict(False, text("The gain is {words}; find the one that puts both poles at −1 exactly.",
                                    words=words))
-    if line == FIRST:
+    if line == FIRST_LINE:
         return Verdict(True, text("With L = {words} the sum of the poles asks l₁ + 0.5 = 2; the notes print l₁ − "
                                   "0.5 = 2.",
                                   words=words))
     if line == NONE:
         return Verdict(False, text("L = {words} is right. Now choose the first line of the notes that is wrong.",
                                    words=words))
-    if line in (GAIN, MATRIX):
+    if line in (GAIN_LINE, MATRIX_LINE):
         return Verdict(False, text("That line is wrong indeed, but it only inherits the slip from an earlier line."))
     return Verdict(False, text("That line holds with the right gain; look at the others in the tab Notes."))
 
@@ -54,7 +54,7 @@ def first_slip(outcome: Outcome[Study]) -> Verdict:
 def mixed_matrix(outcome: Outcome[Study]) -> Verdict:
     """The gain to which the printed matrix belongs: l₁ of the slip with the true l₂."""
     words = _gain_words(outcome)
-    if outcome.design["method"] != PRINTED and np.allclose(outcome.gains["L"][:, 0], (2.5, -0.75), rtol=0, atol=1e-6):
+    if outcome.design["method"] != AS_PRINTED and np.allclose(outcome.gains["L"][:, 0], (2.5, -0.75), rtol=0, atol=1e-6):
         p = outcome.poles["observer"]
         reached = f"{p[0].real:.5f}, {p[1].real:.5f}".replace("-", "−")
         return Verdict(True, text("L = {words}: l₁ from the slip, l₂ from the right gain. The poles are {reached}.",
@@ -67,15 +67,15 @@ def mixed_matrix(outcome: Outcome[Study]) -> Verdict:
 def calm_speed(outcome: Outcome[Study]) -> Verdict:
     """Settled within a band of time, the velocity's error kept small; the force does not matter."""
     d, after = outcome.design, outcome.metrics["settled_after"]
-    if d["method"] == PRINTED or d["guess_q"] or d["guess_v"] or d["kick"] >= 0:
+    if d["method"] == AS_PRINTED or d["guess_q"] or d["guess_v"] or d["kick"] >= 0:
         return Verdict(False, text("Choose poles or gain yourself, with both guesses at 0 and no kick."))
     peak = float(np.max(np.abs(outcome.run.e[:, 1]))) if outcome.run is not None else np.inf
-    if not SOON[0] <= after <= SOON[1]:
+    if not SETTLING_BAND_S[0] <= after <= SETTLING_BAND_S[1]:
         return Verdict(False, text("Below 2 % of its peak after {after:.2f} s; it should be after {low:g} to {high:g} s.", after=after,
-                                   low=SOON[0], high=SOON[1]))
-    if peak > CALM:
+                                   low=SETTLING_BAND_S[0], high=SETTLING_BAND_S[1]))
+    if peak > MAX_SPEED_M_S:
         return Verdict(False, text("Below 2 % after {after:.2f} s, but the velocity's error reaches {peak:.3g} m/s; at most {most:g} m/s.",
-                                   after=after, peak=peak, most=CALM))
+                                   after=after, peak=peak, most=MAX_SPEED_M_S))
     return Verdict(True, text("Below 2 % after {after:.2f} s, and the velocity's error never exceeds {peak:.3g} m/s.", after=after,
                               peak=peak))
 
@@ -83,7 +83,7 @@ def calm_speed(outcome: Outcome[Study]) -> Verdict:
 def confused(outcome: Outcome[Study]) -> Verdict:
     """An input that moves the error: only possible if the matrix in the computer is not A − LC."""
     moved = outcome.metrics["error_moved"]
-    if outcome.design["input"] == QUIET:
+    if outcome.design["input"] == NO_FORCE:
         return Verdict(False, text("There is no input; choose one."))
     left_alone = outcome.checks[0].holds  # an unstable observer may carry rounding far
     if moved >= 0.1 and not left_alone:
@@ -98,10 +98,10 @@ UNKNOWN_PUSH = Typed("(2*p-b)*d/p^2", ("p", "b", "d"), slips=(
     ("2*d/p", text("You left out the damper: l₁ = 2 p − b."))))
 
 TASKS = (
-    Task("double-pole", double_pole, {"method": POLES, "observer_poles": (-1.0, -1.0)}),
-    Task("first-slip", first_slip, {"method": NUMBERS, "l1": 1.5, "l2": -0.75, "line": FIRST}),
-    Task("mixed-matrix", mixed_matrix, {"method": NUMBERS, "l1": 2.5, "l2": -0.75, "line": "matrix"}),
-    Task("confused", confused, {"method": PRINTED, "input": "step"}, Typed(lambda _: 2 / 3)),
+    Task("double-pole", double_pole, {"method": BY_POLES, "observer_poles": (-1.0, -1.0)}),
+    Task("first-slip", first_slip, {"method": BY_NUMBERS, "l1": 1.5, "l2": -0.75, "line": FIRST_LINE}),
+    Task("mixed-matrix", mixed_matrix, {"method": BY_NUMBERS, "l1": 2.5, "l2": -0.75, "line": "matrix"}),
+    Task("confused", confused, {"method": AS_PRINTED, "input": "step"}, Typed(lambda _: 2 / 3)),
     Task("calm-speed", calm_speed, {"observer_poles": (-2 - 1.3j, -2 + 1.3j)}),
-    pencil("unknown-push", UNKNOWN_PUSH),
+    typed_task("unknown-push", UNKNOWN_PUSH),
 )

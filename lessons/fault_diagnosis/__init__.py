@@ -1,0 +1,1 @@
+"""Hold the modules of lesson 17, fault detection and isolation."""

@@ -1,4 +1,4 @@
-"""The deck with all four sensors visible: what fails turns pink, what the bank accuses gets a flag.
+"""Draw the deck with its sensors; a faulty part turns pink, an identified one gets a flag.
 
 The record that the stage plays is (state (6), which of the seven parts fail, which one is accused), 1 or 0 each.
 """
@@ -9,18 +9,18 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from app.plants.body import METAL, Ball, Body, Box, Part, Pose, Rod, Vector, between
-from app.plants.deck_body import deck_body
-from app.plants.platform import Parameters
-from app.text import text
+from observer_lab.plants.bodies.body import METAL, Ball, Body, Box, Part, Pose, Rod, Vector, pose_between
+from observer_lab.plants.bodies.deck_body import deck_body
+from observer_lab.plants.platform.model import Parameters
+from observer_lab.text import text
 
-K = Parameters()
+DECK_PARAMETERS = Parameters()
 FAILING, HONEST, COIL, STEEL_GREY = (204, 121, 167), (86, 180, 233), (184, 115, 51), (138, 147, 160)
 FLAG, POLE = "#E69F00", "#3A404A"
 BELOW: Vector = (0.0, 0.0, -9.0)
 SIDES = (("left", -1.0), ("right", 1.0))
 GAUGE_AT, GAUGE_UP, GAUGE_Y = 1.02, 0.17, -0.42  # where the horizontal sensors stand on the deck
-BASE = deck_body(K.a, K.b, K.s, K.h)
+BASE = deck_body(DECK_PARAMETERS.a, DECK_PARAMETERS.b, DECK_PARAMETERS.s, DECK_PARAMETERS.h)
 
 
 def _carried(deck: Pose, across: float, up: float, y: float) -> Vector:
@@ -48,7 +48,7 @@ def _pose(x: Sequence[float], gain: float) -> Mapping[str, Pose]:
         poses[f"sensor {side}"] = replace(poses[f"sensor {side}"], colour=FAILING if up_down else HONEST)
         poses[f"test mass {side}"] = replace(poses[f"test mass {side}"], colour=FAILING if up_down else COIL)
         poses[f"gauge {side}"] = Pose(at, poses["deck"].wxyz, colour=FAILING if across else HONEST)
-        poses[f"needle {side}"] = replace(between(at, end), colour=FAILING if across else STEEL_GREY)
+        poses[f"needle {side}"] = replace(pose_between(at, end), colour=FAILING if across else STEEL_GREY)
     for index, coil in enumerate(("coil left", "coil right", "coil across")):
         poses[coil] = replace(poses[coil], colour=FAILING if fails[4 + index] else COIL)
     return poses | _flag(poses, [float(v) > 0.5 for v in x[13:20]])
@@ -62,7 +62,7 @@ def _flag(poses: Mapping[str, Pose], accused: Sequence[bool]) -> dict[str, Pose]
     foot = poses[feet[list(accused).index(True)]].position
     low = (foot[0], foot[1] - (0.3 if accused[4] or accused[5] else 0.0), foot[2])
     top = (low[0], low[1], low[2] + 0.75)
-    return {"flag pole": between(low, top), "flag": Pose(top)}
+    return {"flag pole": pose_between(low, top), "flag": Pose(top)}
 
 
 BODY = Body(

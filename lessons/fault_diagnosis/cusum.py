@@ -1,4 +1,4 @@
-"""A cumulative sum beside the window: what it adds up, its threshold for the same rarity of false alarms, and when it crosses."""
+"""Compute a cumulative sum (CUSUM) test: sums, threshold for equal false alarms, crossing."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from functools import lru_cache
 import numpy as np
 from scipy.special import chdtr, chdtri
 
-from .bank import guard
 from .diagnosis import Rule
+from .observer_bank import guard
 from .runs import Record
 
 CELLS = 160  # of the Markov chain
-NEAR = 1e-9  # of log ARL, when the threshold is found
-MOST = 60
+LOG_ARL_TOLERANCE = 1e-9  # of log ARL, when the threshold is found
+MAX_ITERATIONS = 60
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,10 +45,10 @@ def threshold(dof: int, slack: float, mean: float) -> float:
     """The h at which the mean run without a fault is `mean` samples: log of it against h is nearly a line, so by secants."""
     low, high, wanted = 0.0, 10.0, np.log(mean)
     f_low, f_high = np.log(run_length(dof, slack, 1e-9)) - wanted, np.log(run_length(dof, slack, high)) - wanted
-    for _ in range(MOST):
+    for _ in range(MAX_ITERATIONS):
         h = max(high - f_high * (high - low) / (f_high - f_low), 1e-9)
         low, f_low, high, f_high = high, f_high, h, np.log(run_length(dof, slack, h)) - wanted
-        if abs(f_high) < NEAR or f_high == f_low:
+        if abs(f_high) < LOG_ARL_TOLERANCE or f_high == f_low:
             break
     return float(high)
 

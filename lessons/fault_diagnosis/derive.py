@@ -1,4 +1,4 @@
-"""The numbers that stand now in the derivation of lesson 17: the quiet member's innovation, the test, a coil ignored."""
+"""Compute the numbers in the derivation of lesson 17: innovation, χ² test, ignored coil."""
 
 from __future__ import annotations
 
@@ -6,24 +6,24 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from app.lesson.derivation import Value
-from app.lesson.lesson import Outcome
+from observer_lab.course.exercises.derivation import Value
+from observer_lab.course.lesson import Outcome
 
-from .bank import DT, MODEL, SIGMA, guard
 from .diagnosis import ENERGY
-from .pairs import PAIRS, pair_bank, rank_of
-from .record import Study
+from .fault_pairs import PAIRS, pair_bank, rank_of
+from .observer_bank import DT, MODEL, SENSOR_SIGMA, guard
+from .results import Study
 from .study import hourly
 
 MICRO = 1e6  # mm²/s² in a m²/s²
-SENSORS = 4  # members that leave one out and read the others as they are
+SENSOR_COUNT = 4  # members that leave one out and read the others as they are
 
 
 def derived(outcome: Outcome[Study]) -> Mapping[str, Value]:
     """Entry 11 of S and its parts, degrees of freedom, alarms an hour, the least lasting fault, and C b of the coil in question."""
     s = outcome.study
     column = 0 if s.column is None else s.column
-    S, R = MICRO * float(guard().bank.members[column].S[0, 0]), MICRO * SIGMA**2
+    S, R = MICRO * float(guard().bank.members[column].S[0, 0]), MICRO * SENSOR_SIGMA**2
     N, coil = s.test.window, s.case.coil or 0
     Cb = MODEL.plant.C @ MODEL.plant.B[:, [coil]]
     known: dict[str, Value] = {
@@ -31,6 +31,6 @@ def derived(outcome: Outcome[Study]) -> Mapping[str, Value]:
         "hourly": hourly(s), "needed": s.test.needed, "least": float(s.test.needed / N) ** 0.5,
         "inner": float((Cb.T @ Cb)[0, 0]), "size": float(np.linalg.norm(Cb)), "one": 1.0,
         "pairs": float(len(PAIRS)), "rank": float(rank_of(frozenset(s.pair or PAIRS[0]))), "left": float(pair_bank().dof)}
-    if column < SENSORS:
+    if column < SENSOR_COUNT:
         known |= {"S": S, "R": R, "CPC": S - R}
     return known

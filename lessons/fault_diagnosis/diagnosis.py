@@ -1,4 +1,4 @@
-"""From residuals to a verdict: windows, thresholds, alarms, who is accused and when, and what was to be expected."""
+"""Turn residuals into a diagnosis: windows, thresholds, alarms, identified fault, delay."""
 
 from __future__ import annotations
 
@@ -7,16 +7,16 @@ from functools import lru_cache
 
 import numpy as np
 
-from app.engine.observers import isolate, needed_noncentrality, residual_threshold, window_energy, window_mean
+from observer_lab.engine.observers import isolate, needed_noncentrality, residual_threshold, window_energy, window_mean
 
-from .bank import COUNT, PLACES, guard
+from .observer_bank import FAULT_PLACES, SAMPLE_COUNT, guard
 from .runs import Record
 
 ENERGY, MEAN = "energy", "mean"
-NOTHING, UNCLEAR = -1, -2  # what `isolate` says beside the column of a fault
-HOLD = 10  # samples that one pattern of alarms must last before anyone is accused
+NO_FAULT, UNCLEAR_FAULT = -1, -2  # what `isolate` says beside the column of a fault
+ALARM_HOLD_SAMPLES = 10  # samples that one pattern of alarms must last before anyone is accused
 FADE = 100  # samples in which the bank forgets a kick
-POWER = 0.99
+DETECTION_POWER = 0.99
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,7 @@ _threshold = lru_cache(maxsize=256)(residual_threshold)
 
 @lru_cache(maxsize=256)
 def _needed(dof: int, rate: float) -> float:
-    return needed_noncentrality(dof, rate, POWER)
+    return needed_noncentrality(dof, rate, DETECTION_POWER)
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,15 +86,15 @@ def judged(test: Rule, ratio: np.ndarray) -> Verdict:
     at, first = lasting_fit(alarms, signature, test.window), np.flatnonzero(alarms.any(axis=1))
     column = int(at.argmin())
     return Verdict(ratio, isolate(alarms, signature), int(first[0]) if len(first) else None,
-                   *((int(at[column]), PLACES[column]) if at[column] < COUNT else (None, None)))
+                   *((int(at[column]), FAULT_PLACES[column]) if at[column] < SAMPLE_COUNT else (None, None)))
 
 
 def lasting_fit(alarms: np.ndarray, signature: np.ndarray, window: int) -> np.ndarray:
     """The sample at which each column of a signature (members, faults) is accused by alarms (COUNT, members), COUNT for never."""
     fits = (alarms[:, :, None] == signature).all(axis=1)
-    calm = np.maximum.accumulate(np.where(alarms.any(axis=1), -1, np.arange(COUNT)))  # the last sample without an alarm
+    calm = np.maximum.accumulate(np.where(alarms.any(axis=1), -1, np.arange(SAMPLE_COUNT)))  # the last sample without an alarm
     heard = np.vstack([np.zeros(alarms.shape[1], dtype=int), np.cumsum(alarms, axis=0)])
-    since = np.maximum(calm + 1, np.arange(COUNT) + 1 - window - FADE)
+    since = np.maximum(calm + 1, np.arange(SAMPLE_COUNT) + 1 - window - FADE)
     upset = heard[1:] > heard[since]  # which members have given an alarm since
     return lasting(fits & ~(upset @ ~signature))
 
@@ -103,8 +103,8 @@ def lasting(holds: np.ndarray) -> np.ndarray:
     """The sample at which each column's condition has held for HOLD samples for the first time, COUNT where it never does."""
     total = np.zeros((len(holds) + 1, holds.shape[1]), dtype=int)
     np.cumsum(holds, axis=0, out=total[1:])
-    full = total[HOLD:] - total[:-HOLD] == HOLD
-    return np.where(full.any(axis=0), full.argmax(axis=0) + HOLD - 1, COUNT)
+    full = total[ALARM_HOLD_SAMPLES:] - total[:-ALARM_HOLD_SAMPLES] == ALARM_HOLD_SAMPLES
+    return np.where(full.any(axis=0), full.argmax(axis=0) + ALARM_HOLD_SAMPLES - 1, SAMPLE_COUNT)
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,7 +118,7 @@ class Forecast:
     delay: int | None
 
 
-def forecast(test: Rule, silent: Record, column: int | None, start: int, until: int = COUNT) -> Forecast:
+def forecast(test: Rule, silent: Record, column: int | None, start: int, until: int = SAMPLE_COUNT) -> Forecast:
     """What the fault does without noise: from when on every member that sees it gives an alarm with probability POWER.
 
     `until`: where another fault begins, after which alarms are no longer those of this one.

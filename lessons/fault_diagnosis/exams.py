@@ -1,4 +1,4 @@
-"""The exams of lesson 17."""
+"""Define the exams of lesson 17."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ import math
 
 import numpy as np
 
-from app.lesson.exam import WHOLE, Exam, ExamItem, Lot, decimals, significant
+from observer_lab.course.exercises.exam import WHOLE_NUMBER, Exam, ExamItem, SeededDraws, decimals, significant
 
 
-def _zero(lot: Lot) -> ExamItem:
+def _zero(lot: SeededDraws) -> ExamItem:
     """The zero of (A, E, C) for two states, the first one measured: s = d − b e₂/e₁."""
     a, b, c, d = -lot.whole(1, 4), lot.whole(1, 4), -lot.whole(1, 4), -lot.whole(1, 6)
     e1, e2 = lot.whole(1, 4), lot.one((-1, 1)) * lot.whole(1, 5)
@@ -17,14 +17,14 @@ def _zero(lot: Lot) -> ExamItem:
                     {"b": float(b), "d": float(d), "e1": float(e1), "e2": float(e2)})
 
 
-def _ignore(lot: Lot) -> ExamItem:
+def _ignore(lot: SeededDraws) -> ExamItem:
     """T = I − b bᵀ/‖b‖²: t₁₁ = b₂²/‖b‖²."""
     b1, b2 = lot.part(-40, 40), lot.part(5, 40)
     size = b1 * b1 + b2 * b2
     return ExamItem({"B": np.array([[b1], [b2]])}, b2 * b2 / size, {"b1": b1, "b2": b2, "size": size})
 
 
-def _delay(lot: Lot) -> ExamItem | None:
+def _delay(lot: SeededDraws) -> ExamItem | None:
     """j f/N > z σ/√N."""
     sigma, N, z, f = lot.part(2, 20), float(lot.whole(20, 200)), lot.one((2.5, 3.0, 3.5, 4.0)), lot.part(2, 40)
     tau = z * sigma / math.sqrt(N)
@@ -34,7 +34,7 @@ def _delay(lot: Lot) -> ExamItem | None:
     return ExamItem({"sigma": sigma, "N": N, "z": z, "f": f}, math.floor(least) + 1.0, {"tau": tau, "least": least})
 
 
-def _wolves(lot: Lot) -> ExamItem:
+def _wolves(lot: SeededDraws) -> ExamItem:
     """Members, times α, times the windows of a day."""
     members, N, rate = float(lot.whole(3, 9)), float(lot.whole(2, 20) * 10), float(lot.whole(2, 20) * 10)
     alpha = lot.one((0.001, 0.0005, 0.0002, 0.0001))
@@ -45,6 +45,6 @@ def _wolves(lot: Lot) -> ExamItem:
 EXAMS = (
     Exam("zero", decimals(2), _zero),
     Exam("ignore", decimals(3), _ignore),
-    Exam("delay", WHOLE, _delay),
+    Exam("delay", WHOLE_NUMBER, _delay),
     Exam("wolves", significant(3), _wolves),
 )

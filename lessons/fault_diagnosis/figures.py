@@ -1,53 +1,62 @@
-"""Figures of the lesson: residuals against thresholds, the isolation table, the loop, false alarms, what can be seen."""
+"""Draw the figures of lesson 17: residuals, isolation table, loop, false alarms."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from app.lesson.figures import Curve, Dash, LineFigure, PlaneFigure, Point, TableFigure, over_frequency
-from app.lesson.later import Sheaf, leaf
-from app.lesson.lesson import Outcome
-from app.text import Text, listed, same, text, text_in
+from observer_lab.course.figures.records import Curve, Dash, LineFigure, PlaneFigure, Point, TableFigure, over_frequency
+from observer_lab.course.lazy import FigureSet, tab_figures
+from observer_lab.course.lesson import Outcome
+from observer_lab.text import Text, listed, same, text, text_in
 
-from .bank import COILS, COUNT, DT, NAMES, PLACE_NAMES, PLACES, guard
 from .cusum import cusum
-from .diagnosis import POWER
+from .diagnosis import DETECTION_POWER
+from .observer_bank import COIL_IDS, DT, FAULT_PLACES, MEMBER_NAMES, PLACE_NAMES, SAMPLE_COUNT, guard
 from .pair_figures import PAIR_TAB, pair_figures, pair_reach, short
-from .reach import TONES, least, least_force
-from .record import LEVEL, Study
-from .runs import NONE, OPEN, SWITCH
+from .results import BAND_PROBABILITY, Study
+from .runs import KEEP_LOOP_OPEN, NONE, SWITCH_LOOP
+from .sensitivity import TONES, least, least_force
 from .study import unknown_coil
 
 RESIDUAL_TAB, VERDICT_TAB, LOOP_TAB = text("Residuals"), text("Verdict"), text("Loop")
 RATE_TAB, REACH_TAB = text("False alarms"), text("Reach")
-T = DT * np.arange(COUNT)
-T.setflags(write=False)
-FLOOR = 0.1  # of the threshold: nothing lower is drawn
-LOOKS: tuple[tuple[str, Dash], ...] = (("plant", "solid"), ("estimate", "dash"), ("force", "dot"), ("error", "solid"))
-YES, NO, HERE = "●", "○", "▶ "
+TIMES_S = DT * np.arange(SAMPLE_COUNT)
+TIMES_S.setflags(write=False)
+THRESHOLD_FLOOR = 0.1  # of the threshold: nothing lower is drawn
+CURVE_STYLES: tuple[tuple[str, Dash], ...] = (("plant", "solid"), ("estimate", "dash"), ("force", "dot"), ("error", "solid"))
+YES, NO, CURRENT_MARK = "●", "○", "▶ "
 
 
-def figures(outcome: Outcome[Study]) -> Sheaf:
+def figures(outcome: Outcome[Study]) -> FigureSet:
     """Everything on the right of the stage."""
     s: Study = outcome.study
-    return Sheaf(
-        leaf(RESIDUAL_TAB, lambda: (_residuals(s, "sensors", text("leaving out one sensor"), range(4)),
-                                    _residuals(s, "coils", text("ignoring one coil"), range(4, 7)), _reading(s))),
-        leaf(VERDICT_TAB, lambda: (isolation(s), _members())), leaf(PAIR_TAB, lambda: pair_figures(outcome)),
-        leaf(LOOP_TAB, lambda: (_pitch(s), _across(s), _forces(s))), leaf(RATE_TAB, lambda: (_rates(s), _counts(s), _cusum(s))),
-        leaf(REACH_TAB, lambda: (_tones(s), _least(s), pair_reach(s, REACH_TAB))))
+    return FigureSet(
+        tab_figures(
+            RESIDUAL_TAB,
+            lambda: (
+                _residuals(s, "sensors", text("leaving out one sensor"), range(4)),
+                _residuals(s, "coils", text("ignoring one coil"), range(4, 7)),
+                _reading(s),
+            ),
+        ),
+        tab_figures(VERDICT_TAB, lambda: (isolation(s), _members())),
+        tab_figures(PAIR_TAB, lambda: pair_figures(outcome)),
+        tab_figures(LOOP_TAB, lambda: (_pitch(s), _across(s), _forces(s))),
+        tab_figures(RATE_TAB, lambda: (_rates(s), _counts(s), _cusum(s))),
+        tab_figures(REACH_TAB, lambda: (_tones(s), _least(s), pair_reach(s, REACH_TAB))),
+    )
 
 
 # --- residuals ---------------------------------------------------------------------------------------------------------
 def _residuals(s: Study, name: str, title: Text, which: range) -> LineFigure:
-    curves = [Curve(same(NAMES[i]), np.maximum(s.verdict.values[:, i], FLOOR), *LOOKS[i % 4]) for i in which]
-    curves.append(Curve(text("threshold"), np.ones(COUNT), "reference", "dash", 1.4))
+    curves = [Curve(same(MEMBER_NAMES[i]), np.maximum(s.verdict.values[:, i], THRESHOLD_FLOOR), *CURVE_STYLES[i % 4]) for i in which]
+    curves.append(Curve(text("threshold"), np.ones(SAMPLE_COUNT), "reference", "dash", 1.4))
     at = _decisive(s)
-    loud = [NAMES[i] for i in which if s.verdict.values[at, i] > 1]
+    loud = [MEMBER_NAMES[i] for i in which if s.verdict.values[at, i] > 1]
     when = f"{DT * at:.2f} s"
     said = (text("At {when} over the threshold: {loud}.", when=when, loud=listed(map(same, loud))) if loud else
             text("At {when} none is over the threshold.", when=when))
-    return LineFigure(name, title, T, tuple(curves), "T / χ²", log_y=True, window=(0.1, 10.0), caption=said,
+    return LineFigure(name, title, TIMES_S, tuple(curves), "T / χ²", log_y=True, window=(0.1, 10.0), caption=said,
                       tab=RESIDUAL_TAB)
 
 
@@ -55,23 +64,23 @@ def _decisive(s: Study) -> int:
     """The sample that is talked about: the verdict's, else the last of those with most alarms."""
     if s.verdict.decided is not None:
         return s.verdict.decided
-    return COUNT - 1 - int(np.argmax((s.verdict.values > 1).sum(axis=1)[::-1]))
+    return SAMPLE_COUNT - 1 - int(np.argmax((s.verdict.values > 1).sum(axis=1)[::-1]))
 
 
 def _reading(s: Study) -> LineFigure:
     coil = s.case.coil
     if coil is not None:
-        return LineFigure("reading", text("force of the weak coil"), T,
+        return LineFigure("reading", text("force of the weak coil"), TIMES_S,
                           (Curve(text("asked"), s.record.asked[:, coil], "force", "dash"),
                            Curve(text("delivered"), s.record.applied[:, coil], "error")), "u [N]", window=(-1.0, 1.0),
                           tab=RESIDUAL_TAB, caption=text("{coils} delivers {case_size:.0f} % from {dt:.1f} s on; "
                                                          "the bank only knows what was asked.",
-                                                         coils=COILS[coil], case_size=100 * (1 - s.case.size),
+                                                         coils=COIL_IDS[coil], case_size=100 * (1 - s.case.size),
                                                          dt=DT * s.case.start))
     i = 1 if s.case.sensor is None else s.case.sensor
-    said = (text("{places} lies from {dt:.1f} s on.", places=PLACES[i], dt=DT * s.case.start)
+    said = (text("{places} lies from {dt:.1f} s on.", places=FAULT_PLACES[i], dt=DT * s.case.start)
             if s.case.sensor is not None else text("All four sensors are honest."))
-    return LineFigure("reading", text("reading of {places}", places=PLACES[i]), T,
+    return LineFigure("reading", text("reading of {places}", places=FAULT_PLACES[i]), TIMES_S,
                       (Curve(text("reading"), 1e3 * s.record.y[:, i], "error", width=1.4),
                        Curve(text("true velocity"), 1e3 * s.record.honest[:, i])), "v [mm/s]", window=(-5.0, 5.0),
                       caption=said, tab=RESIDUAL_TAB)
@@ -84,7 +93,7 @@ def isolation(s: Study) -> TableFigure:
     now = s.verdict.named[at]
     rows: list[tuple[Text | str, ...]] = []
     for j, name in enumerate(PLACE_NAMES):
-        mark = HERE if now == j else ""
+        mark = CURRENT_MARK if now == j else ""
         cells = [YES if seen else NO for seen in signature[:, j]]
         rows.append((text("{mark}{name}", mark=mark, name=name), *cells))
     rows.append((text("alarms at {dt:.2f} s", dt=DT * at),
@@ -94,13 +103,13 @@ def isolation(s: Study) -> TableFigure:
             _unclear(s.verdict.values[at] > 1) if now == -2 else
             text("The alarms fit the row of {place}, too briefly to accuse it.", place=PLACE_NAMES[now])
             if s.verdict.decided is None else text("The alarms fit one row only: {place}.", place=PLACE_NAMES[now]))
-    return TableFigure("isolation", text("isolation table"), (text("fault"), *(same(n) for n in NAMES)),
+    return TableFigure("isolation", text("isolation table"), (text("fault"), *(same(n) for n in MEMBER_NAMES)),
                        tuple(rows), said, VERDICT_TAB)
 
 
 def _unclear(alarms: np.ndarray) -> Text:
     """Why no row fits: everybody gives an alarm, or more than one member is quiet."""
-    quiet = [name for name, loud in zip(NAMES, alarms, strict=True) if not loud]
+    quiet = [name for name, loud in zip(MEMBER_NAMES, alarms, strict=True) if not loud]
     if not quiet:
         return text("Every member gives an alarm: this is none of the seven faults alone.")
     names = listed(map(same, quiet[:3]))
@@ -114,11 +123,11 @@ def _members() -> TableFigure:
     for i, m in enumerate(guard().bank.members):
         slow = -DT / np.log(np.max(np.abs(m.poles)))
         if i < 4:
-            rows.append((NAMES[i], text("the other three"), "—", str(m.size), f"{slow:.2f} s"))
+            rows.append((MEMBER_NAMES[i], text("the other three"), "—", str(m.size), f"{slow:.2f} s"))
         else:
             zeros = unknown_coil(i - 4).zeros
             zero = "—" if zeros is None or not len(zeros) else f"s = {abs(zeros[0]):.0f}"
-            rows.append((NAMES[i], text("all four"), zero, str(m.size), f"{slow:.2f} s"))
+            rows.append((MEMBER_NAMES[i], text("all four"), zero, str(m.size), f"{slow:.2f} s"))
     return TableFigure("members", text("the seven members"),
                        (text("member"), text("sensors"), text_in("fault-diagnosis", "zero"), text("states"),
                         text("memory")), tuple(rows),
@@ -133,11 +142,11 @@ def _motion(s: Study, name: str, title: Text, i: int, unit: str) -> LineFigure:
     curves = [Curve(text("true"), true), Curve(text("what the loop believes"), guess, "estimate", "dash")]
     if s.record is not s.blind:
         curves.append(Curve(text("had nobody acted"), 1e3 * s.blind.x[:, i], "muted", "dot"))
-    late = slice(-COUNT // 6, None)
+    late = slice(-SAMPLE_COUNT // 6, None)
     mean, error = float(true[late].mean()), float((true - guess)[late].mean())
     said = text("Mean of the last 2 s: {mean:.2f} {unit}; the estimate is off by {error:.2f} {unit}.", mean=mean, unit=unit,
                 error=error)
-    return LineFigure(name, title, T, tuple(curves), f"[{unit}]", window=(-2.0, 2.0), caption=said, tab=LOOP_TAB)
+    return LineFigure(name, title, TIMES_S, tuple(curves), f"[{unit}]", window=(-2.0, 2.0), caption=said, tab=LOOP_TAB)
 
 
 def _pitch(s: Study) -> LineFigure:
@@ -150,11 +159,11 @@ def _across(s: Study) -> LineFigure:
 
 def _forces(s: Study) -> LineFigure:
     looks: tuple[tuple[str, Dash], ...] = (("force", "solid"), ("disturbance", "dash"), ("second", "dot"))
-    curves = tuple(Curve(same(COILS[j]), s.record.applied[:, j], *looks[j]) for j in range(3))
-    said = (text("Open loop: nothing but the known force is asked of the coils.") if s.case.loop == OPEN else
-            _acted(s) if s.case.loop == SWITCH else
+    curves = tuple(Curve(same(COIL_IDS[j]), s.record.applied[:, j], *looks[j]) for j in range(3))
+    said = (text("Open loop: nothing but the known force is asked of the coils.") if s.case.loop == KEEP_LOOP_OPEN else
+            _acted(s) if s.case.loop == SWITCH_LOOP else
             text("The loop keeps believing all four sensors."))
-    return LineFigure("forces", text("forces delivered"), T, curves, "u [N]", window=(-1.0, 1.0), caption=said,
+    return LineFigure("forces", text("forces delivered"), TIMES_S, curves, "u [N]", window=(-1.0, 1.0), caption=said,
                       tab=LOOP_TAB)
 
 
@@ -162,7 +171,7 @@ def _acted(s: Study) -> Text:
     who, at = s.verdict.who, s.verdict.decided
     if who is None or at is None:
         return text("Nobody is accused: the loop is left as it is.")
-    if who in COILS:
+    if who in COIL_IDS:
         return text("From {dt:.2f} s on {who} is asked for nothing; two coils do the work.", dt=DT * at, who=who)
     return text("From {dt:.2f} s on the loop believes the member without {who}.", dt=DT * at, who=who)
 
@@ -179,11 +188,11 @@ def _rates(s: Study) -> PlaneFigure:
         top = max(top, 1.4 * high, 1.2 * float(shares.max()))
         curves.append(Curve(text("99 % band"), np.array([low, high, high, low, low]), "disturbance", "dot", 1.6,
                             np.array([0.5, 0.5, 7.5, 7.5, 0.5])))
-        points = [Point(i + 1.0, float(v), "plant" if low <= v <= high else "error", "dot", same(NAMES[i]))
+        points = [Point(i + 1.0, float(v), "plant" if low <= v <= high else "error", "dot", same(MEMBER_NAMES[i]))
                   for i, v in enumerate(shares)]
         inside = int(sum(low <= v <= high for v in shares))
         said = text("{windows} windows: {inside} of 7 members lie in the binomial {level:.0f} % band.", windows=s.trials.windows,
-                    inside=inside, level=100 * LEVEL)
+                    inside=inside, level=100 * BAND_PROBABILITY)
     else:
         said = text("Press the button: healthy runs are drawn and their alarms counted.")
     return PlaneFigure("rates", text("false alarms, measured over designed"), tuple(curves), tuple(points),
@@ -198,7 +207,7 @@ def _counts(s: Study) -> TableFigure:
         (text("χ² degrees of freedom"), str(s.test.dof)),
         (text("designed, per window and member"), f"{a:.2g}"),
         (text("expected per hour, all members"), f"{hourly:.3g}"),
-        (text("λ for {power:.0f} % power", power=100 * POWER), f"{s.test.needed:.1f}"),
+        (text("λ for {power:.0f} % power", power=100 * DETECTION_POWER), f"{s.test.needed:.1f}"),
     ]
     t = s.trials
     some = "—" if t is None else f"{t.any / t.windows:.2g} ≤ {min(7 * a, 1.0):.2g}"
@@ -225,10 +234,10 @@ def _cusum(s: Study) -> LineFigure:
     said = text("The window crosses at {window}, the sum at {total}. Windows side by side and the sum are made for a false alarm of one "
                 "member every {hours:.2g} h.",
                 window=window, total=total, hours=hours)
-    return LineFigure("cusum", text("window and cumulative sum of {member}", member=NAMES[member]), T,
-                      (Curve(text("window"), np.maximum(curves[0], FLOOR), "plant"),
-                       Curve(text("cumulative sum"), np.maximum(curves[1], FLOOR), "error", "dash"),
-                       Curve(text("threshold"), np.ones(COUNT), "reference", "dash", 1.4)), text("over its threshold"), log_y=True,
+    return LineFigure("cusum", text("window and cumulative sum of {member}", member=MEMBER_NAMES[member]), TIMES_S,
+                      (Curve(text("window"), np.maximum(curves[0], THRESHOLD_FLOOR), "plant"),
+                       Curve(text("cumulative sum"), np.maximum(curves[1], THRESHOLD_FLOOR), "error", "dash"),
+                       Curve(text("threshold"), np.ones(SAMPLE_COUNT), "reference", "dash", 1.4)), text("over its threshold"), log_y=True,
                       window=(0.1, 10.0), caption=said, tab=RATE_TAB)
 
 
@@ -262,13 +271,13 @@ def _tones(s: Study) -> LineFigure:
 def _least(s: Study) -> TableFigure:
     values = least(s.test, s.case.tone)
     rows: list[tuple[Text | str, ...]] = []
-    for j, name in enumerate(PLACES):
+    for j, name in enumerate(FAULT_PLACES):
         scale, unit = (1e3, "mm/s") if j < 4 else (1.0, "N")
         cells = [short(scale * v) for v in values[:, j]]
         rows.append((f"{name} [{unit}]", *cells))
     weak = int(np.argmax(np.where(np.isfinite(values[:, 0]), values[:, 0], 0)))
     said = text("Bias, or missing amplitude at {tone:.2g} Hz. A lie of VL is hardest to see for {names}: it looks "
                 "almost like what that member ignores.",
-                tone=s.case.tone, names=NAMES[weak])
+                tone=s.case.tone, names=MEMBER_NAMES[weak])
     return TableFigure("least", text("least fault that each member sees with 99 %"),
-                       (text("fault"), *(same(n) for n in NAMES)), tuple(rows), said, REACH_TAB)
+                       (text("fault"), *(same(n) for n in MEMBER_NAMES)), tuple(rows), said, REACH_TAB)

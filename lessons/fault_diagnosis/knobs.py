@@ -1,41 +1,41 @@
-"""Knobs of the lesson: the fault, the diagnosis, the loop."""
+"""Define the knobs of lesson 17: fault, diagnosis, loop."""
 
 from __future__ import annotations
 
-from app.lesson.knobs import Choice, Knob, Number
-from app.text import text
+from observer_lab.course.knobs import Choice, Knob, Number
+from observer_lab.text import text
 
 from ..toolkit.knobs import run_knobs
-from .bank import HORIZON, PLACE_NAMES, PLACES
 from .diagnosis import ENERGY, MEAN
-from .runs import BIAS, BLIND, DRIFT, NONE, OPEN, STUCK, SWITCH
+from .observer_bank import FAULT_PLACES, HORIZON, PLACE_NAMES
+from .runs import BIAS_FAULT, DRIFT_FAULT, KEEP_LOOP_OPEN, NO_REACTION, NONE, STUCK_FAULT, SWITCH_LOOP
 
 FAULT, TEST, LOOP = text("Fault"), text("Diagnosis"), text("Loop")
-SENSOR_PLACES, COIL_PLACES = PLACES[:4], PLACES[4:]
+SENSOR_PLACES, COIL_PLACES = FAULT_PLACES[:4], FAULT_PLACES[4:]
 KNOBS: tuple[Knob, ...] = (
     Choice("place", "", text("what fails"), default="HL", group=FAULT,
-           options=((NONE, text("nothing")), *((p, PLACE_NAMES[i]) for i, p in enumerate(PLACES))),
+           options=((NONE, text("nothing")), *((p, PLACE_NAMES[i]) for i, p in enumerate(FAULT_PLACES))),
            hint=text("The bank does not know it.")),
-    Choice("kind", "", text("how it lies"), default=BIAS, when=("place", SENSOR_PLACES), group=FAULT,
-           options=((BIAS, text("bias")), (DRIFT, text("drift")), (STUCK, text("stuck"))),
+    Choice("kind", "", text("how it lies"), default=BIAS_FAULT, when=("place", SENSOR_PLACES), group=FAULT,
+           options=((BIAS_FAULT, text("bias")), (DRIFT_FAULT, text("drift")), (STUCK_FAULT, text("stuck"))),
            hint=text("A constant added, a growing error, or a reading frozen at its last value.")),
     Number("bias", "b", text("bias"), "mm/s", low=0.5, high=20.0, default=3.0, scale="log",
-           when=("kind", (BIAS,)), group=FAULT, hint=text("The noise of a reading is 1 mm/s.")),
+           when=("kind", (BIAS_FAULT,)), group=FAULT, hint=text("The noise of a reading is 1 mm/s.")),
     Number("drift", "c", text("drift"), "mm/s²", low=0.5, high=10.0, default=4.0, scale="log",
-           when=("kind", (DRIFT,)), group=FAULT, hint=text("How fast the error grows.")),
+           when=("kind", (DRIFT_FAULT,)), group=FAULT, hint=text("How fast the error grows.")),
     Number("loss", r"\eta", text("force lost"), "%", low=5.0, high=100.0, default=60.0, step=1.0,
            when=("place", COIL_PLACES), group=FAULT,
            hint=text("How much of what is asked the coil does not deliver.")),
     Number("at", "t_f", text("fails at"), "s", low=1.0, high=10.0, default=4.0, step=0.1,
-           when=("place", PLACES), group=FAULT, hint=text("When the fault sets in.")),
-    Choice("place2", "", text("what else fails"), default=NONE, when=("place", PLACES), group=FAULT,
-           options=((NONE, text("nothing")), *((p, PLACE_NAMES[i]) for i, p in enumerate(PLACES))),
+           when=("place", FAULT_PLACES), group=FAULT, hint=text("When the fault sets in.")),
+    Choice("place2", "", text("what else fails"), default=NONE, when=("place", FAULT_PLACES), group=FAULT,
+           options=((NONE, text("nothing")), *((p, PLACE_NAMES[i]) for i, p in enumerate(FAULT_PLACES))),
            hint=text("A second part; the same one again changes nothing.")),
     Number("bias2", "b_2", text("its bias"), "mm/s", low=-20.0, high=20.0, default=6.0, step=0.5, when=("place2", SENSOR_PLACES),
            group=FAULT, hint=text("What the second sensor reads too much; below zero, too little.")),
     Number("loss2", r"\eta_2", text("its force lost"), "%", low=5.0, high=100.0, default=100.0, step=1.0, when=("place2", COIL_PLACES),
            group=FAULT, hint=text("How much of what is asked the second coil does not deliver.")),
-    Number("at2", "t_2", text("it fails at"), "s", low=1.0, high=10.0, default=7.0, step=0.1, when=("place2", PLACES), group=FAULT,
+    Number("at2", "t_2", text("it fails at"), "s", low=1.0, high=10.0, default=7.0, step=0.1, when=("place2", FAULT_PLACES), group=FAULT,
            hint=text("A time of its own, also before the other.")),
     Choice("statistic", "T", text("statistic"), default=ENERGY, group=TEST,
            options=((ENERGY, text("sum of squares")), (MEAN, text("square of the mean"))),
@@ -44,9 +44,9 @@ KNOBS: tuple[Knob, ...] = (
            hint=text("Samples of 0.02 s that are judged together.")),
     Number("rate", r"\alpha", text("false-alarm rate"), low=1e-6, high=0.1, default=1e-3, scale="log", group=TEST,
            hint=text("Of one window of one healthy member; the threshold follows from it.")),
-    Choice("loop", "", text("the loop"), default=BLIND, group=LOOP,
-           options=((OPEN, text("open")), (BLIND, text("closed, nobody acts")),
-                    (SWITCH, text("closed, acts on the verdict"))),
+    Choice("loop", "", text("the loop"), default=NO_REACTION, group=LOOP,
+           options=((KEEP_LOOP_OPEN, text("open")), (NO_REACTION, text("closed, nobody acts")),
+                    (SWITCH_LOOP, text("closed, acts on the verdict"))),
            hint=text("Acting: leave the accused sensor out, or stop using the accused coil.")),
     Number("force", "F", text("known force"), "N", low=0.0, high=4.0, default=1.0, step=0.1, group=LOOP,
            hint=text("A sine on all three coils; the bank is told.")),

@@ -1,4 +1,4 @@
-"""Figures about two faults: which pairs can be told apart at all, and what a bank of pairs says of this run."""
+"""Draw the figures about two faults: separable pairs, and the diagnosis by a bank of pairs."""
 
 from __future__ import annotations
 
@@ -6,20 +6,20 @@ from collections.abc import Callable
 
 import numpy as np
 
-from app.lesson.claims import claim
-from app.lesson.figures import Figure, TableFigure
-from app.lesson.lesson import Outcome
-from app.text import NO_WORDS, Text, joined, listed, same, text
+from observer_lab.course.figures.claims import claim
+from observer_lab.course.figures.records import Figure, TableFigure
+from observer_lab.course.lesson import Outcome
+from observer_lab.text import NO_WORDS, Text, joined, listed, same, text
 
-from .bank import DT, PLACES
-from .pair_reach import deaf, least_beside
-from .pairs import NEVER, PAIRS, SURE, Pair, isolable, judge_pairs, rank_of, rivals
-from .record import Study
-from .words import of_pairs, when_talked_about
+from .fault_pairs import ALWAYS_ISOLABLE, NEVER_ISOLABLE, PAIRS, Pair, isolable, judge_pairs, rank_of, rivals
+from .observer_bank import DT, FAULT_PLACES
+from .pair_sensitivity import deaf, least_beside
+from .results import Study
+from .summary import of_pairs, when_talked_about
 
 PAIR_TAB = text("Two faults")
-ALWAYS, NOT_AT_ALL, HERE = "●", "○", "▶"
-MOST = 1000.0  # mm/s or N: what it takes more of is not seen
+ALWAYS, NOT_AT_ALL, CURRENT_MARK = "●", "○", "▶"
+LARGEST_SHOWN_FAULT = 1000.0  # mm/s or N: what it takes more of is not seen
 USUAL = (1, 3)  # HL and HR
 Cell = Callable[[int, int], str]
 
@@ -32,14 +32,14 @@ def pair_figures(outcome: Outcome[Study]) -> tuple[Figure, ...]:
 def _square(cell: Cell, here: Pair | None) -> tuple[tuple[Text | str, ...], ...]:
     """Part against part; the pair that fails now is marked."""
     rows: list[tuple[Text | str, ...]] = []
-    for i, name in enumerate(PLACES):
-        cells = [cell(i, j) for j in range(len(PLACES))]
-        rows.append((name, *(HERE + c if here in ((i, j), (j, i)) else c for j, c in enumerate(cells))))
+    for i, name in enumerate(FAULT_PLACES):
+        cells = [cell(i, j) for j in range(len(FAULT_PLACES))]
+        rows.append((name, *(CURRENT_MARK + c if here in ((i, j), (j, i)) else c for j, c in enumerate(cells))))
     return tuple(rows)
 
 
 def _columns() -> tuple[Text, ...]:
-    return text("fault"), *(same(n) for n in PLACES)
+    return text("fault"), *(same(n) for n in FAULT_PLACES)
 
 
 def _apart(s: Study) -> TableFigure:
@@ -48,11 +48,11 @@ def _apart(s: Study) -> TableFigure:
             return "—"
         pair = (min(i, j), max(i, j))
         kind = isolable(pair)
-        return ALWAYS if kind == SURE else NOT_AT_ALL if kind == NEVER else str(len(rivals()[pair]))
-    tied = frozenset(k for pair in PAIRS if isolable(pair) != SURE for k in pair)
+        return ALWAYS if kind == ALWAYS_ISOLABLE else NOT_AT_ALL if kind == NEVER_ISOLABLE else str(len(rivals()[pair]))
+    tied = frozenset(k for pair in PAIRS if isolable(pair) != ALWAYS_ISOLABLE for k in pair)
     told = text("● told from all other pairs, whatever both faults do: with each of them rank [H_P H_Q] = |P ∪ Q|. A number: so many "
                 "other pairs can make the same readings. {names} are {count} directions in a space of {rank}.",
-                names=listed(same(PLACES[k]) for k in sorted(tied)), count=len(tied), rank=rank_of(tied))
+                names=listed(same(FAULT_PLACES[k]) for k in sorted(tied)), count=len(tied), rank=rank_of(tied))
     return TableFigure("pairs", text("which pairs of faults can be told apart"), _columns(), _square(cell, s.pair), told, PAIR_TAB)
 
 
@@ -71,7 +71,7 @@ def _bank(outcome: Outcome[Study]) -> TableFigure:
 # --- how small -------------------------------------------------------------------------------------------------------------
 def short(value: float) -> str:
     """The size of a fault in a cell."""
-    return "—" if not np.isfinite(value) else f"{value:.2f}" if value < 10 else f"{value:.0f}" if value < MOST else "∞"
+    return "—" if not np.isfinite(value) else f"{value:.2f}" if value < 10 else f"{value:.0f}" if value < LARGEST_SHOWN_FAULT else "∞"
 
 
 def pair_reach(s: Study, tab: Text) -> TableFigure:
@@ -79,13 +79,13 @@ def pair_reach(s: Study, tab: Text) -> TableFigure:
     values = least_beside(s.test, s.case.tone) * np.array([1e3] * 4 + [1.0] * 3)[:, None]
 
     def cell(i: int, j: int) -> str:
-        return short(values[i, j]) + ("*" if i != j and isolable((min(i, j), max(i, j))) != SURE else "")
+        return short(values[i, j]) + ("*" if i != j and isolable((min(i, j), max(i, j))) != ALWAYS_ISOLABLE else "")
     rows = tuple((same(f"{row[0]} [{'mm/s' if i < 4 else 'N'}]"), *row[1:]) for i, row in enumerate(_square(cell, s.pair)))
     told = text("Bias, or missing amplitude at {tone:.2g} Hz, of the row's fault beside the column's, which may do what it likes; on the "
                 "diagonal alone, by the seven. ∞: {most:.0f} or more. *: other pairs can make the same readings.",
-                tone=s.case.tone, most=MOST)
+                tone=s.case.tone, most=LARGEST_SHOWN_FAULT)
     return TableFigure("least-pairs", text("least fault that all members see with 99 % which ignore another part"),
-                       (text("fault"), *(same(n) for n in PLACES)), rows, joined(told, _company(s, values)), tab)
+                       (text("fault"), *(same(n) for n in FAULT_PLACES)), rows, joined(told, _company(s, values)), tab)
 
 
 def _company(s: Study, values: np.ndarray) -> Text:
@@ -94,13 +94,13 @@ def _company(s: Study, values: np.ndarray) -> Text:
     i, j = (first, second) if values[first, second] / values[first, first] >= values[second, first] / values[second, second] else (
         second, first)
     unseen = text("A lasting lie of {fault} goes unseen beside {other}: the member that ignores {other} and {third} takes it for what "
-                  "those two can do.", fault=PLACES[i], other=PLACES[j], third=PLACES[deaf(s.case.tone, i, j)])
+                  "those two can do.", fault=FAULT_PLACES[i], other=FAULT_PLACES[j], third=FAULT_PLACES[deaf(s.case.tone, i, j)])
     least, times, unit = float(values[i, j]), float(values[i, j] / values[i, i]), "mm/s" if i < 4 else "N"
-    seen = text("{fault} is seen beside {other} from {least:.3g} {unit} on, {times:.3g} times what it takes alone.", fault=PLACES[i],
-                other=PLACES[j], least=least, unit=unit, times=times)
+    seen = text("{fault} is seen beside {other} from {least:.3g} {unit} on, {times:.3g} times what it takes alone.", fault=FAULT_PLACES[i],
+                other=FAULT_PLACES[j], least=least, unit=unit, times=times)
     if times <= 1:
         seen = text("{fault} is seen beside {other} from {least:.3g} {unit} on, no more than it takes alone ({alone:.3g} {unit}): "
-                    "two residuals have less noise than three.", fault=PLACES[i], other=PLACES[j], least=least, unit=unit,
+                    "two residuals have less noise than three.", fault=FAULT_PLACES[i], other=FAULT_PLACES[j], least=least, unit=unit,
                     alone=float(values[i, i]))
-    return claim(seen, least, below=MOST, otherwise=(
-        claim(unseen, least, above=MOST) if i < 4 else NO_WORDS))
+    return claim(seen, least, below=LARGEST_SHOWN_FAULT, otherwise=(
+        claim(unseen, least, above=LARGEST_SHOWN_FAULT) if i < 4 else NO_WORDS))

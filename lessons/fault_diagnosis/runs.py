@@ -1,4 +1,4 @@
-"""One run: the deck, one fault or two at chosen times and places, the loop that believes its filter, and the bank that watches."""
+"""Simulate one run with one or two faults: deck, loop with its filter, and the bank."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from itertools import pairwise
 
 import numpy as np
 
-from app.engine.observers import ResidualGenerator
-from app.engine.systems import affine_scan, root
+from observer_lab.engine.observers import ResidualGenerator
+from observer_lab.engine.systems import affine_scan, root
 
-from .bank import COUNT, DT, MODEL, PLACES, SIGMA, gain, guard, model, truth
+from .observer_bank import DT, FAULT_PLACES, MODEL, SAMPLE_COUNT, SENSOR_SIGMA, gain, guard, model, truth
 
 NONE = "none"
-BIAS, DRIFT, STUCK = "bias", "drift", "stuck"
-OPEN, BLIND, SWITCH = "open", "blind", "switch"
+BIAS_FAULT, DRIFT_FAULT, STUCK_FAULT = "bias", "drift", "stuck"
+KEEP_LOOP_OPEN, NO_REACTION, SWITCH_LOOP = "open", "blind", "switch"
 
 
 @dataclass(frozen=True)
@@ -24,26 +24,26 @@ class Fault:
     """What fails, how, how much and when. `size`: mm/s of a bias, mm/s² of a drift, share of a coil's force that is lost."""
 
     place: str = NONE
-    kind: str = BIAS
+    kind: str = BIAS_FAULT
     size: float = 0.0
     at: float = 4.0
 
     @property
     def sensor(self) -> int | None:
         """Which sensor lies, if any."""
-        index = PLACES.index(self.place) if self.place != NONE else 4
+        index = FAULT_PLACES.index(self.place) if self.place != NONE else 4
         return index if index < 4 else None
 
     @property
     def coil(self) -> int | None:
         """Which coil is weak, if any."""
-        index = PLACES.index(self.place) if self.place != NONE else 0
+        index = FAULT_PLACES.index(self.place) if self.place != NONE else 0
         return index - 4 if index >= 4 else None
 
     @property
     def start(self) -> int:
         """The first sample with the fault; beyond the record if there is none."""
-        return COUNT if self.place == NONE else min(max(round(self.at / DT), 1), COUNT)
+        return SAMPLE_COUNT if self.place == NONE else min(max(round(self.at / DT), 1), SAMPLE_COUNT)
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,7 @@ class Case(Fault):
 
     force: float = 1.0
     tone: float = 0.5
-    loop: str = BLIND
+    loop: str = NO_REACTION
     stiffer: float = 0.0
     kick: float = -1.0
     also: Fault | None = None
@@ -81,11 +81,11 @@ def draw(seed: int) -> Noise:
     """The draws of a seed; −1 is silence, every filter starting from the truth."""
     g = guard()
     if seed < 0:
-        return Noise(np.zeros((COUNT, 6)), np.zeros((COUNT, 4)), np.zeros(6), g.bank.start(np.zeros(6)))
+        return Noise(np.zeros((SAMPLE_COUNT, 6)), np.zeros((SAMPLE_COUNT, 4)), np.zeros(6), g.bank.start(np.zeros(6)))
     rng = np.random.default_rng([seed, 17])
     shake, spread = _roots()
-    w = rng.standard_normal((COUNT, 6)) @ shake.T
-    v = SIGMA * rng.standard_normal((COUNT, 4))
+    w = rng.standard_normal((SAMPLE_COUNT, 6)) @ shake.T
+    v = SENSOR_SIGMA * rng.standard_normal((SAMPLE_COUNT, 4))
     bank = g.bank.start(np.zeros(6), rng=rng)
     return Noise(w, v, -spread @ rng.standard_normal(6), bank)
 
@@ -100,7 +100,7 @@ drawn = lru_cache(maxsize=8)(draw)
 
 def known_force(case: Case) -> np.ndarray:
     """The known force, (COUNT, 3): both vertical coils in step, the third a quarter period ahead; it sets in softly."""
-    t = DT * np.arange(COUNT)
+    t = DT * np.arange(SAMPLE_COUNT)
     angle, rise = 2 * np.pi * case.tone * t, case.force * (1 - np.exp(-2 * t))
     return np.column_stack([rise * np.sin(angle), rise * np.sin(angle), rise * np.cos(angle)])
 
@@ -116,14 +116,14 @@ class Deck:
 
 def stretches(case: Case, begin: int) -> Iterator[tuple[int, int]]:
     """From a sample to the end of the record, cut wherever a fault begins."""
-    return pairwise(sorted({begin, COUNT, *(f.start for f in case.faults if begin < f.start)}))
+    return pairwise(sorted({begin, SAMPLE_COUNT, *(f.start for f in case.faults if begin < f.start)}))
 
 
 def failed(case: Case, v: np.ndarray, x: np.ndarray, now: int) -> Deck:
     """The deck from sample `now` until the next fault, for noise v (COUNT, …, 4) and states x (COUNT, …, 6) known up to `now`."""
     honest, (_, B), C, extra = model().C, truth(case.stiffer), model().C, v
     for fault in case.faults:
-        if fault.start > now or fault.start >= COUNT:
+        if fault.start > now or fault.start >= SAMPLE_COUNT:
             continue
         start = fault.start
         if fault.coil is not None:
@@ -131,10 +131,10 @@ def failed(case: Case, v: np.ndarray, x: np.ndarray, now: int) -> Deck:
             B[:, fault.coil] *= 1 - fault.size
         elif (i := fault.sensor) is not None:
             C, extra = C.copy(), extra.copy()
-            if fault.kind == STUCK:
+            if fault.kind == STUCK_FAULT:
                 C[i], extra[start:, ..., i] = 0.0, x[start] @ honest[i] + v[start, ..., i]
             else:
-                grown = DT * np.arange(COUNT - start) if fault.kind == DRIFT else np.ones(COUNT - start)
+                grown = DT * np.arange(SAMPLE_COUNT - start) if fault.kind == DRIFT_FAULT else np.ones(SAMPLE_COUNT - start)
                 extra[start:, ..., i] += 1e-3 * fault.size * grown.reshape(-1, *[1] * (v.ndim - 2))
     return Deck(B, C, extra)
 
@@ -176,15 +176,15 @@ class _Trace:
 
 def simulate(case: Case, noise: Noise) -> Record:
     """The run in which nobody notices: the loop keeps believing all four sensors."""
-    loop = _Loop(gain() if case.loop != OPEN else np.zeros((3, 6)), guard().whole, known_force(case))
-    trace = _Trace(np.empty((COUNT, 6)), np.empty((COUNT, 6)), np.empty((COUNT, 3)))
+    loop = _Loop(gain() if case.loop != KEEP_LOOP_OPEN else np.zeros((3, 6)), guard().whole, known_force(case))
+    trace = _Trace(np.empty((SAMPLE_COUNT, 6)), np.empty((SAMPLE_COUNT, 6)), np.empty((SAMPLE_COUNT, 3)))
     _through(case, noise, loop, 0, np.concatenate([np.zeros(6), noise.whole]), trace)
     return _finish(case, noise, trace)
 
 
 def switched(case: Case, noise: Noise, before: Record, decided: int, verdict: str) -> Record:
     """The run in which the loop acts on the verdict: the accused sensor is left out, or the accused coil is no longer used."""
-    g, index = guard(), PLACES.index(verdict)
+    g, index = guard(), FAULT_PLACES.index(verdict)
     sensor, coil = index < 4, index - 4
     xhat = before.states[decided][g.bank.slices[index]] if sensor else before.xhat[decided]
     shape = known_force(case)
@@ -219,7 +219,7 @@ def _march(case: Case, noise: Noise, loop: _Loop, deck: Deck, begin: int, end: i
 
 
 def _finish(case: Case, noise: Noise, trace: _Trace) -> Record:
-    x, honest, y, applied = trace.x, trace.x @ model().C.T, np.empty((COUNT, 4)), trace.asked
+    x, honest, y, applied = trace.x, trace.x @ model().C.T, np.empty((SAMPLE_COUNT, 4)), trace.asked
     for begin, end in stretches(case, 0):
         deck = failed(case, noise.v, x, begin)
         y[begin:end] = x[begin:end] @ deck.C.T + deck.extra[begin:end]

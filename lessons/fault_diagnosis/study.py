@@ -1,4 +1,4 @@
-"""What a design leads to: the run, the verdict, what was to be expected, and what is said of them."""
+"""Compute a design of lesson 17: run, diagnosis, expected values and checks."""
 
 from __future__ import annotations
 
@@ -7,19 +7,19 @@ from functools import lru_cache
 
 import numpy as np
 
-from app.engine.observers import Decoupling, decoupling
-from app.lesson.lesson import Board, Check, Design, Formula, Outcome, Stage
-from app.text import text
+from observer_lab.course.lesson import Board, Check, Design, Formula, Outcome, Stage
+from observer_lab.engine.observers import Decoupling, decoupling
+from observer_lab.text import text
 
 from ..toolkit.boards import listed
 from ..toolkit.latex import matrix, number
-from .bank import COILS, COUNT, DT, MODEL, PLACES, guard
 from .body import BODY
 from .diagnosis import ENERGY, Forecast, Rule, forecast, judge
-from .pairs import SURE, isolable, rivals
-from .record import Study
-from .runs import BIAS, NONE, SWITCH, Case, Fault, Record, drawn, quiet, simulate, switched
-from .words import live
+from .fault_pairs import ALWAYS_ISOLABLE, isolable, rivals
+from .observer_bank import COIL_IDS, DT, FAULT_PLACES, MODEL, SAMPLE_COUNT, guard
+from .results import Study
+from .runs import BIAS_FAULT, NONE, SWITCH_LOOP, Case, Fault, Record, drawn, quiet, simulate, switched
+from .summary import live
 
 
 def case_of(d: Design) -> Case:
@@ -37,8 +37,8 @@ def _first(d: Design) -> Fault | None:
     place, kind = d["place"], d["kind"]
     if place == NONE:
         return None
-    if place in COILS:
-        return Fault(place, BIAS, d["loss"] / 100, d["at"])
+    if place in COIL_IDS:
+        return Fault(place, BIAS_FAULT, d["loss"] / 100, d["at"])
     return Fault(place, kind, {"bias": d["bias"], "drift": d["drift"]}.get(kind, 0.0), d["at"])
 
 
@@ -47,7 +47,7 @@ def _second(d: Design) -> Fault | None:
     place = d["place2"]
     if place in (NONE, d["place"]):
         return None
-    return Fault(place, BIAS, d["loss2"] / 100 if place in COILS else d["bias2"], d["at2"])
+    return Fault(place, BIAS_FAULT, d["loss2"] / 100 if place in COIL_IDS else d["bias2"], d["at2"])
 
 
 def test_of(d: Design) -> Rule:
@@ -61,19 +61,19 @@ def study(d: Design) -> Study:
     blind = simulate(case, drawn(int(d["seed"])))
     verdict = judge(test, blind)
     record = blind
-    if case.loop == SWITCH and verdict.decided is not None and verdict.who is not None:
+    if case.loop == SWITCH_LOOP and verdict.decided is not None and verdict.who is not None:
         record = switched(case, drawn(int(d["seed"])), blind, verdict.decided, verdict.who)
         later = judge(test, record)
         verdict = replace(later, decided=verdict.decided, who=verdict.who, first=verdict.first)
     silent = quiet(case)
-    column = None if case.place == NONE else PLACES.index(case.place)
-    expected = forecast(test, silent, column, case.start, COUNT if case.also is None else case.also.start)
+    column = None if case.place == NONE else FAULT_PLACES.index(case.place)
+    expected = forecast(test, silent, column, case.start, SAMPLE_COUNT if case.also is None else case.also.start)
     return Study(case, test, record, blind, verdict, silent, expected, _calm(case, silent, expected))
 
 
 def _calm(case: Case, silent: Record, expected: Forecast) -> float:
     """The largest pitch in rad after the fault, without noise, where the loop acts when the verdict is due."""
-    if case.loop == SWITCH and expected.delay is not None:
+    if case.loop == SWITCH_LOOP and expected.delay is not None:
         silent = switched(replace(case, kick=-1.0), drawn(-1), silent, case.start + expected.delay, case.place)
     return float(np.abs(silent.x[0 if case.place == NONE else case.start:, 2]).max())
 
@@ -109,7 +109,7 @@ def metrics_of(s: Study) -> dict[str, float]:
              "right": float(t.right), "wrong": float(t.wrong)} if t is not None else {}
     return {
         "threshold": s.test.threshold, "dof": float(s.test.dof), "needed": s.test.needed, "hourly": hourly(s),
-        "accused": -1.0 if v.who is None else float(PLACES.index(v.who)), "right_verdict": float(s.right),
+        "accused": -1.0 if v.who is None else float(FAULT_PLACES.index(v.who)), "right_verdict": float(s.right),
         "delay": -1.0 if s.delay is None else s.delay,
         "expected_delay": -1.0 if s.forecast.delay is None else DT * s.forecast.delay,
         "pitch": s.calm, **found,
@@ -118,21 +118,42 @@ def metrics_of(s: Study) -> dict[str, float]:
 
 def _checks(s: Study) -> tuple[Check, ...]:
     signature = guard().bank.signature
-    single = len({tuple(column) for column in signature.T}) == len(PLACES)
+    single = len({tuple(column) for column in signature.T}) == len(FAULT_PLACES)
     early = s.verdict.decided is not None and s.verdict.decided < s.case.start
     conditions = [unknown_coil(j) for j in range(3)]
     return (
         Check("signatures", text("every fault has a signature of its own"), single, float(single)),
-        Check("rank", text("rank(CE) = rank(E) for every coil"),
-              all(c.rank_CE == c.rank_E for c in conditions), float(min(c.rank_CE for c in conditions))),
-        Check("right", text("the right part is accused") if s.case.place != NONE else
-              text("nobody is accused"), s.right if s.case.place != NONE else s.verdict.who is None,
-              -1.0 if s.delay is None else s.delay),
+        Check(
+            "rank",
+            text("rank(CE) = rank(E) for every coil"),
+            all(c.rank_CE == c.rank_E for c in conditions),
+            float(min(c.rank_CE for c in conditions)),
+        ),
+        Check(
+            "right",
+            text("the right part is accused") if s.case.place != NONE else text("nobody is accused"),
+            s.right if s.case.place != NONE else s.verdict.who is None,
+            -1.0 if s.delay is None else s.delay,
+        ),
         Check("patient", text("nobody is accused before the fault"), not early, float(early)),
-        Check("expected", text("the fault is large enough to count on that"),
-              s.forecast.delay is not None, -1.0 if s.forecast.delay is None else DT * s.forecast.delay),
-        *(() if s.pair is None else (Check("pair", text("no other pair of faults can make the same readings"), isolable(s.pair) == SURE,
-                                           float(len(rivals()[s.pair]))),)),
+        Check(
+            "expected",
+            text("the fault is large enough to count on that"),
+            s.forecast.delay is not None,
+            -1.0 if s.forecast.delay is None else DT * s.forecast.delay,
+        ),
+        *(
+            ()
+            if s.pair is None
+            else (
+                Check(
+                    "pair",
+                    text("no other pair of faults can make the same readings"),
+                    isolable(s.pair) == ALWAYS_ISOLABLE,
+                    float(len(rivals()[s.pair])),
+                ),
+            )
+        ),
     )
 
 
@@ -155,13 +176,13 @@ def _ignoring(s: Study) -> int:
 
 
 def _stage(s: Study) -> Stage:
-    fails, accused = np.zeros((COUNT, 7)), np.zeros((COUNT, 7))
+    fails, accused = np.zeros((SAMPLE_COUNT, 7)), np.zeros((SAMPLE_COUNT, 7))
     for fault in s.case.faults:
-        fails[fault.start:, PLACES.index(fault.place)] = 1.0
+        fails[fault.start:, FAULT_PLACES.index(fault.place)] = 1.0
     if s.verdict.who is not None:
-        accused[s.verdict.decided:, PLACES.index(s.verdict.who)] = 1.0
-    t = DT * np.arange(COUNT)
-    return Stage(BODY, t, np.hstack([s.record.x, fails, accused]), np.hstack([s.record.xhat, np.zeros((COUNT, 14))]),
+        accused[s.verdict.decided:, FAULT_PLACES.index(s.verdict.who)] = 1.0
+    t = DT * np.arange(SAMPLE_COUNT)
+    return Stage(BODY, t, np.hstack([s.record.x, fails, accused]), np.hstack([s.record.xhat, np.zeros((SAMPLE_COUNT, 14))]),
                  s.record.applied)
 
 

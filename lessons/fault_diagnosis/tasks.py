@@ -1,25 +1,25 @@
-"""Tasks: rare false alarms, a weak coil alone and beside a liar, a fault unseen, the loop that limps on, a slow drift, one framed."""
+"""Define the tasks of lesson 17."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from app.engine.observers import alarm_probability
-from app.lesson.lesson import Outcome, Task, Verdict, pencil
-from app.lesson.typed import Typed
-from app.text import text, text_in
+from observer_lab.course.exercises.typed_answers import Typed
+from observer_lab.course.lesson import Outcome, Task, Verdict, typed_task
+from observer_lab.engine.observers import alarm_probability
+from observer_lab.text import text, text_in
 
-from .bank import DT, PLACES
 from .diagnosis import MEAN, forecast
-from .pair_reach import least_beside
-from .record import Study
-from .runs import OPEN, SWITCH
+from .observer_bank import DT, FAULT_PLACES
+from .pair_sensitivity import least_beside
+from .results import Study
+from .runs import KEEP_LOOP_OPEN, SWITCH_LOOP
 from .study import hourly
 
-HOURLY, SOONEST, CALM = 1.0, 3.0, 1.5  # alarms an hour, s, mrad
-HALF, MOST = 0.5, 1.0  # share lost, N
-SLOW, OFTEN, DUE = 1.0, (0.9, 1.1), 2.06  # mm/s², alarms an hour, s
-LIAR, LONGEST = "VL", 80  # who lies besides, samples
+HOURLY, SOONEST, MAX_PITCH_MRAD = 1.0, 3.0, 1.5  # alarms an hour, s, mrad
+MAX_LOST_SHARE, MAX_FORCE_N = 0.5, 1.0  # share lost, N
+MAX_DRIFT, OFTEN, DUE = 1.0, (0.9, 1.1), 2.06  # mm/s², alarms an hour, s
+LIAR, MAX_DELAY_SAMPLES = "VL", 80  # who lies besides, samples
 LIE, FRAMED, HUSHED = 3.0, "u3", 1.0  # mm/s, who is to be accused, per cent
 
 
@@ -39,12 +39,12 @@ def _rare(o: Outcome[Study]) -> Verdict:
 
 def _weak(o: Outcome[Study]) -> Verdict:
     s: Study = o.study
-    if s.case.place != "u1" or s.case.size > HALF or s.case.force > MOST:
+    if s.case.place != "u1" or s.case.size > MAX_LOST_SHARE or s.case.force > MAX_FORCE_N:
         return Verdict(False, text("Let u1 lose at most {half:.0f} % and keep the known force at or below "
                                    "{most:.0f} N.",
-                                   half=100 * HALF, most=MOST))
+                                   half=100 * MAX_LOST_SHARE, most=MAX_FORCE_N))
     delay = s.forecast.delay
-    seen = PLACES.index("u1")
+    seen = FAULT_PLACES.index("u1")
     worst = 100 * float(np.max(np.min(np.delete(s.forecast.strength, seen, axis=1), axis=1)))
     if delay is None:
         return Verdict(False, text("The member that sees least gets {worst:.0f} % of what 99 % power takes.",
@@ -66,18 +66,18 @@ def _unseen(o: Outcome[Study]) -> Verdict:
 
 def _limp(o: Outcome[Study]) -> Verdict:
     s: Study = o.study
-    if s.case.place != "VR" or s.case.kind != "drift" or s.case.size < 4 or s.case.start * DT > 4.01 or s.case.loop == OPEN:
+    if s.case.place != "VR" or s.case.kind != "drift" or s.case.size < 4 or s.case.start * DT > 4.01 or s.case.loop == KEEP_LOOP_OPEN:
         return Verdict(False, text("Let VR drift by at least 4 mm/s² from 4 s or before, the loop closed."))
     pitch = 1e3 * s.calm
     said = text("Without noise the pitch reaches {pitch:.1f} mrad", pitch=pitch)
-    if pitch > CALM:
-        return Verdict(False, text("{said}; at most {calm:.1f} mrad are wanted.", said=said, calm=CALM))
+    if pitch > MAX_PITCH_MRAD:
+        return Verdict(False, text("{said}; at most {calm:.1f} mrad are wanted.", said=said, calm=MAX_PITCH_MRAD))
     return Verdict(True, text("{said} and the deck goes on without VR.", said=said))
 
 
 def _ramp(o: Outcome[Study]) -> Verdict:
     s: Study = o.study
-    if s.case.place != "HR" or s.case.kind != "drift" or s.case.size > SLOW or s.case.stiffer:
+    if s.case.place != "HR" or s.case.kind != "drift" or s.case.size > MAX_DRIFT or s.case.stiffer:
         return Verdict(False, text("Let HR drift by at most 1 mm/s², with springs as the model has them."))
     often, delay = hourly(s), s.forecast.delay
     when = text_in("fault-diagnosis", "never") if delay is None else text("after {dt:.2f} s", dt=DT * delay)
@@ -89,18 +89,24 @@ def _ramp(o: Outcome[Study]) -> Verdict:
 
 def _beside(o: Outcome[Study]) -> Verdict:
     s, d = o.study, o.design
-    if d["place"] != "u1" or d["loss"] > 100 * HALF or d["place2"] != LIAR or s.case.force > MOST or s.case.loop != OPEN:
+    if (
+        d["place"] != "u1"
+        or d["loss"] > 100 * MAX_LOST_SHARE
+        or d["place2"] != LIAR
+        or s.case.force > MAX_FORCE_N
+        or s.case.loop != KEEP_LOOP_OPEN
+    ):
         return Verdict(False, text("Let u1 lose at most {half:.0f} % and {liar} fail as well, with the loop open and a known force of at "
-                                   "most {most:.0f} N.", half=100 * HALF, liar=LIAR, most=MOST))
+                                   "most {most:.0f} N.", half=100 * MAX_LOST_SHARE, liar=LIAR, most=MAX_FORCE_N))
     often, missing = hourly(s), s.case.force * d["loss"] / 100
-    least = float(least_beside(s.test, s.case.tone)[PLACES.index("u1"), PLACES.index(LIAR)])
+    least = float(least_beside(s.test, s.case.tone)[FAULT_PLACES.index("u1"), FAULT_PLACES.index(LIAR)])
     said = text("{missing:.2f} N are missing, and beside {liar} u1 is seen from {least:.2f} N on", missing=missing, liar=LIAR, least=least)
     if least > missing:
         return Verdict(False, text("{said}: that is more.", said=said))
-    if often > HOURLY * (1 + 1e-9) or s.test.window > LONGEST:
+    if often > HOURLY * (1 + 1e-9) or s.test.window > MAX_DELAY_SAMPLES:
         return Verdict(False, text("{said}, with {often:.2g} false alarms an hour and a window of {window} samples; wanted are at most "
                                    "{hourly:.0f} and {longest}.", said=said, often=often, window=s.test.window, hourly=HOURLY,
-                                   longest=LONGEST))
+                                   longest=MAX_DELAY_SAMPLES))
     return Verdict(True, text("{said}, whatever {liar} does.", said=said, liar=LIAR))
 
 
@@ -109,7 +115,7 @@ def _framed(o: Outcome[Study]) -> Verdict:
     lies = o.design["place"] == "HL" and o.design["kind"] == "bias" and o.design["bias"] >= LIE
     if not lies or any(f.coil is not None for f in s.case.faults):
         return Verdict(False, text("Let HL have a bias of at least {lie:.0f} mm/s, and no coil fail.", lie=LIE))
-    column = PLACES.index(FRAMED)
+    column = FAULT_PLACES.index(FRAMED)
     due = forecast(s.test, s.silent, column, s.case.start).delay
     heard = float(s.test.values(s.silent.residuals)[:, column].max())
     alarm = 100 * float(alarm_probability(heard, s.test.dof, s.test.rate))
@@ -128,11 +134,15 @@ SWALLOWED = Typed("a*f/(a+L)", ("a", "L", "f"), slips=(
 
 TASKS = (
     Task("rare", _rare, {"place": "VL", "statistic": MEAN, "window": 100.0, "rate": 2e-5}),
-    Task("weak", _weak, {"place": "u1", "loss": 50.0, "loop": OPEN, "tone": 1.4}),
-    Task("unseen", _unseen, {"place": "u1", "loss": 100.0, "loop": OPEN, "force": 0.0}),
-    Task("limp", _limp, {"place": "VR", "kind": "drift", "drift": 4.0, "loop": SWITCH, "statistic": MEAN}),
-    pencil("swallowed", SWALLOWED),
+    Task("weak", _weak, {"place": "u1", "loss": 50.0, "loop": KEEP_LOOP_OPEN, "tone": 1.4}),
+    Task("unseen", _unseen, {"place": "u1", "loss": 100.0, "loop": KEEP_LOOP_OPEN, "force": 0.0}),
+    Task("limp", _limp, {"place": "VR", "kind": "drift", "drift": 4.0, "loop": SWITCH_LOOP, "statistic": MEAN}),
+    typed_task("swallowed", SWALLOWED),
     Task("ramp", _ramp, {"place": "HR", "kind": "drift", "drift": 1.0, "statistic": MEAN, "window": 64.0, "rate": 5e-5}),
     Task("framed", _framed, {"place2": "HR", "bias2": -3.0, "at2": 4.0}),
-    Task("beside", _beside, {"place": "u1", "loss": 50.0, "place2": LIAR, "loop": OPEN, "tone": 1.2, "window": 75.0, "rate": 5.9e-5}),
+    Task(
+        "beside",
+        _beside,
+        {"place": "u1", "loss": 50.0, "place2": LIAR, "loop": KEEP_LOOP_OPEN, "tone": 1.2, "window": 75.0, "rate": 5.9e-5},
+    ),
 )

@@ -1,0 +1,1 @@
+"""Hold the modules of lesson 6, unobservable and uncontrollable modes."""

@@ -1,4 +1,4 @@
-"""The numbers that stand now in the derivation of lesson 6: the hidden motion apart from the visible one."""
+"""Compute the numbers in the derivation of lesson 6: common and relative motion apart."""
 
 from __future__ import annotations
 
@@ -6,12 +6,12 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from app.lesson.derivation import Value
-from app.lesson.lesson import Outcome
+from observer_lab.course.exercises.derivation import Value
+from observer_lab.course.lesson import Outcome
 
 from .knobs import COMMON, RELATIVE, Case
 
-ROUNDING = 1e-12
+ENTRY_ROUNDING = 1e-12
 
 
 def derived(outcome: Outcome[Case]) -> Mapping[str, Value]:
@@ -19,7 +19,7 @@ def derived(outcome: Outcome[Case]) -> Mapping[str, Value]:
     plant, L = outcome.study.model.plant, outcome.gains["L"]
     N, M = np.sqrt(2) * COMMON.T, np.sqrt(2) * RELATIVE.T
     H = COMMON @ plant.A @ N / np.sqrt(2)
-    if not outcome.study.unseen or np.abs(plant.C @ N).max() > ROUNDING or np.abs(plant.A @ N - N @ H).max() > ROUNDING:
+    if not outcome.study.unseen or np.abs(plant.C @ N).max() > ENTRY_ROUNDING or np.abs(plant.A @ N - N @ H).max() > ENTRY_ROUNDING:
         return {}
     F = plant.A - L @ plant.C
     F_rho = RELATIVE @ F @ M / np.sqrt(2)

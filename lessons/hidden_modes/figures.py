@@ -1,4 +1,4 @@
-"""Figures of the lesson: what the sensor says, what it does not, margins, lights, and the plant taken apart."""
+"""Draw the figures of lesson 6: signals, margins, conditions, Kalman decomposition."""
 
 from __future__ import annotations
 
@@ -8,27 +8,27 @@ from itertools import accumulate
 
 import numpy as np
 
-from app.engine.simulation import Run
-from app.engine.structure import Mode
-from app.lesson.claims import claim
-from app.lesson.figures import Curve, Figure, LineFigure, MatrixFigure, PlaneFigure, Point, TableFigure
-from app.lesson.lesson import Check, Outcome
-from app.text import NO_WORDS, Text, symbol, text, written
+from observer_lab.course.figures.claims import claim
+from observer_lab.course.figures.records import Curve, Figure, LineFigure, MatrixFigure, PlaneFigure, Point, TableFigure
+from observer_lab.course.lesson import Check, Outcome
+from observer_lab.engine.simulation import Run
+from observer_lab.engine.structure import Mode
+from observer_lab.text import NO_WORDS, Text, format_number, symbol, text
 
 from ..toolkit.figures import ERROR_TAB, TIME_TAB, input_figure
 from ..toolkit.latex import pole_words
-from .knobs import CASES, COMMON, RELATIVE, Case
+from .knobs import COMMON, PLANT_CASES, RELATIVE, Case
 
 MODES_TAB, EVERY_TAB = text("Modes"), text("Every gain")
-CLEAR = 1e-3  # a distance above this share of the plant's size is well above zero
-DRAWS = 50  # random gains on the maps of the tab "Every gain"
-SPREAD = np.array([3.0, 3.0, 8.0, 8.0])  # their standard deviations, position entries first
+CLEARLY_ABOVE_ZERO = 1e-3  # a distance above this share of the plant's size is well above zero
+RANDOM_GAINS = 50  # random gains on the maps of the tab "Every gain"
+GAIN_SIGMAS = np.array([3.0, 3.0, 8.0, 8.0])  # their standard deviations, position entries first
 YES, NO = text("● yes"), text("○ no")
 
 
 def all_figures(outcome: Outcome[Case]) -> tuple[Figure, ...]:
     """Everything on the right of the stage."""
-    run, case = outcome.run, CASES[outcome.design["plant"]]
+    run, case = outcome.run, PLANT_CASES[outcome.design["plant"]]
     assert run is not None
     seed = int(outcome.design["seed"])
     return (_measured(run), _centre(run, case), _error_parts(run, case), _state_parts(run, case),
@@ -62,7 +62,7 @@ def _centre(run: Run, case: Case) -> LineFigure:
 
 
 def _fixed(bolts: tuple[complex, ...], what: str, gain: str) -> Text:
-    rate = written(max(p.real for p in bolts), ".3g")
+    rate = format_number(max(p.real for p in bolts), ".3g")
     return text("The common part of {what} follows e^({rate} t), whatever {gain} is.",
                 what=what, rate=rate, gain=gain)
 
@@ -97,7 +97,7 @@ def _bar(mode: Mode) -> str:
     """The PBH distance as a number, its share of the plant's size as a bar over six decades; a hidden mode has none."""
     if not mode.visible:
         return "0"
-    return written(mode.distance, ".3g") + " " + "▮" * max(1, round(6 + np.log10(mode.margin)))
+    return format_number(mode.distance, ".3g") + " " + "▮" * max(1, round(6 + np.log10(mode.margin)))
 
 
 def _pole(mode: Mode) -> str:
@@ -116,10 +116,13 @@ def margins_of(case: Case) -> TableFigure:
     words = pole_words(list(hidden))
     weakest = min((m for report in (case.seen, case.reached) for m in report.modes), key=lambda m: m.margin)
     near = text("No mode is hidden, but the nearest is only {distance:.1g} from it.", distance=weakest.distance)
-    caption = (claim(text("No mode is hidden: every distance is well above zero."), weakest.margin, above=CLEAR, otherwise=near)
-               if not hidden
-               else text("Hidden from the sensor: {words}.", words=words) if case.unseen
-               else text("Out of reach of the force: {words}.", words=words))
+    caption = (
+        claim(text("No mode is hidden: every distance is well above zero."), weakest.margin, above=CLEARLY_ABOVE_ZERO, otherwise=near)
+        if not hidden
+        else text("Hidden from the sensor: {words}.", words=words)
+        if case.unseen
+        else text("Out of reach of the force: {words}.", words=words)
+    )
     return TableFigure(
         "margins", text("PBH distance of each mode from being hidden"),
         (text("mode"), text("by itself"), text("from y"),
@@ -137,7 +140,7 @@ def lights_of(checks: Sequence[Check]) -> TableFigure:
 
 @lru_cache(maxsize=8)
 def _decomposed(name: str) -> MatrixFigure:
-    return blocks_of(CASES[name])
+    return blocks_of(PLANT_CASES[name])
 
 
 def blocks_of(case: Case) -> MatrixFigure:
@@ -167,8 +170,8 @@ def numbered(letter: str, count: int) -> tuple[str, ...]:
 
 
 def random_poles(case: Case, seed: int, observer: bool) -> np.ndarray:
-    """Poles of A − LC (observer) or A − BK for `DRAWS` random gains, (DRAWS, n)."""
-    draws = np.random.default_rng(seed).normal(size=(DRAWS, case.model.plant.n)) * SPREAD
+    """Poles of A − LC (observer) or A − BK for `RANDOM_GAINS` random gains, (DRAWS, n)."""
+    draws = np.random.default_rng(seed).normal(size=(RANDOM_GAINS, case.model.plant.n)) * GAIN_SIGMAS
     plant = case.model.plant
     turned = draws[:, :, None] * plant.C if observer else plant.B * draws[:, None, :]
     return np.linalg.eigvals(plant.A - turned)
@@ -181,20 +184,20 @@ def _cloud(name: str, title: Text, poles: np.ndarray, bolts: tuple[complex, ...]
     return PlaneFigure(
         name, title, (), points, "Re s", "Im s", (-10.0, 4.0), (-7.0, 7.0), unstable=True, tab=EVERY_TAB,
         caption=text("{draws} gains {gain} drawn at random. The best of them has its rightmost pole at {least:.3g}, on the bolt or "
-                     "right of it.", draws=DRAWS, gain=gain, least=least) if bolts else
-        text("{draws} gains {gain} drawn at random. The best of them has its rightmost pole at {least:.3g}.", draws=DRAWS, gain=gain,
+                     "right of it.", draws=RANDOM_GAINS, gain=gain, least=least) if bolts else
+        text("{draws} gains {gain} drawn at random. The best of them has its rightmost pole at {least:.3g}.", draws=RANDOM_GAINS, gain=gain,
              least=least))
 
 
 @lru_cache(maxsize=16)
 def _every_observer(name: str, seed: int) -> PlaneFigure:
-    case = CASES[name]
+    case = PLANT_CASES[name]
     return _cloud("every_observer", text("eig(A − LC) for random L"),
                   random_poles(case, seed, True), case.unseen, "L")
 
 
 @lru_cache(maxsize=16)
 def _every_controller(name: str, seed: int) -> PlaneFigure:
-    case = CASES[name]
+    case = PLANT_CASES[name]
     return _cloud("every_controller", text("eig(A − BK) for random K"),
                   random_poles(case, seed, False), case.unmoved, "K")

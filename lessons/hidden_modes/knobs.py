@@ -1,4 +1,4 @@
-"""The five plants of the lesson, a motion hidden from the sensor or from the force or not at all, and the knobs."""
+"""Define the five plants of lesson 6, with or without a hidden motion, and the knobs."""
 
 from __future__ import annotations
 
@@ -8,20 +8,20 @@ from types import MappingProxyType
 
 import numpy as np
 
-from app.engine import controllability, kalman_decomposition, observability
-from app.engine.structure import Controllability, KalmanDecomposition, Observability
-from app.lesson.knobs import Choice, Number, Poles
-from app.plants import two_mass
-from app.plants.chain_body import chain_body
-from app.plants.model import Model
-from app.text import Text, text
+from observer_lab.course.knobs import Choice, Number, Poles
+from observer_lab.engine import controllability, kalman_decomposition, observability
+from observer_lab.engine.structure import Controllability, KalmanDecomposition, Observability
+from observer_lab.plants import two_mass
+from observer_lab.plants.bodies.chain_body import chain_body
+from observer_lab.plants.model import Model
+from observer_lab.text import Text, text
 
 from ..toolkit.knobs import run_knobs
 
 COMMON = np.kron(np.eye(2), np.array([[1.0, 1.0]])) / np.sqrt(2)  # both blocks alike: position and velocity, 2×4
 RELATIVE = np.kron(np.eye(2), np.array([[-1.0, 1.0]])) / np.sqrt(2)  # one against the other, 2×4
 
-GAIN = 6.0  # times that the stage exaggerates motion: what the sensor sees is a tenth of a metre
+MOTION_GAIN = 6.0  # times that the stage exaggerates motion: what the sensor sees is a tenth of a metre
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +47,7 @@ class Case:
 
 
 def _case(name: str, label: Text, model: Model) -> Case:
-    plant, model = model.plant, replace(model, body=replace(model.body, gain=GAIN))
+    plant, model = model.plant, replace(model, body=replace(model.body, gain=MOTION_GAIN))
     return Case(name, label, model, observability(plant), controllability(plant), kalman_decomposition(plant))
 
 
@@ -65,31 +65,31 @@ _LABELS = MappingProxyType({
     "unmoved-stable": text("force between blocks, soft springs"),
     "visible": text("sensor and force on one block, magnets"),
 })
-CASES: Mapping[str, Case] = MappingProxyType({
+PLANT_CASES: Mapping[str, Case] = MappingProxyType({
     name: _case(name, label, _visible() if name == "visible" else two_mass.HIDDEN[name].model)  # type: ignore[index]
     for name, label in _LABELS.items()})
-UNSEEN, UNMOVED = ("unseen-unstable", "unseen-stable"), ("unmoved-unstable", "unmoved-stable")
-FIRST = CASES["unseen-unstable"].model
+UNOBSERVABLE_CASES, UNCONTROLLABLE_CASES = ("unseen-unstable", "unseen-stable"), ("unmoved-unstable", "unmoved-stable")
+FIRST_MODEL = PLANT_CASES["unseen-unstable"].model
 
 
 def _poles(name: str, symbol: str, label: Text, default: tuple[complex, ...], role: str, plants: tuple[str, ...]) -> Poles:
-    window = FIRST.controller_window if role == "plant" else FIRST.observer_window
+    window = FIRST_MODEL.controller_window if role == "plant" else FIRST_MODEL.observer_window
     return Poles(name, symbol, label, "rad/s", default=default, re_low=window.re_low, re_high=window.re_high,
                  im_high=window.im_high, role=role, when=("plant", plants),
                  hint=text("Drag the crosses on the board; the bolts are not among these poles."))
 
 
-SLOW, QUICK = (-0.9 - 1.2j, -0.9 + 1.2j), (-1.5 - 3j, -1.5 + 3j)
-CALM, FAST = (-2.5 - 2j, -2.5 + 2j), (-3.5 - 4j, -3.5 + 4j)
+SLOW_POLES, QUICK_POLES = (-0.9 - 1.2j, -0.9 + 1.2j), (-1.5 - 3j, -1.5 + 3j)
+CALM_POLES, FAST_POLES = (-2.5 - 2j, -2.5 + 2j), (-3.5 - 4j, -3.5 + 4j)
 KNOBS = (
     Choice("plant", "", text("setup"), default="unseen-unstable",
-           options=tuple((case.id, case.label) for case in CASES.values()),
+           options=tuple((case.id, case.label) for case in PLANT_CASES.values()),
            hint=text("What holds the two blocks, where the sensor looks, and where the force acts.")),
     Number("centre", r"c_0", text("common part of the start"), "m", low=-0.3, high=0.3, default=0.06,
            step=0.01, hint=text("How far both blocks start to the same side. The observer believes 0.")),
-    _poles("controller_all", "p", text("Controller poles"), (*SLOW, *QUICK), "plant", (*UNSEEN, "visible")),
-    _poles("controller_part", "p", text("Controller poles that move"), QUICK, "plant", UNMOVED),
-    _poles("observer_part", "q", text("Observer poles that move"), FAST, "estimate", UNSEEN),
-    _poles("observer_all", "q", text("Observer poles"), (*CALM, *FAST), "estimate", (*UNMOVED, "visible")),
-    *run_knobs(FIRST.horizon),
+    _poles("controller_all", "p", text("Controller poles"), (*SLOW_POLES, *QUICK_POLES), "plant", (*UNOBSERVABLE_CASES, "visible")),
+    _poles("controller_part", "p", text("Controller poles that move"), QUICK_POLES, "plant", UNCONTROLLABLE_CASES),
+    _poles("observer_part", "q", text("Observer poles that move"), FAST_POLES, "estimate", UNOBSERVABLE_CASES),
+    _poles("observer_all", "q", text("Observer poles"), (*CALM_POLES, *FAST_POLES), "estimate", (*UNCONTROLLABLE_CASES, "visible")),
+    *run_knobs(FIRST_MODEL.horizon),
 )

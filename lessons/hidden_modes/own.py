@@ -1,4 +1,4 @@
-"""Hidden modes on a person's own plant: its own bolts, or, where nothing is hidden, the mode that is nearest to it."""
+"""Fit lesson 6 to the user's own plant: its hidden modes, or the mode nearest to hidden."""
 
 from __future__ import annotations
 
@@ -8,17 +8,17 @@ from functools import partial
 
 import numpy as np
 
-from app.engine import Scenario, controllability, kalman_decomposition, observability, simulate
-from app.engine.design import in_natural_units
-from app.engine.simulation import Run
-from app.engine.structure import Mode
-from app.engine.systems import sorted_poles
-from app.lesson.figures import Curve, Figure, LineFigure, MatrixFigure, PlaneFigure, Point, TableFigure, nice
-from app.lesson.knobs import Knob, Number
-from app.lesson.lesson import Check, Design, Formula, Lesson, Outcome
-from app.plants import Model
-from app.plants.names import called
-from app.text import Text, text, written
+from observer_lab.course.figures.records import Curve, Figure, LineFigure, MatrixFigure, PlaneFigure, Point, TableFigure, round_up_nicely
+from observer_lab.course.knobs import Knob, Number
+from observer_lab.course.lesson import Check, Design, Formula, Lesson, Outcome
+from observer_lab.engine import Scenario, controllability, kalman_decomposition, observability, simulate
+from observer_lab.engine.design import in_natural_units
+from observer_lab.engine.simulation import Run
+from observer_lab.engine.structure import Mode
+from observer_lab.engine.systems import sorted_poles
+from observer_lab.plants import Model
+from observer_lab.plants.signal_names import signal_name
+from observer_lab.text import Text, format_number, text
 
 from ..toolkit.boards import pole_boards, stage
 from ..toolkit.figures import ERROR_TAB, TIME_TAB, input_figure
@@ -29,7 +29,7 @@ from .figures import EVERY_TAB, blocks_of, lights_of, margins_of
 from .knobs import Case
 from .study import checks_of
 
-DRAWS, FEW = 50, 14  # random gains on a map, for few states and for many
+RANDOM_GAINS, FEW_DRAWS = 50, 14  # random gains on a map, for few states and for many
 MOST_ROWS = 12  # of the table of modes
 
 
@@ -135,7 +135,7 @@ def figures(here: Setting, outcome: Outcome[Case]) -> tuple[Figure, ...]:
 
 def _measured(here: Setting, run: Run) -> LineFigure:
     name = here.model.plant.output_names[0]
-    said = text("what sensor {name} says", name=called(here.model.plant, name))
+    said = text("what sensor {name} says", name=signal_name(here.model.plant, name))
     return LineFigure("measured", said, run.t,
                       (Curve(text("measured y"), run.y[:, 0]),
                        Curve(text("predicted ŷ"), run.yhat[:, 0], "estimate", "dash")), f"[{here.model.plant.unit(name)}]",
@@ -171,18 +171,18 @@ def _modes(here: Setting, checks: Sequence[Check]) -> tuple[TableFigure, TableFi
 def _every(here: Setting, seed: int) -> tuple[PlaneFigure, PlaneFigure]:
     """Poles under random gains: what no gain moves stays under its bolt."""
     plant, model = here.model.plant, here.model
-    rng, count = np.random.default_rng(seed), DRAWS if plant.n <= 8 else FEW
+    rng, count = np.random.default_rng(seed), RANDOM_GAINS if plant.n <= 8 else FEW_DRAWS
     found = []
     for name, base, bolts in (("observer", model.observer, here.case.unseen), ("controller", model.controller, here.case.unmoved)):
         assert base is not None
         draws = base.gain * np.exp(rng.normal(0.0, 1.0, (count, 1, 1))) * (1 + rng.normal(0.0, 0.5, (count, *base.gain.shape)))
         poles = np.linalg.eigvals(plant.A - (draws @ plant.C if name == "observer" else plant.B @ draws))
         window = model.observer_window if name == "observer" else model.controller_window
-        size = nice(max(-window.re_low, window.im_high))
+        size = round_up_nicely(max(-window.re_low, window.im_high))
         points = tuple(Point(float(p.real), float(p.imag), "second", "dot") for p in poles.ravel() if abs(p) < 3 * size)
         points += tuple(Point(p.real, p.imag, "reference", "bolt") for p in bolts)
         letter, M = ("L", "eig(A − LC)") if name == "observer" else ("K", "eig(A − BK)")
-        least = written(float(np.real(poles).max(axis=1).min()), ".3g")
+        least = format_number(float(np.real(poles).max(axis=1).min()), ".3g")
         found.append(PlaneFigure(
             f"every_{name}", text("{m} for random {letter}", m=M, letter=letter), (), points, "Re s", "Im s", (-size, 0.5 * size),
             (-size, size), unstable=True, tab=EVERY_TAB, caption=text(

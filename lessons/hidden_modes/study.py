@@ -1,20 +1,20 @@
-"""Gains for the modes that can be moved, the bolted ones left where they are, and one run."""
+"""Compute a design of lesson 6: gains for the movable modes, and one run."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from app.engine import Scenario, observer_gain, place, simulate
-from app.engine.design import Placement
-from app.lesson.lesson import Board, Check, Design, Formula, Outcome
-from app.text import Text, text, written
+from observer_lab.course.lesson import Board, Check, Design, Formula, Outcome
+from observer_lab.engine import Scenario, observer_gain, place, simulate
+from observer_lab.engine.design import Placement
+from observer_lab.text import Text, format_number, text
 
 from ..toolkit.boards import stage
 from ..toolkit.knobs import kicks
 from ..toolkit.latex import matrix, number, pole_words
-from .knobs import CASES, FIRST, Case
+from .knobs import FIRST_MODEL, PLANT_CASES, Case
 
-APART = 0.1  # m, by which each block starts off the centre, one to either side
+START_OFFSET_M = 0.1  # m, by which each block starts off the centre, one to either side
 
 
 def movable(case: Case) -> tuple[str, str]:
@@ -25,12 +25,12 @@ def movable(case: Case) -> tuple[str, str]:
 
 def compute(design: Design) -> Outcome[Case]:
     """Gains for the movable poles with the bolted ones left where they are, and one run."""
-    case = CASES[design["plant"]]
+    case = PLANT_CASES[design["plant"]]
     plant, model, (left, right) = case.model.plant, case.model, movable(case)
     control = place(plant.A, plant.B, (*design[left], *case.unmoved))
     observer = observer_gain(plant.A, plant.C, (*design[right], *case.unseen))
     c = design["centre"]
-    run = simulate(Scenario(plant, control.gain, observer.gain, x0=(c + APART, c - APART, 0, 0), xhat0=model.guess,
+    run = simulate(Scenario(plant, control.gain, observer.gain, x0=(c + START_OFFSET_M, c - START_OFFSET_M, 0, 0), xhat0=model.guess,
                             horizon=model.horizon, dt=model.dt, impulses=kicks(design, model), seed=int(design["seed"])))
     e = np.linalg.norm(run.e, axis=1)
     metrics = {
@@ -67,7 +67,7 @@ def checks_of(case: Case, metrics: dict[str, float]) -> tuple[Check, ...]:
 
 def _boards(design: Design, case: Case, observer: Placement) -> tuple[Board, Board]:
     left, right = movable(case)
-    c, o, plant = FIRST.controller_window, FIRST.observer_window, case.model.plant
+    c, o, plant = FIRST_MODEL.controller_window, FIRST_MODEL.observer_window, case.model.plant
     return (
         Board("controller", text("controller poles  eig(A − BK)"), design[left], left,
               fixed=case.unmoved, role="plant", side="left", re_low=c.re_low, re_high=c.re_high, im_high=c.im_high),
@@ -99,7 +99,7 @@ def _live(case: Case) -> Text:
     if not bolts:
         return text("Nothing is bolted: the magnets make the plant as unstable as before, yet every pole can be "
                     "moved.")
-    words, rate = pole_words(list(bolts)), written(max(p.real for p in bolts), ".3g")
+    words, rate = pole_words(list(bolts)), format_number(max(p.real for p in bolts), ".3g")
     if case.unseen:
         return text("The poles at {words} leave no trace in y. Whatever L is, part of e follows e^({rate} t).",
                     words=words, rate=rate)

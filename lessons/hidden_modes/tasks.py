@@ -1,23 +1,23 @@
-"""Tasks of the lesson: slow but fine, the twin, silence, the cure and a gentle one, two unlike blocks."""
+"""Define the tasks of lesson 6."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from app.lesson.lesson import Outcome, Task, Verdict, pencil
-from app.lesson.typed import Typed
-from app.text import text, written
+from observer_lab.course.exercises.typed_answers import Typed
+from observer_lab.course.lesson import Outcome, Task, Verdict, typed_task
+from observer_lab.text import format_number, text
 
 from ..toolkit.figures import settle_time
-from ..toolkit.tasks import at_rest_gently
+from ..toolkit.tasks import check_gentle_settling
 from .knobs import KNOBS, Case
 
-HOME, PUSH = (3.8, 4.0), 1.1  # s and N
+SETTLING_BAND_S, MAX_FORCE_N = (3.8, 4.0), 1.1  # s and N
 CENTRE = next(knob.default for knob in KNOBS if knob.name == "centre")
 
 
 def _number(value: float) -> str:
-    return written(value, ".3g")
+    return format_number(value, ".3g")
 
 
 def _slow_but_fine(outcome: Outcome[Case]) -> Verdict:
@@ -81,7 +81,7 @@ def _gentle_cure(outcome: Outcome[Case]) -> Verdict:
         return Verdict(False, text("The blocks are not home by the end of the run."))
     found = text("Both blocks are home, below 2 % of their largest excursion, after {settled:.2f} s, with a force of up to {force:.3g} N",
                  settled=settled, force=force)
-    return at_rest_gently(found, settled, HOME, force, PUSH)
+    return check_gentle_settling(found, settled, SETTLING_BAND_S, force, MAX_FORCE_N)
 
 
 UNLIKE = Typed("k*n/m", ("m", "n", "k"), slips=(
@@ -98,5 +98,5 @@ TASKS = (
     Task("gentle-cure", _gentle_cure, {
         "plant": "visible", "controller_all": (-0.9 - 1.7j, -0.9 + 1.7j, -1.3 - 3.4j, -1.3 + 3.4j),
         "observer_all": (-2 - 1j, -2 + 1j, -2 - 3j, -2 + 3j)}),
-    pencil("unlike", UNLIKE),
+    typed_task("unlike", UNLIKE),
 )

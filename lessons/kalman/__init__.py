@@ -1,0 +1,1 @@
+"""Hold the modules of lesson 9, Kalman filter and consistency."""

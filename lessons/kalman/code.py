@@ -1,20 +1,20 @@
-"""The filter on its record as code: the sampled plant and what the filter believes, on the deck or on a person's own plant."""
+"""Describe the filter on its record as code, on the deck or on an own plant."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from app.engine.systems import root
-from app.lesson.code import Code, Given, Shown
-from app.lesson.lesson import Outcome
+from observer_lab.course.lesson import Outcome
+from observer_lab.course.script_record import Code, GivenValue, ShownValue
+from observer_lab.engine.systems import root
 
-from .filters import ADC, SIGMA, SINE, SPREAD, drawn_jumps, truth, tuned
-from .knobs import CARRIED, COUNT, DT, MODEL, WHITE
-from .own_study import SKIP as OWN_SKIP
+from .filters import ADC, SENSOR_SIGMA, SINE_HZ, START_SIGMAS, drawn_jumps, truth, tuned
+from .knobs import CARRIED, DT, MODEL, SAMPLE_COUNT, WHITE
+from .own_study import UNTESTED_SAMPLES as OWN_SKIP
 from .own_study import Study as OwnStudy
-from .study import SKIP, Study
+from .study import UNTESTED_SAMPLES, Study
 
-UNSAID = "Means over many records, and the two updates in poor arithmetic"
+NOT_IN_SCRIPT = "Means over many records, and the two updates in poor arithmetic"
 
 
 def code(outcome: Outcome[Study]) -> Code:
@@ -22,22 +22,50 @@ def code(outcome: Outcome[Study]) -> Code:
     d, m, study, kf = outcome.design, outcome.metrics, outcome.study, tuned()
     real = truth(int(d["seed"]), d["noise"] != WHITE, d["force"], d["kick"])
     a, each = ADC.relaxations
-    return Code(("kalman_deck", "kalman"), (
-        Given("A", kf.A, "the deck at its samples: x[k+1] = A x + B u + w, y = C x + v"), Given("B", kf.B), Given("C", kf.C),
-        Given("Q", kf.Q, "true covariance of w"), Given("R", kf.R, "true covariance of a white v"), Given("h", DT, "s"),
-        Given("count", COUNT), Given("force", d["force"], "N"), Given("frequency", SINE, "Hz"),
-        Given("start_spread", SPREAD, "standard deviations of the start"), Given("sigma", SIGMA, "m/s, white part of a reading"),
-        Given("white", d["noise"] == WHITE), Given("carried", d["noise"] == CARRIED, "the filter carries the converter's noise as states"),
-        Given("relax", a, "factors of the relaxations whose sum is the converter's 1/f noise"), Given("relax_variance", each),
-        Given("q", d["q"], "believed / true Q"), Given("r", d["r"], "believed / true R"), Given("p0", d["p0"]),
-        Given("kick_at", round(d["kick"] / DT) if d["kick"] >= 0 else -1, "the sample at which x jumps, -1: never"),
-        Given("kick", MODEL.kick), Given("skip", SKIP, "samples that no test looks at"), Given("seed", int(d["seed"])),
-    ), (
-        Shown("x", real.x), Shown("y", real.y), Shown("means", study.track.means), *_common(outcome),
-        *(Shown(name, m[name]) for name in (
-            "nees_low", "nees_high", "nis_low", "nis_high", "bias_p", "failures", "S_over_R", "seen_over_R")),
-    ), UNSAID, (Given("x_start", real.x[0] - (MODEL.kick if d["kick"] >= 0 and round(d["kick"] / DT) == 0 else 0.0)),
-                Given("w", drawn_jumps(int(d["seed"]))), Given("v", real.y - real.x @ kf.C.T)), DT)
+    return Code(
+        ("kalman_deck", "kalman"),
+        (
+            GivenValue("A", kf.A, "the deck at its samples: x[k+1] = A x + B u + w, y = C x + v"),
+            GivenValue("B", kf.B),
+            GivenValue("C", kf.C),
+            GivenValue("Q", kf.Q, "true covariance of w"),
+            GivenValue("R", kf.R, "true covariance of a white v"),
+            GivenValue("h", DT, "s"),
+            GivenValue("count", SAMPLE_COUNT),
+            GivenValue("force", d["force"], "N"),
+            GivenValue("frequency", SINE_HZ, "Hz"),
+            GivenValue("start_spread", START_SIGMAS, "standard deviations of the start"),
+            GivenValue("sigma", SENSOR_SIGMA, "m/s, white part of a reading"),
+            GivenValue("white", d["noise"] == WHITE),
+            GivenValue("carried", d["noise"] == CARRIED, "the filter carries the converter's noise as states"),
+            GivenValue("relax", a, "factors of the relaxations whose sum is the converter's 1/f noise"),
+            GivenValue("relax_variance", each),
+            GivenValue("q", d["q"], "believed / true Q"),
+            GivenValue("r", d["r"], "believed / true R"),
+            GivenValue("p0", d["p0"]),
+            GivenValue("kick_at", round(d["kick"] / DT) if d["kick"] >= 0 else -1, "the sample at which x jumps, -1: never"),
+            GivenValue("kick", MODEL.kick),
+            GivenValue("skip", UNTESTED_SAMPLES, "samples that no test looks at"),
+            GivenValue("seed", int(d["seed"])),
+        ),
+        (
+            ShownValue("x", real.x),
+            ShownValue("y", real.y),
+            ShownValue("means", study.track.means),
+            *_common(outcome),
+            *(
+                ShownValue(name, m[name])
+                for name in ("nees_low", "nees_high", "nis_low", "nis_high", "bias_p", "failures", "S_over_R", "seen_over_R")
+            ),
+        ),
+        NOT_IN_SCRIPT,
+        (
+            GivenValue("x_start", real.x[0] - (MODEL.kick if d["kick"] >= 0 and round(d["kick"] / DT) == 0 else 0.0)),
+            GivenValue("w", drawn_jumps(int(d["seed"]))),
+            GivenValue("v", real.y - real.x @ kf.C.T),
+        ),
+        DT,
+    )
 
 
 def own_code(outcome: Outcome[OwnStudy]) -> Code:
@@ -46,30 +74,50 @@ def own_code(outcome: Outcome[OwnStudy]) -> Code:
     s = found.run.scenario
     for_w, for_v = np.random.default_rng(int(d["seed"])).spawn(2)
     at = round(s.impulses[0][0] / s.dt) if s.impulses else -1
-    return Code(("kalman_own", "kalman"), (
-        Given("A", s.plant.A, "the plant at its samples: x[k+1] = A x + B u + w, y = C x + D u + v"), Given("B", s.plant.B),
-        Given("C", s.plant.C), Given("D", s.plant.D), Given("Q", found.truth.Q, "true covariance of w"),
-        Given("R", found.truth.R, "true covariance of v"), Given("h", s.dt, "s"), Given("count", len(found.run.t)),
-        Given("whole", s.n_t, "samples for which noise is drawn"),
-        Given("K", s.K, "a gain that holds the sampled plant; any would do, this is the page's"),
-        Given("x_start", s.x0, "drawn from 4 times the settled covariance, by one of its many square roots"),
-        Given("q", d["q"], "believed / true Q"), Given("r", d["r"], "believed / true R"),
-        Given("kick_at", at, "the sample at which x jumps, -1: never"),
-        Given("kick", s.impulses[0][1] if s.impulses else np.zeros(s.plant.n)),
-        Given("skip", OWN_SKIP, "samples that no test looks at"), Given("seed", int(d["seed"])),
-    ), (
-        Shown("x", found.run.x), Shown("y", found.run.y), Shown("u", found.run.u_applied), Shown("means", found.track.means),
-        *_common(outcome), Shown("nis_expected", m["nis_expected"]),
-    ), UNSAID, (Given("w", for_w.standard_normal((s.n_t, s.plant.n)) @ root(found.truth.Q).T),
-                Given("v", for_v.standard_normal((s.n_t, s.plant.p)) @ root(found.truth.R).T)), s.dt)
+    return Code(
+        ("kalman_own", "kalman"),
+        (
+            GivenValue("A", s.plant.A, "the plant at its samples: x[k+1] = A x + B u + w, y = C x + D u + v"),
+            GivenValue("B", s.plant.B),
+            GivenValue("C", s.plant.C),
+            GivenValue("D", s.plant.D),
+            GivenValue("Q", found.truth.Q, "true covariance of w"),
+            GivenValue("R", found.truth.R, "true covariance of v"),
+            GivenValue("h", s.dt, "s"),
+            GivenValue("count", len(found.run.t)),
+            GivenValue("whole", s.n_t, "samples for which noise is drawn"),
+            GivenValue("K", s.K, "a gain that holds the sampled plant; any would do, this is the page's"),
+            GivenValue("x_start", s.x0, "drawn from 4 times the settled covariance, by one of its many square roots"),
+            GivenValue("q", d["q"], "believed / true Q"),
+            GivenValue("r", d["r"], "believed / true R"),
+            GivenValue("kick_at", at, "the sample at which x jumps, -1: never"),
+            GivenValue("kick", s.impulses[0][1] if s.impulses else np.zeros(s.plant.n)),
+            GivenValue("skip", OWN_SKIP, "samples that no test looks at"),
+            GivenValue("seed", int(d["seed"])),
+        ),
+        (
+            ShownValue("x", found.run.x),
+            ShownValue("y", found.run.y),
+            ShownValue("u", found.run.u_applied),
+            ShownValue("means", found.track.means),
+            *_common(outcome),
+            ShownValue("nis_expected", m["nis_expected"]),
+        ),
+        NOT_IN_SCRIPT,
+        (
+            GivenValue("w", for_w.standard_normal((s.n_t, s.plant.n)) @ root(found.truth.Q).T),
+            GivenValue("v", for_v.standard_normal((s.n_t, s.plant.p)) @ root(found.truth.R).T),
+        ),
+        s.dt,
+    )
 
 
-def _common(outcome: Outcome[Study] | Outcome[OwnStudy]) -> tuple[Shown, ...]:
+def _common(outcome: Outcome[Study] | Outcome[OwnStudy]) -> tuple[ShownValue, ...]:
     study, m = outcome.study, outcome.metrics
     track = study.found.track if isinstance(study, OwnStudy) else study.track
     h = study.found.run.scenario.dt if isinstance(study, OwnStudy) else DT
-    return (Shown("last_gain", outcome.gains["M"]), Shown("M_final", outcome.gains["M_riccati"]),
-            Shown("eigvals(Af - Af @ M_final @ Cf)", np.exp(outcome.poles["filter"] * h), poles=True),
-            Shown("innovations", track.innovations), Shown("nis", study.nis), Shown("nees", study.nees),
-            Shown("nis_mean", m["nis_mean"]), Shown("nees_mean", m["nees_mean"]), Shown("white_p", m["white_p"], 1.0),
-            Shown("gain_gap", m["gain_gap"], 1.0))
+    return (ShownValue("last_gain", outcome.gains["M"]), ShownValue("M_final", outcome.gains["M_riccati"]),
+            ShownValue("eigvals(Af - Af @ M_final @ Cf)", np.exp(outcome.poles["filter"] * h), poles=True),
+            ShownValue("innovations", track.innovations), ShownValue("nis", study.nis), ShownValue("nees", study.nees),
+            ShownValue("nis_mean", m["nis_mean"]), ShownValue("nees_mean", m["nees_mean"]), ShownValue("white_p", m["white_p"], 1.0),
+            ShownValue("gain_gap", m["gain_gap"], 1.0))

@@ -1,4 +1,4 @@
-"""The numbers that stand now in the derivation of lesson 9: the variance of v_z through one step, by every form of the update."""
+"""Compute the numbers in the derivation of lesson 9: the variance of v_z through one step."""
 
 from __future__ import annotations
 
@@ -6,12 +6,12 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from app.lesson.derivation import Value
-from app.lesson.lesson import Outcome
+from observer_lab.course.exercises.derivation import Value
+from observer_lab.course.lesson import Outcome
 
 from .study import Study
 
-SPEED = 4  # index of v_z in the state
+VZ_INDEX = 4  # index of v_z in the state
 MICRO = 1e6  # mm²/s² in a m²/s²
 
 
@@ -26,11 +26,11 @@ def derived(outcome: Outcome[Study]) -> Mapping[str, Value]:
     posterior = np.linalg.inv(inside) * np.outer(scale, scale)
 
     def of(matrix: np.ndarray) -> float:
-        return MICRO * float(matrix[SPEED, SPEED])
+        return MICRO * float(matrix[VZ_INDEX, VZ_INDEX])
     known: dict[str, Value] = {
         "before": of(P), "after": of(schedule.posterior[at]), "kept": of(keep @ P @ keep.T), "noise": of(M @ kf.R @ M.T),
-        "gained": of(M @ S @ M.T), "short": of(M @ kf.C @ P), "information": of(posterior), "M": float(M[SPEED, 0]),
-        "M_information": float((posterior @ np.linalg.solve(kf.R, kf.C).T)[SPEED, 0]),
+        "gained": of(M @ S @ M.T), "short": of(M @ kf.C @ P), "information": of(posterior), "M": float(M[VZ_INDEX, 0]),
+        "M_information": float((posterior @ np.linalg.solve(kf.R, kf.C).T)[VZ_INDEX, 0]),
         "moved": of(kf.A @ schedule.posterior[at] @ kf.A.T), "Q": of(kf.Q)}
     if at + 1 < len(schedule.prior):
         known["next"] = of(schedule.prior[at + 1])

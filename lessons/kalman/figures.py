@@ -1,40 +1,45 @@
-"""Figures of the lesson: one step, the gain, the innovations, the tests, the spectra."""
+"""Draw the figures of lesson 9: one step, gain, innovations, tests, spectra."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from app.engine import chi2_band, psd
-from app.lesson.claims import claim
-from app.lesson.figures import Curve, LineFigure, PlaneFigure, Point, TableFigure, nice, over_frequency
-from app.lesson.later import Sheaf, leaf
-from app.lesson.lesson import Outcome
-from app.text import Text, same, text, text_in
+from observer_lab.course.figures.claims import claim
+from observer_lab.course.figures.records import Curve, LineFigure, PlaneFigure, Point, TableFigure, over_frequency, round_up_nicely
+from observer_lab.course.lazy import FigureSet, tab_figures
+from observer_lab.course.lesson import Outcome
+from observer_lab.engine import chi2_band, psd
+from observer_lab.text import Text, same, text, text_in
 
 from ..toolkit.figures import TIME_TAB
-from .chances import chance, coloured
-from .filters import SKIP, STEPS
-from .identify import FIT_TAB, fit_figure
+from .filters import COMPARED_STEPS, UNTESTED_SAMPLES
 from .knobs import CARRIED, DT
-from .report import REPORT_TAB, report_figure
+from .noise_identification import FIT_TAB, fit_figure
+from .p_values import chance, coloured
+from .report_lines import REPORT_TAB, report_figure
 from .study import Study, expected, holds
 
 STEP_TAB, GAIN_TAB, TEST_TAB = text("One step"), text("Gain"), text("Consistency")
 INNOVATION_TAB, SPECTRUM_TAB = text("Innovations"), text("Spectrum")
-STATES = (("x", "mm"), ("z", "mm"), ("θ", "mrad"), ("vx", "mm/s"), ("vz", "mm/s"), ("ω", "mrad/s"))
-TURN = np.linspace(0, 2 * np.pi, 61)
-CIRCLE = np.column_stack([np.cos(TURN), np.sin(TURN)])
+STATE_UNITS = (("x", "mm"), ("z", "mm"), ("θ", "mrad"), ("vx", "mm/s"), ("vz", "mm/s"), ("ω", "mrad/s"))
+CIRCLE_ANGLES_RAD = np.linspace(0, 2 * np.pi, 61)
+UNIT_CIRCLE = np.column_stack([np.cos(CIRCLE_ANGLES_RAD), np.sin(CIRCLE_ANGLES_RAD)])
 
 
-def all_figures(outcome: Outcome[Study]) -> Sheaf:
+def all_figures(outcome: Outcome[Study]) -> FigureSet:
     """Everything on the right of the stage."""
-    return Sheaf(
-        leaf(STEP_TAB, lambda: (_ellipses(outcome), _step(outcome))), leaf(TIME_TAB, lambda: (_height(outcome), _pitch(outcome))),
-        leaf(GAIN_TAB, lambda: (_gain(outcome), _distance(outcome))), leaf(GAIN_TAB, lambda: (_forms(outcome),)),
-        leaf(INNOVATION_TAB, lambda: (_innovation(outcome), _correlation(outcome))),
-        leaf(TEST_TAB, lambda: (_nis(outcome), _nees(outcome))), leaf(TEST_TAB, lambda: (_tests(outcome),)),
-        leaf(SPECTRUM_TAB, lambda: (_tracking(outcome), _colour(outcome))), leaf(REPORT_TAB, lambda: (report_figure(outcome),)),
-        leaf(FIT_TAB, lambda: (fit_figure(outcome),)))
+    return FigureSet(
+        tab_figures(STEP_TAB, lambda: (_ellipses(outcome), _step(outcome))),
+        tab_figures(TIME_TAB, lambda: (_height(outcome), _pitch(outcome))),
+        tab_figures(GAIN_TAB, lambda: (_gain(outcome), _distance(outcome))),
+        tab_figures(GAIN_TAB, lambda: (_forms(outcome),)),
+        tab_figures(INNOVATION_TAB, lambda: (_innovation(outcome), _correlation(outcome))),
+        tab_figures(TEST_TAB, lambda: (_nis(outcome), _nees(outcome))),
+        tab_figures(TEST_TAB, lambda: (_tests(outcome),)),
+        tab_figures(SPECTRUM_TAB, lambda: (_tracking(outcome), _colour(outcome))),
+        tab_figures(REPORT_TAB, lambda: (report_figure(outcome),)),
+        tab_figures(FIT_TAB, lambda: (fit_figure(outcome),)),
+    )
 
 
 def _time(outcome: Outcome[Study]) -> np.ndarray:
@@ -46,7 +51,7 @@ def _ellipse(mean: np.ndarray, P: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The 2σ ellipse of height and vertical speed in mm and mm/s."""
     at, part = 1e3 * mean[[1, 4]], 1e6 * P[np.ix_([1, 4], [1, 4])]
     values, vectors = np.linalg.eigh(part)
-    ring = at + 2 * CIRCLE @ (vectors * np.sqrt(np.maximum(values, 0.0))).T
+    ring = at + 2 * UNIT_CIRCLE @ (vectors * np.sqrt(np.maximum(values, 0.0))).T
     return ring[:, 0], ring[:, 1]
 
 
@@ -57,7 +62,7 @@ def _ellipses(outcome: Outcome[Study]) -> PlaneFigure:
     prior = plan.prior[at]
     old, new = _ellipse(s.track.means[k - 1], plan.posterior[before]), _ellipse(s.track.predicted[k], prior)
     middle = 1e3 * s.track.predicted[k][[1, 4]]
-    half = [nice(float(2.6e3 * np.sqrt(max(P[i, i] for P in (prior, plan.posterior[before]))))) for i in (1, 4)]
+    half = [round_up_nicely(float(2.6e3 * np.sqrt(max(P[i, i] for P in (prior, plan.posterior[before]))))) for i in (1, 4)]
     curves = [Curve(text("last estimate"), old[1], "muted", "dot", 1.6, old[0]),
               Curve(text("prediction"), new[1], "disturbance", "dash", 2.0, new[0])]
     x = 1e3 * s.truth.x[k]
@@ -89,7 +94,7 @@ def _step(outcome: Outcome[Study]) -> TableFigure:
     at = int(plan.index[k])
     mean, P = (s.track.means[k], plan.posterior[at]) if updated else (s.track.predicted[k], plan.prior[at])
     rows = tuple((f"{name} [{unit}]", f"{1e3 * s.truth.x[k, i]:.3f}".replace("-", "−"), f"{1e3 * mean[i]:.3f}".replace("-", "−"),
-                  f"{1e3 * np.sqrt(P[i, i]):.3f}") for i, (name, unit) in enumerate(STATES))
+                  f"{1e3 * np.sqrt(P[i, i]):.3f}") for i, (name, unit) in enumerate(STATE_UNITS))
     return TableFigure("step", text("sample {k}", k=k),
                        (text("state"), text("true"), text("estimate"), same("σ")), rows, tab=STEP_TAB,
                        caption=text("t = {k:.2f} s; NIS of this sample {nis:.2f}.", k=k * DT, nis=s.nis[k]))
@@ -98,7 +103,7 @@ def _step(outcome: Outcome[Study]) -> TableFigure:
 def _state(outcome: Outcome[Study], name: str, title: Text, i: int, unit: str) -> LineFigure:
     s = outcome.study
     spread, mean, e = 2e3 * np.sqrt(s.track.variances[:, i]), 1e3 * s.track.means[:, i], s.truth.x[:, i] - s.track.means[:, i]
-    inside = 100 * float(np.mean(1e3 * np.abs(e[SKIP:]) <= spread[SKIP:]))
+    inside = 100 * float(np.mean(1e3 * np.abs(e[UNTESTED_SAMPLES:]) <= spread[UNTESTED_SAMPLES:]))
     return LineFigure(name, title, _time(outcome),
                       (Curve(text("true"), 1e3 * s.truth.x[:, i]), Curve(text("estimate"), mean, "estimate", "dash"),
                        Curve(same("+ 2σ"), mean + spread, "muted", "dot", 1.2), Curve(same("− 2σ"), mean - spread, "muted", "dot", 1.2)),
@@ -153,7 +158,7 @@ def _forms(outcome: Outcome[Study]) -> LineFigure:
             text("With the final gain from the start the short form is wrong by up to {short_gap:.1e}; Joseph's "
                  "is right for every gain.",
                  short_gap=short_gap))
-    return LineFigure("forms", text("two updates of P, distance to the right one"), _time(outcome)[:STEPS],
+    return LineFigure("forms", text("two updates of P, distance to the right one"), _time(outcome)[:COMPARED_STEPS],
                       (Curve(text("short form"), np.maximum(f.short, 1e-12), "error"),
                        Curve(text("Joseph's form"), np.maximum(f.joseph, 1e-12), "force", "dash")), "‖ΔP‖ / ‖P‖", log_y=True,
                       window=(1e-9, 1.0), caption=said, tab=GAIN_TAB)
@@ -163,7 +168,7 @@ def _forms(outcome: Outcome[Study]) -> LineFigure:
 def _innovation(outcome: Outcome[Study]) -> LineFigure:
     s = outcome.study
     spread, nu = 2e3 * np.sqrt(s.track.S[:, 0, 0]), 1e3 * s.track.innovations[:, 0]
-    inside = 100 * float(np.mean(np.abs(nu[SKIP:]) <= spread[SKIP:]))
+    inside = 100 * float(np.mean(np.abs(nu[UNTESTED_SAMPLES:]) <= spread[UNTESTED_SAMPLES:]))
     return LineFigure("innovation", text("innovation of sensor VL"), _time(outcome),
                       (Curve(same("ν"), nu, "error", width=1.4), Curve(same("+ 2√S"), spread, "muted", "dot", 1.4),
                        Curve(same("− 2√S"), -spread, "muted", "dot", 1.4)), "ν [mm/s]", window=(-5.0, 5.0), tab=INNOVATION_TAB,
@@ -190,7 +195,7 @@ def _squares(outcome: Outcome[Study], name: str, title: Text, dof: int, values: 
     count = 1 if trials is None else trials.count
     low, high = chi2_band(dof, count=count)
     shown, n = values if tried is None else tried, len(values)
-    inside = 100 * float(np.mean((shown[SKIP:] >= low) & (shown[SKIP:] <= high)))
+    inside = 100 * float(np.mean((shown[UNTESTED_SAMPLES:] >= low) & (shown[UNTESTED_SAMPLES:] <= high)))
     who = text("One run") if trials is None else text("Mean of {count} runs", count=count)
     whose = text("one run") if trials is None else text("mean of {count} runs", count=count)
     return LineFigure(name, title, _time(outcome),
@@ -247,8 +252,8 @@ def _verdict(outcome: Outcome[Study], quiet: bool) -> Text:
 # --- spectra -----------------------------------------------------------------------------------------------------------
 def _tracking(outcome: Outcome[Study]) -> LineFigure:
     s = outcome.study
-    clean = s.truth.clean[SKIP:, 0]
-    guess = s.track.means[SKIP:, :6] @ s.watcher.filter.C[0, :6]
+    clean = s.truth.clean[UNTESTED_SAMPLES:, 0]
+    guess = s.track.means[UNTESTED_SAMPLES:, :6] @ s.watcher.filter.C[0, :6]
     both = psd(1e3 * np.column_stack([clean, clean - guess]), 1 / DT, segment=len(clean))
     f, floor = both.frequency[1:], np.maximum(both.density[1:], 1e-9)
     near = int(np.argmin(np.abs(f - 0.16)))
@@ -264,7 +269,7 @@ def _tracking(outcome: Outcome[Study]) -> LineFigure:
 
 def _colour(outcome: Outcome[Study]) -> LineFigure:
     s = outcome.study
-    seen = psd(1e3 * s.track.innovations[SKIP:, 0], 1 / DT, segment=64)
+    seen = psd(1e3 * s.track.innovations[UNTESTED_SAMPLES:, 0], 1 / DT, segment=64)
     f, promised = seen.frequency[1:], 2e6 * DT * float(s.track.S[-1, 0, 0])
     carried = outcome.design["noise"] == CARRIED
     low, high = (float(np.mean(seen.density[1:][part])) for part in (f < 3.0, f > 6.0))

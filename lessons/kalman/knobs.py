@@ -1,30 +1,30 @@
-"""Kalman: the deck and its clock, what a person may believe of it, and which line of the report to doubt."""
+"""Define the knobs of lesson 9: assumed noise, true noise, report line to doubt."""
 
 from __future__ import annotations
 
-from app.lesson.knobs import Choice, Number
-from app.plants import MODELS
-from app.text import Text, text, text_in
+from observer_lab.course.knobs import Choice, Number
+from observer_lab.plants import MODELS
+from observer_lab.text import Text, text, text_in
 
 from ..toolkit.knobs import run_knobs
 
 MODEL = MODELS["deck"]
-DT, COUNT = 0.04, 301  # s and samples: 12 s
-HORIZON = DT * (COUNT - 1)
+DT, SAMPLE_COUNT = 0.04, 301  # s and samples: 12 s
+HORIZON = DT * (SAMPLE_COUNT - 1)
 WHITE, COLOURED, CARRIED = "white", "coloured", "carried"
-NONE, GAIN, JOSEPH, SHORT, NEAR_R, MEANS = "none", "gain", "joseph", "short", "near-r", "means"
-SLIPS = (SHORT, NEAR_R, MEANS)
-LINES = (
+NONE, GAIN_LINE, JOSEPH, SHORT_FORM_LINE, NEAR_R, MEANS = "none", "gain", "joseph", "short", "near-r", "means"
+WRONG_LINES = (SHORT_FORM_LINE, NEAR_R, MEANS)
+REPORT_LINES = (
     (NONE, text_in("kalman", "none")),
-    (GAIN, text("(57): gain with S inverted")),
+    (GAIN_LINE, text("(57): gain with S inverted")),
     (JOSEPH, text("(59): covariance update")),
-    (SHORT, text("Algorithm 1, line 11")),
+    (SHORT_FORM_LINE, text("Algorithm 1, line 11")),
     (NEAR_R, text("innovation covariance close to R")),
     (MEANS, text("(61): means close to zero")),
 )
 PREDICT, UPDATE = "predict", "update"
 SINGLE, FROZEN = "single", "frozen"
-LAST = 60  # the latest sample that can be looked at step by step
+LAST_SAMPLE = 60  # the latest sample that can be looked at step by step
 
 
 def _belief(name: str, symbol: str, label: Text, default: float, high: float, hint: Text) -> Number:
@@ -42,7 +42,7 @@ KNOBS = (
             text("Below 1 the filter trusts its sensors too much.")),
     _belief("p0", "p_0", text("believed / true P(0)"), 1.0, 1e4,
             text("How unsure the filter is before the first sample.")),
-    Number("k", "k", text("sample to look at"), low=1, high=LAST, default=1, scale="integer",
+    Number("k", "k", text("sample to look at"), low=1, high=LAST_SAMPLE, default=1, scale="integer",
            hint=text("The tab One step shows this sample.")),
     Choice("phase", "", text("the step"), default=PREDICT,
            options=((PREDICT, text("predict")), (UPDATE, text("predict and update"))),
@@ -53,7 +53,7 @@ KNOBS = (
            options=((SINGLE, text("in single precision")), (FROZEN, text(
                "with the final gain all along"))),
            hint=text("Joseph's form beside the short form, tab Gain.")),
-    Choice("line", "", text("line of the report in doubt"), default=NONE, options=LINES,
+    Choice("line", "", text("line of the report in doubt"), default=NONE, options=REPORT_LINES,
            hint=text("The tab Report shows what this filter says about it.")),
     *run_knobs(HORIZON),
 )

@@ -1,4 +1,4 @@
-"""The Kalman filter on a person's own plant: one step at a time, its gain, its innovations, and what it believes wrongly."""
+"""Fit lesson 9 to the user's own plant."""
 
 from __future__ import annotations
 
@@ -8,20 +8,20 @@ from functools import partial
 
 import numpy as np
 
-from app.lesson.knobs import Choice, Knob, Number
-from app.lesson.later import still_known
-from app.lesson.lesson import Design, Job, Lesson, Outcome
-from app.plants import Model
-from app.text import text
+from observer_lab.course.knobs import Choice, Knob, Number
+from observer_lab.course.lazy import replace_keeping_cache
+from observer_lab.course.lesson import Design, Job, Lesson, Outcome
+from observer_lab.plants import Model
+from observer_lab.text import text
 
 from ..toolkit.knobs import run_knobs
-from .job import RUNS
+from .job import RUN_COUNT
 from .knobs import PREDICT, UPDATE
 from .own_figures import figures
-from .own_study import LAST, Study, compute, tried
+from .own_study import LAST_SAMPLE, Study, compute, tried
 from .study import Trials
 
-AT_ONCE = 2
+BATCH_RUNS = 2
 
 
 def own_knobs(model: Model) -> tuple[Knob, ...]:
@@ -36,7 +36,7 @@ def own_knobs(model: Model) -> tuple[Knob, ...]:
         Number("v", r"\sigma_v", text("sensor noise, share of the outputs"), low=1e-4, high=1.0,
                default=0.003,
                scale="log", hint=text("As a share of the outputs at the start.")),
-        Number("k", "k", text("sample to look at"), low=1, high=LAST, default=1, scale="integer",
+        Number("k", "k", text("sample to look at"), low=1, high=LAST_SAMPLE, default=1, scale="integer",
                hint=text("The tab One step shows this sample.")),
         Choice("phase", "", text("the step"), default=PREDICT,
                options=((PREDICT, text("predict")), (UPDATE, text("predict and update"))),
@@ -49,17 +49,17 @@ def try_often(model: Model, outcome: Outcome[Study]) -> Iterator[tuple[float, Tr
     """The job: the same filter on many records; NIS and NEES averaged at each sample."""
     study, design = outcome.study, outcome.design
     sums = np.zeros((2, len(study.nis)))
-    for count, seed in enumerate(np.random.SeedSequence(int(design["seed"])).generate_state(RUNS), start=1):
+    for count, seed in enumerate(np.random.SeedSequence(int(design["seed"])).generate_state(RUN_COUNT), start=1):
         other = Study(tried(model, design, int(seed)))
         shared = min(sums.shape[1], len(other.nis))
         sums = sums[:, :shared] + np.vstack([other.nis[:shared], other.nees[:shared]])
-        if count % AT_ONCE == 0:
-            yield count / RUNS, Trials(count, sums[0] / count, sums[1] / count)
+        if count % BATCH_RUNS == 0:
+            yield count / RUN_COUNT, Trials(count, sums[0] / count, sums[1] / count)
 
 
 def shown(outcome: Outcome[Study], trials: Trials) -> Outcome[Study]:
     """The outcome with what the records showed."""
-    return replace(outcome, study=still_known(outcome.study, trials=trials))
+    return replace(outcome, study=replace_keeping_cache(outcome.study, trials=trials))
 
 
 def key(design: Design) -> Design:
@@ -70,4 +70,4 @@ def key(design: Design) -> Design:
 def adapted(lesson: Lesson, model: Model) -> Lesson:
     """The lesson on a person's own plant, where a Kalman filter for it exists; report and converter stay with the deck."""
     return replace(lesson, knobs=own_knobs(model), compute=partial(compute, model), figures=partial(figures, model), tasks=(),
-                   job=Job(text("Try {runs} runs", runs=RUNS), partial(try_often, model), key, shown, figure="nees", follows=True))
+                   job=Job(text("Try {runs} runs", runs=RUN_COUNT), partial(try_often, model), key, shown, figure="nees", follows=True))

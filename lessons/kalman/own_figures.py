@@ -1,36 +1,36 @@
-"""Figures of the Kalman filter on a person's own plant: one step, two signals, the gain, innovations, consistency."""
+"""Draw the figures of lesson 9 for an own plant: one step, gain, innovations, tests."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from app.engine import chi2_band
-from app.lesson.figures import Curve, LineFigure, PlaneFigure, TableFigure
-from app.lesson.later import Sheaf, leaf
-from app.lesson.lesson import Outcome
-from app.plants import Model, Signal
-from app.plants.names import called, with_unit
-from app.text import Text, same, symbol, text, text_in, written
+from observer_lab.course.figures.records import Curve, LineFigure, PlaneFigure, TableFigure
+from observer_lab.course.lazy import FigureSet, tab_figures
+from observer_lab.course.lesson import Outcome
+from observer_lab.engine import chi2_band
+from observer_lab.plants import Model, Signal
+from observer_lab.plants.signal_names import signal_name, with_unit
+from observer_lab.text import Text, format_number, same, symbol, text, text_in
 
 from ..toolkit.figures import TIME_TAB
-from .chances import chance, coloured
 from .figures import GAIN_TAB, INNOVATION_TAB, STEP_TAB, TEST_TAB
 from .knobs import UPDATE
-from .own_study import SKIP, Study
+from .own_study import UNTESTED_SAMPLES, Study
+from .p_values import chance, coloured
 from .study import holds
 
-MOST_STATES = 10  # rows of the table of one step
+MAX_TABLE_STATES = 10  # rows of the table of one step
 
 
-def figures(model: Model, outcome: Outcome[Study]) -> Sheaf:
+def figures(model: Model, outcome: Outcome[Study]) -> FigureSet:
     """One step; two signals; the gain; innovations; consistency."""
     second = next((s for s in model.watched if s.name("en").startswith("state")), model.watched[-1])
-    return Sheaf(
-        leaf(STEP_TAB, lambda: (_step(model, outcome),)),
-        leaf(TIME_TAB, lambda: (_state(outcome, "height", model.watched[0]), _state(outcome, "pitch", second))),
-        leaf(GAIN_TAB, lambda: (_gain(outcome), _distance(outcome))),
-        leaf(INNOVATION_TAB, lambda: (_innovation(model, outcome), _correlation(model, outcome))),
-        leaf(TEST_TAB, lambda: (_squares(outcome, "nis", text("NIS of a sample"), model.plant.p, 0),
+    return FigureSet(
+        tab_figures(STEP_TAB, lambda: (_step(model, outcome),)),
+        tab_figures(TIME_TAB, lambda: (_state(outcome, "height", model.watched[0]), _state(outcome, "pitch", second))),
+        tab_figures(GAIN_TAB, lambda: (_gain(outcome), _distance(outcome))),
+        tab_figures(INNOVATION_TAB, lambda: (_innovation(model, outcome), _correlation(model, outcome))),
+        tab_figures(TEST_TAB, lambda: (_squares(outcome, "nis", text("NIS of a sample"), model.plant.p, 0),
                                 _squares(outcome, "nees", text("NEES of the states"), model.plant.n, 1), _tests(outcome))))
 
 
@@ -41,9 +41,9 @@ def _step(model: Model, outcome: Outcome[Study]) -> TableFigure:
     mean, P = (track.means[k], track.schedule.posterior[at]) if updated else (track.predicted[k], track.schedule.prior[at])
 
     def digits(value: float) -> str:
-        return written(value, ".4g")
+        return format_number(value, ".4g")
     rows = tuple((with_unit(plant, name), digits(study.found.run.x[k, i]), digits(mean[i]),
-                  digits(float(np.sqrt(max(P[i, i], 0.0))))) for i, name in enumerate(plant.state_names[:MOST_STATES]))
+                  digits(float(np.sqrt(max(P[i, i], 0.0))))) for i, name in enumerate(plant.state_names[:MAX_TABLE_STATES]))
     return TableFigure("step", text("sample {k}", k=k),
                        (text("state"), text("true"), text("estimate"), same("σ")), rows, tab=STEP_TAB,
                        caption=text("t = {t:.3g} s, {updated} the sample is taken in; its NIS {nis:.3g}.",
@@ -55,7 +55,7 @@ def _state(outcome: Outcome[Study], name: str, signal: Signal) -> LineFigure:
     found, row = outcome.study.found, np.array(signal.weights)
     true, mean = signal.of(found.run.x), signal.of(found.track.means)
     spread = 2 * np.sqrt(np.maximum(np.einsum("i,kij,j->k", row, found.track.covariances, row), 0.0))
-    inside = 100 * float(np.mean(np.abs(true - mean)[SKIP:] <= spread[SKIP:] + 1e-300))
+    inside = 100 * float(np.mean(np.abs(true - mean)[UNTESTED_SAMPLES:] <= spread[UNTESTED_SAMPLES:] + 1e-300))
     return LineFigure(name, signal.name, found.run.t, (
         Curve(text("true"), true), Curve(text("estimate"), mean, "estimate", "dash"),
         Curve(same("+ 2σ"), mean + spread, "muted", "dot", 1.2), Curve(same("− 2σ"), mean - spread, "muted", "dot", 1.2)),
@@ -94,8 +94,8 @@ def _distance(outcome: Outcome[Study]) -> LineFigure:
 def _innovation(model: Model, outcome: Outcome[Study]) -> LineFigure:
     found, name = outcome.study.found, model.plant.output_names[0]
     nu, spread = found.track.innovations[:, 0], 2 * np.sqrt(found.track.S[:, 0, 0])
-    inside = 100 * float(np.mean(np.abs(nu[SKIP:]) <= spread[SKIP:]))
-    return LineFigure("innovation", text("innovation of {name}", name=called(model.plant, name)), found.run.t, (
+    inside = 100 * float(np.mean(np.abs(nu[UNTESTED_SAMPLES:]) <= spread[UNTESTED_SAMPLES:]))
+    return LineFigure("innovation", text("innovation of {name}", name=signal_name(model.plant, name)), found.run.t, (
         Curve(same("ν"), nu, "error", width=1.4), Curve(same("+ 2√S"), spread, "muted", "dot", 1.4),
         Curve(same("− 2√S"), -spread, "muted", "dot", 1.4)), f"ν [{model.plant.unit(name)}]", tab=INNOVATION_TAB,
         caption=text("Once settled, {inside:.0f} % within 2√S.", inside=inside))
@@ -105,7 +105,7 @@ def _correlation(model: Model, outcome: Outcome[Study]) -> PlaneFigure:
     w = outcome.study.test.whiteness
     lags = np.arange(1, len(w.correlation) + 1, dtype=float)
     roles, ends = ("estimate", "second", "disturbance", "plant"), np.array([lags[0], lags[-1]])
-    curves = [Curve(called(model.plant, name), w.correlation[:, i], roles[i % 4], "solid", 1.8, lags)
+    curves = [Curve(signal_name(model.plant, name), w.correlation[:, i], roles[i % 4], "solid", 1.8, lags)
               for i, name in enumerate(model.plant.output_names[:4])]
     curves += [Curve(text("band"), np.full(2, sign * w.band), "reference", "dot", 1.2, ends) for sign in (1, -1)]
     said = (text("White as far as one can tell: p = {p_value:.2g}.", p_value=w.p_value) if w.white else
@@ -120,7 +120,7 @@ def _squares(outcome: Outcome[Study], name: str, title: Text, dof: int, which: i
     count, shown = ((1, (study.nis, study.nees)[which]) if trials is None else
                     (trials.count, (trials.nis, trials.nees)[which]))
     t, (low, high) = study.found.run.t[:len(shown)], chi2_band(dof, count=count)
-    inside = 100 * float(np.mean((shown[SKIP:] >= low) & (shown[SKIP:] <= high)))
+    inside = 100 * float(np.mean((shown[UNTESTED_SAMPLES:] >= low) & (shown[UNTESTED_SAMPLES:] <= high)))
     who = text("One run") if trials is None else text("Mean of {count} runs", count=count)
     whose = text("one run") if trials is None else text("mean of {count} runs", count=count)
     n = len(t)

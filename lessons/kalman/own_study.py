@@ -1,4 +1,4 @@
-"""What a person's own plant and a filter's beliefs lead to: one record filtered, and judged when that is looked at."""
+"""Compute lesson 9 on an own plant: one filtered record and its tests."""
 
 from __future__ import annotations
 
@@ -8,20 +8,20 @@ from functools import cached_property
 
 import numpy as np
 
-from app.engine import innovation_test, nees, nis
-from app.engine.filters import FilterTrial, InnovationTest, SquaredError, simulate_filter
-from app.lesson.knobs import KnobError
-from app.lesson.later import Later, LaterItems, LaterMap
-from app.lesson.lesson import Design, Formula, Outcome, Stage
-from app.plants import Model
-from app.text import Text, text
+from observer_lab.course.knobs import KnobError
+from observer_lab.course.lazy import LazyMap, LazySequence, LazyValue
+from observer_lab.course.lesson import Design, Formula, Outcome, Stage
+from observer_lab.engine import innovation_test, nees, nis
+from observer_lab.engine.filters import FilterTrial, InnovationTest, SquaredError, simulate_filter
+from observer_lab.plants import Model
+from observer_lab.text import Text, text
 
 from ..toolkit.gains import noise_units
 from ..toolkit.latex import gain_words, number
 from .knobs import UPDATE
 from .study import Trials, checks
 
-SAMPLES, SKIP, LAST = 160, 40, 60
+RUN_SAMPLES, UNTESTED_SAMPLES, LAST_SAMPLE = 160, 40, 60
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,7 +34,7 @@ class Study:
     @cached_property
     def test(self) -> InnovationTest:
         """Of the innovations once the filter has settled."""
-        return innovation_test(self.found.track.innovations[SKIP:], self.found.track.S[SKIP:])
+        return innovation_test(self.found.track.innovations[UNTESTED_SAMPLES:], self.found.track.S[UNTESTED_SAMPLES:])
 
     @cached_property
     def nis(self) -> np.ndarray:
@@ -44,12 +44,12 @@ class Study:
     @cached_property
     def settled(self) -> SquaredError:
         """NEES once the filter has settled."""
-        return self._nees(slice(SKIP, None))
+        return self._nees(slice(UNTESTED_SAMPLES, None))
 
     @cached_property
     def nees(self) -> np.ndarray:
         """eᵀ P⁻¹ e at every sample."""
-        return np.concatenate([self._nees(slice(SKIP)).values, self.settled.values])
+        return np.concatenate([self._nees(slice(UNTESTED_SAMPLES)).values, self.settled.values])
 
     def _nees(self, part: slice) -> SquaredError:
         track = self.found.track
@@ -60,10 +60,10 @@ def tried(model: Model, design: Design, seed: int) -> FilterTrial:
     """The filter of a design on the record of a seed. Raises EngineError where there is no filter."""
     G, W, V = noise_units(model)
     kick = (design["kick"], np.array(model.kick)) if design["kick"] >= 0 else None
-    found = simulate_filter(model.plant, G, design["w"] ** 2 * W, design["v"] ** 2 * V, model.horizon / SAMPLES,
-                            SAMPLES,
+    found = simulate_filter(model.plant, G, design["w"] ** 2 * W, design["v"] ** 2 * V, model.horizon / RUN_SAMPLES,
+                            RUN_SAMPLES,
                          believed=(design["q"], design["r"]), seed=seed, kick=kick)
-    if len(found.run.t) < 2 * SKIP:
+    if len(found.run.t) < 2 * UNTESTED_SAMPLES:
         raise KnobError(text("The plant runs away before the filter can be judged."))
     return found
 
@@ -72,12 +72,12 @@ def compute(model: Model, design: Design) -> Outcome[Study]:
     """The record filtered, and judged when that is looked at."""
     study = Study(tried(model, design, int(design["seed"])))
     found = study.found
-    metrics = LaterMap(lambda: _metrics(study))
+    metrics = LazyMap(lambda: _metrics(study))
     stage = Stage(model.body, found.run.t, found.run.x, found.track.means, found.run.u_applied)
-    poles = np.log(np.where(np.abs(found.steady.poles) > 1e-12, found.steady.poles, 1e-12)) * SAMPLES / model.horizon
+    poles = np.log(np.where(np.abs(found.steady.poles) > 1e-12, found.steady.poles, 1e-12)) * RUN_SAMPLES / model.horizon
     return Outcome(design, {"M": found.track.schedule.gains[-1], "M_riccati": found.steady.filter_gain}, {"filter": poles}, metrics,
-                   LaterItems(lambda: checks(study.test, study.settled, metrics["gain_gap"])), None, (), stage,
-                   LaterItems(lambda: _formulas(design, study)), Later(lambda: _live(model, study, metrics)), study)
+                   LazySequence(lambda: checks(study.test, study.settled, metrics["gain_gap"])), None, (), stage,
+                   LazySequence(lambda: _formulas(design, study)), LazyValue(lambda: _live(model, study, metrics)), study)
 
 
 def _metrics(s: Study) -> dict[str, float]:

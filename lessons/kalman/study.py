@@ -1,4 +1,4 @@
-"""One record through one filter and all that judges it, and what the tests say on the average over all records."""
+"""Compute a design of lesson 9: one filtered record, its tests, and averages over records."""
 
 from __future__ import annotations
 
@@ -8,18 +8,18 @@ from functools import cached_property, lru_cache
 import numpy as np
 from scipy.special import chdtri, chndtr
 
-from app.engine import chi2_band, innovation_test, nees, nis
-from app.engine.filters import InnovationTest, SquaredError, Track, with_coloured_noise
-from app.engine.systems import root, settled_covariance
-from app.lesson.later import Later, LaterItems, LaterMap
-from app.lesson.lesson import Check, Design, Formula, Outcome, Stage
-from app.plants.deck_body import GAIN
-from app.plants.deck_body import STAGE as SCALE_OF_STAGE
-from app.text import Text, joined, listed, text
+from observer_lab.course.lazy import LazyMap, LazySequence, LazyValue
+from observer_lab.course.lesson import Check, Design, Formula, Outcome, Stage
+from observer_lab.engine import chi2_band, innovation_test, nees, nis
+from observer_lab.engine.filters import InnovationTest, SquaredError, Track, with_coloured_noise
+from observer_lab.engine.systems import root, settled_covariance
+from observer_lab.plants.bodies.deck_body import MOTION_GAIN
+from observer_lab.plants.bodies.deck_body import STAGE_SCALE as SCALE_OF_STAGE
+from observer_lab.text import Text, joined, listed, text
 
 from ..toolkit.latex import matrix, number
-from .filters import ADC, SKIP, Forms, Truth, Watcher, compare, truth, tuned, watch, watcher
-from .knobs import CARRIED, COUNT, DT, MODEL, SINGLE, UPDATE, WHITE
+from .filters import ADC, UNTESTED_SAMPLES, Forms, Truth, Watcher, compare, truth, tuned, watch, watcher
+from .knobs import CARRIED, DT, MODEL, SAMPLE_COUNT, SINGLE, UPDATE, WHITE
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,13 +45,17 @@ class Study:
     @cached_property
     def test(self) -> InnovationTest:
         """Of the innovations once the filter has settled."""
-        return innovation_test(self.track.innovations[SKIP:], self.track.S[SKIP:])
+        return innovation_test(self.track.innovations[UNTESTED_SAMPLES:], self.track.S[UNTESTED_SAMPLES:])
 
     @cached_property
     def settled(self) -> SquaredError:
         """NEES once the filter has settled."""
-        return nees(self.truth.x[SKIP:], self.track.means[SKIP:, :6], self.track.covariances[SKIP:, :6, :6],
-                    independent=self.watcher.independent)
+        return nees(
+            self.truth.x[UNTESTED_SAMPLES:],
+            self.track.means[UNTESTED_SAMPLES:, :6],
+            self.track.covariances[UNTESTED_SAMPLES:, :6, :6],
+            independent=self.watcher.independent,
+        )
 
     @cached_property
     def nis(self) -> np.ndarray:
@@ -61,14 +65,16 @@ class Study:
     @cached_property
     def nees(self) -> np.ndarray:
         """eᵀ P⁻¹ e at every sample."""
-        first = nees(self.truth.x[:SKIP], self.track.means[:SKIP, :6], self.track.covariances[:SKIP, :6, :6])
+        first = nees(
+            self.truth.x[:UNTESTED_SAMPLES], self.track.means[:UNTESTED_SAMPLES, :6], self.track.covariances[:UNTESTED_SAMPLES, :6, :6]
+        )
         return np.concatenate([first.values, self.settled.values])
 
     @property
     def over_R(self) -> tuple[float, float]:
         """The variance of the innovation of VL over R: what the filter says, and what is seen."""
         quiet = self.watcher.filter.R[0, 0]
-        return (float(self.watcher.schedule.S[-1][0, 0] / quiet), float(np.var(self.track.innovations[SKIP:, 0]) / quiet))
+        return (float(self.watcher.schedule.S[-1][0, 0] / quiet), float(np.var(self.track.innovations[UNTESTED_SAMPLES:, 0]) / quiet))
 
     @cached_property
     def forms(self) -> Forms:
@@ -82,14 +88,14 @@ def compute(design: Design) -> Outcome[Study]:
     who = watcher(design["noise"], design["q"], design["r"], design["p0"])
     track = watch(who, what)
     study = Study(what, who, track, (design["q"], design["r"], design["p0"], design["arithmetic"] == SINGLE))
-    metrics = LaterMap(lambda: _metrics(study))
+    metrics = LazyMap(lambda: _metrics(study))
     t = DT * np.arange(len(what.x))
-    spread = 3 * SCALE_OF_STAGE * GAIN * np.sqrt(track.variances[:, 1])
+    spread = 3 * SCALE_OF_STAGE * MOTION_GAIN * np.sqrt(track.variances[:, 1])
     return Outcome(design, {"M": track.schedule.gains[-1], "M_riccati": who.steady.filter_gain},
                    {"filter": np.log(who.steady.poles.astype(complex)) / DT}, metrics,
-                   LaterItems(lambda: checks(study.test, study.settled, metrics["gain_gap"])), None, (),
-                   Stage(MODEL.body, t, what.x, track.means[:, :6], what.u, spread), LaterItems(lambda: _formulas(design, study)),
-                   Later(lambda: _live(study)), study)
+                   LazySequence(lambda: checks(study.test, study.settled, metrics["gain_gap"])), None, (),
+                   Stage(MODEL.body, t, what.x, track.means[:, :6], what.u, spread), LazySequence(lambda: _formulas(design, study)),
+                   LazyValue(lambda: _live(study)), study)
 
 
 def _metrics(s: Study) -> dict[str, float]:
@@ -154,8 +160,8 @@ def _live(s: Study) -> Text:
     return joined(head, tail)
 
 
-LAGS, LEVEL = 20, 1 - 0.05 / 3  # of the test of whiteness in `innovation_test`
-SAMPLES = COUNT - SKIP
+LAGS, WHITENESS_PROBABILITY = 20, 1 - 0.05 / 3  # of the test of whiteness in `innovation_test`
+TESTED_SAMPLES = SAMPLE_COUNT - UNTESTED_SAMPLES
 SELDOM = 0.1  # share of the records that may be flagged and still count as left alone
 
 
@@ -222,9 +228,9 @@ def expected(noise: str, q: float, r: float) -> Expected:
     excess, memory = _colour(A, H, A @ Z @ H.T + v @ real.R, seen)
     dof = 16 * LAGS
     return Expected(
-        float(np.trace(np.linalg.solve(promised, seen))), chi2_band(4, count=SAMPLES, level=LEVEL),
+        float(np.trace(np.linalg.solve(promised, seen))), chi2_band(4, count=TESTED_SAMPLES, level=WHITENESS_PROBABILITY),
         float(np.trace(np.linalg.solve(who.steady.filtered[:6, :6], error))), chi2_band(6, count=who.independent),
-        1.0 - float(chndtr(chdtri(dof, 1.0 - LEVEL), dof, max(excess, 1e-9))), memory, float(seen[0, 0] / kf.R[0, 0]),
+        1.0 - float(chndtr(chdtri(dof, 1.0 - WHITENESS_PROBABILITY), dof, max(excess, 1e-9))), memory, float(seen[0, 0] / kf.R[0, 0]),
         float(promised[0, 0] / kf.R[0, 0]))
 
 
@@ -234,6 +240,6 @@ def _colour(A: np.ndarray, H: np.ndarray, cross: np.ndarray, seen: np.ndarray) -
     for lag in range(1, LAGS + 1):
         C = H @ cross
         first = first if lag > 1 else float(C[0, 0] / seen[0, 0])
-        excess += (SAMPLES - lag) * float(np.trace(C.T @ inverse @ C @ inverse))
+        excess += (TESTED_SAMPLES - lag) * float(np.trace(C.T @ inverse @ C @ inverse))
         cross = A @ cross
     return excess, first

@@ -1,16 +1,16 @@
-"""Tasks of the lesson, judged over all records and not by the luck of one."""
+"""Define the tasks of lesson 9, judged over all records and not by one draw."""
 
 from __future__ import annotations
 
-from app.lesson.lesson import Outcome, Task, Verdict, pencil
-from app.lesson.typed import Typed
-from app.text import Text, text
+from observer_lab.course.exercises.typed_answers import Typed
+from observer_lab.course.lesson import Outcome, Task, Verdict, typed_task
+from observer_lab.text import Text, text
 
-from .knobs import NEAR_R, NONE, SLIPS
+from .knobs import NEAR_R, NONE, WRONG_LINES
 from .study import Expected, Study, expected
 
 ENOUGH = 0.5  # share of the records that counts as found out
-SHY, UNSEEN = (1.9, 2.1), 0.02  # NIS over all records, and the share of them that whiteness may flag
+NIS_BAND, MAX_FLAGGED_SHARE = (1.9, 2.1), 0.02  # NIS over all records, and the share of them that whiteness may flag
 
 
 def _expected(o: Outcome[Study]) -> Expected:
@@ -59,7 +59,7 @@ def _report(o: Outcome[Study]) -> Verdict:
     line = o.design["line"]
     if line == NONE:
         return Verdict(False, text("Choose a line of the report."))
-    if line not in SLIPS:
+    if line not in WRONG_LINES:
         return Verdict(False, text("That line holds."))
     if line != NEAR_R:
         return Verdict(False, text("A line in doubt indeed, but not about what a converged filter's innovations "
@@ -77,9 +77,17 @@ def _shy(o: Outcome[Study]) -> Verdict:
         return Verdict(False, text("This task is about white sensor noise."))
     e = _expected(o)
     found = text("Over all records NIS averages {nis:.2f} and whiteness flags {flagged:.2f} %", nis=e.nis, flagged=100 * e.flagged)
-    if not SHY[0] <= e.nis <= SHY[1] or e.flagged > UNSEEN:
-        return Verdict(False, text("{found}; wanted are {low:g} to {high:g} and at most {most:g} %.", found=found, low=SHY[0], high=SHY[1],
-                                   most=100 * UNSEEN))
+    if not NIS_BAND[0] <= e.nis <= NIS_BAND[1] or e.flagged > MAX_FLAGGED_SHARE:
+        return Verdict(
+            False,
+            text(
+                "{found}; wanted are {low:g} to {high:g} and at most {most:g} %.",
+                found=found,
+                low=NIS_BAND[0],
+                high=NIS_BAND[1],
+                most=100 * MAX_FLAGGED_SHARE,
+            ),
+        )
     return Verdict(True, text("{found}; NEES averages {nees:.2f} of 6: right in all it says but its own doubt.", found=found, nees=e.nees))
 
 
@@ -93,5 +101,5 @@ TASKS = (
     Task("converter", _converter, {"noise": "carried", "q": 1.0, "r": 1.0}),
     Task("report", _report, {"q": 1.0, "r": 1.0, "line": NEAR_R}),
     Task("shy", _shy, {"q": 2.0, "r": 2.0}),
-    pencil("second-sensor", SECOND_SENSOR),
+    typed_task("second-sensor", SECOND_SENSOR),
 )

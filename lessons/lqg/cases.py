@@ -1,4 +1,4 @@
-"""The plants of the lesson: the platform with the report's weights, Doyle's plant of 1978, or any model that fits."""
+"""Define the plants of lesson 10: the platform, Doyle's plant, or any model that fits."""
 
 from __future__ import annotations
 
@@ -8,21 +8,22 @@ from functools import cached_property
 
 import numpy as np
 
-from app.engine import Plant, noisy_loop
-from app.engine.design import typical_rate
-from app.engine.feedback import NoisyLoop
-from app.lesson.lesson import Design
-from app.plants import MODELS, doyle, platform_lqg
-from app.plants.model import Model
-from app.plants.names import called
-from app.plants.platform_channels import HORIZONTAL, ROTATION, VERTICAL, T_y
-from app.text import Text, text
+from observer_lab.course.lesson import Design
+from observer_lab.engine import Plant, noisy_loop
+from observer_lab.engine.design import typical_rate
+from observer_lab.engine.feedback import NoisyLoop
+from observer_lab.plants import MODELS, doyle
+from observer_lab.plants.model import Model
+from observer_lab.plants.platform import lqg_weights
+from observer_lab.plants.platform.channels import HORIZONTAL, ROTATION, VERTICAL_CHANNEL, T_y
+from observer_lab.plants.signal_names import signal_name
+from observer_lab.text import Text, text
 
 from ..toolkit.gains import sizes
 
 REPORT, DOYLE = "platform", "doyle"
-MOST = 200  # frequencies of a figure
-SHARE = 0.01  # of an output at the start: how far the sensors of a person's own plant err
+MAX_FREQUENCIES = 200  # frequencies of a figure
+SENSOR_ERROR_SHARE = 0.01  # of an output at the start: how far the sensors of a person's own plant err
 
 
 @dataclass(frozen=True)
@@ -102,7 +103,7 @@ def _grid(plant: Plant, low: float, high: float, count: int) -> np.ndarray:
         if low < f < high and abs(pole.real) < 0.2 * abs(pole):
             points.append(f + abs(pole.real) / (2 * np.pi) * np.tan(np.linspace(-1.35, 1.35, 9)))
     grid = np.unique(np.concatenate(points))
-    return grid[(grid >= low) & (grid <= high)][:MOST]
+    return grid[(grid >= low) & (grid <= high)][:MAX_FREQUENCIES]
 
 
 def _by_knobs(design: Design) -> Factors:
@@ -124,18 +125,18 @@ def _as_believed(factors: Factors) -> float:
 def report_case() -> Case:
     """The platform with ten states; Q, R, W, V as in the report with σ_v = 10⁻⁹ taken literally."""
     model = MODELS["platform"]
-    whole, unit = model.plant, platform_lqg.Weights(1.0, 1.0, 1.0, 1.0, platform_lqg.LITERAL_V)
-    plant = platform_lqg.coils(whole)
-    channels = (VERTICAL, ROTATION, HORIZONTAL)
+    whole, unit = model.plant, lqg_weights.Weights(1.0, 1.0, 1.0, 1.0, lqg_weights.LITERAL_V)
+    plant = lqg_weights.coils(whole)
+    channels = (VERTICAL_CHANNEL, ROTATION, HORIZONTAL)
     names = tuple(text("{name} channel", name=c.name) for c in channels)
-    return Case(REPORT, text("platform of the report"), model, plant, platform_lqg.ground(whole),
+    return Case(REPORT, text("platform of the report"), model, plant, lqg_weights.ground(whole),
                 unit.Q(whole), unit.R, unit.W, unit.V, T_y[:3] @ plant.C, names, _by_knobs, _one, "µm/s", 1e6, "mN", 1e3,
                 _grid(plant, 0.05, 50.0, 150), (0.5, 3.0), 0.1, np.geomspace(1e-2, 1e4, 140), 0.03, 6.0, 5e-3, 60.0, 170.0)
 
 
 def doyle_case() -> Case:
     """Doyle's plant; q and σ are α_Q and β_Q, R = V = 1, and the noise is what the filter believes."""
-    model, together = doyle.MODEL, doyle.TOGETHER
+    model, together = doyle.MODEL, doyle.BOTH_STATES
     one = np.eye(1)
     names = (text("measured state x₁"), text("hidden state x₂"),
              text("weighted sum x₁ + x₂"))
@@ -158,10 +159,10 @@ def case_of(model: Model) -> Case:
     low, high = max(slow, rate * 1e-3) / 40, min(fast, rate * 1e3) * 2
     shown = min(plant.p, 3)
     weighed = plant.C / size[:, None]
-    names = tuple(text("output {name}", name=called(plant, n)) for n in plant.output_names[:shown])
+    names = tuple(text("output {name}", name=signal_name(plant, n)) for n in plant.output_names[:shown])
     dt = model.horizon / 200
     return Case(model.id, model.label, model, plant, G, weighed.T @ weighed, np.eye(plant.m) / model.u_max**2,
-                np.eye(G.shape[1]) * model.u_max**2 / rate, np.diag((SHARE * size) ** 2) / rate,
+                np.eye(G.shape[1]) * model.u_max**2 / rate, np.diag((SENSOR_ERROR_SHARE * size) ** 2) / rate,
                 weighed[:shown], names, _by_knobs, _one, "", 1.0, model.input_unit, 1.0,
                 _grid(plant, low, high, 150), (low, high), low * 2, np.geomspace(low / 10, high * 10, 140), dt, model.horizon,
                 dt / 4, model.horizon, 4096 * dt)

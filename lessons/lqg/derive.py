@@ -1,4 +1,4 @@
-"""The numbers that stand now in the derivation of lesson 10: the split of the cost, and Doyle's polynomial at its q, σ and m."""
+"""Compute the numbers in the derivation of lesson 10: split of the cost, Doyle's polynomial."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ from collections.abc import Mapping
 import numpy as np
 from scipy.linalg import solve_continuous_lyapunov
 
-from app.lesson.derivation import Value
-from app.lesson.lesson import Outcome
-from app.plants import doyle
+from observer_lab.course.exercises.derivation import Value
+from observer_lab.course.lesson import Outcome
+from observer_lab.plants import doyle
 
 from .loops import setting_of
 from .study import Study

@@ -1,45 +1,50 @@
-"""Figures of the lesson: spectra, input and cost, robustness, recovery, one run."""
+"""Draw the figures of lesson 10: spectra, cost, robustness, recovery, one run."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from app.engine.feedback import ChannelMargins
-from app.lesson.claims import claim
-from app.lesson.figures import Curve, LineFigure, PlaneFigure, Point, TableFigure, finite, over_frequency
-from app.lesson.later import Sheaf, leaf
-from app.lesson.lesson import Outcome
-from app.plants.names import called
-from app.text import Text, same, squared, text, text_in, written
+from observer_lab.course.figures.claims import claim
+from observer_lab.course.figures.records import Curve, LineFigure, PlaneFigure, Point, TableFigure, finite, over_frequency
+from observer_lab.course.lazy import FigureSet, tab_figures
+from observer_lab.course.lesson import Outcome
+from observer_lab.engine.feedback import ChannelMargins
+from observer_lab.plants.signal_names import signal_name
+from observer_lab.text import Text, format_number, same, squared_unit, text, text_in
 
 from ..toolkit.figures import TIME_TAB, axis_name, within
+from .report_rules import REPORT_TAB, rules_figure
 from .robustness import Robustness
-from .rules import REPORT_TAB, rules_figure
 from .study import Study, sensor_share
 
 SPECTRUM_TAB, COST_TAB = text("Spectrum"), text("Input and cost")
 ROBUST_TAB, RECOVERY_TAB = text("Robustness"), text("Recovery")
-TURN = np.linspace(0, 2 * np.pi, 73)
+CIRCLE_ANGLES_RAD = np.linspace(0, 2 * np.pi, 73)
 TOO_MUCH = 1e30  # a density beyond this is drawn at it
-OPEN, CLOSED = text("no control"), text("closed, predicted")
+NO_CONTROL, CLOSED = text("no control"), text("closed, predicted")
 ANY = text("any")
 ROLES = ("force", "disturbance", "second")
 
 
-def all_figures(outcome: Outcome[Study]) -> Sheaf:
+def all_figures(outcome: Outcome[Study]) -> FigureSet:
     """Everything on the right of the stage."""
-    return Sheaf(
-        leaf(SPECTRUM_TAB, lambda: _spectra(outcome)), leaf(COST_TAB, lambda: (_input(outcome), _cost(outcome))),
-        leaf(ROBUST_TAB, lambda: (_nyquist(outcome), _return(outcome))), leaf(ROBUST_TAB, lambda: (_margins(outcome),), "late"),
-        leaf(RECOVERY_TAB, lambda: (_loop_gain(outcome),)), leaf(RECOVERY_TAB, lambda: (_price(outcome),), "late"),
-        leaf(TIME_TAB, lambda: _run(outcome)), leaf(REPORT_TAB, lambda: (rules_figure(outcome),)))
+    return FigureSet(
+        tab_figures(SPECTRUM_TAB, lambda: _spectra(outcome)),
+        tab_figures(COST_TAB, lambda: (_input(outcome), _cost(outcome))),
+        tab_figures(ROBUST_TAB, lambda: (_nyquist(outcome), _return(outcome))),
+        tab_figures(ROBUST_TAB, lambda: (_margins(outcome),), "late"),
+        tab_figures(RECOVERY_TAB, lambda: (_loop_gain(outcome),)),
+        tab_figures(RECOVERY_TAB, lambda: (_price(outcome),), "late"),
+        tab_figures(TIME_TAB, lambda: _run(outcome)),
+        tab_figures(REPORT_TAB, lambda: (rules_figure(outcome),)),
+    )
 
 
 def words(value: float, digits: int = 3) -> str:
     """A number for a table: ∞, a true minus sign, powers of ten where they help."""
     if not np.isfinite(value):
         return "∞"
-    return written(value, f".{digits}g")
+    return format_number(value, f".{digits}g")
 
 
 def level(power: float) -> str:
@@ -49,7 +54,7 @@ def level(power: float) -> str:
 
 def density(unit: str) -> str:
     """The axis of a density of a signal in this unit."""
-    return f"[{squared(unit)}/Hz]"
+    return f"[{squared_unit(unit)}/Hz]"
 
 
 def _phase(m: ChannelMargins) -> Text | str:
@@ -65,7 +70,7 @@ def _spectra(outcome: Outcome[Study]) -> tuple[LineFigure, ...]:
     for i, name in enumerate(case.names):
         curves = []
         if case.open_psd is not None:
-            curves.append(Curve(OPEN, square * s.disturbance * case.open_psd[:, i], "muted", "dash", 1.8))
+            curves.append(Curve(NO_CONTROL, square * s.disturbance * case.open_psd[:, i], "muted", "dash", 1.8))
         if s.trials is not None:
             curves.append(Curve(text("{count} runs", count=s.trials.count),
                                 finite(square * s.trials.density[:, i], TOO_MUCH), "disturbance", "solid", 4.0))
@@ -113,7 +118,7 @@ def _spectrum_words(outcome: Outcome[Study], i: int) -> Text:
 def _input(outcome: Outcome[Study]) -> LineFigure:
     s = outcome.study
     case, square = s.case, s.case.input_scale**2
-    names = [called(case.plant, name) for name in case.plant.input_names]
+    names = [signal_name(case.plant, name) for name in case.plant.input_names]
     curves: list[Curve] = []
     if s.asked is not None:
         ground, sensors = s.asked
@@ -167,7 +172,7 @@ def _nyquist(outcome: Outcome[Study]) -> PlaneFigure:
     low, high = s.real.margins.gain
     return PlaneFigure(
         "nyquist", text("Nyquist, cut at one input"),
-        (Curve(text("unit circle around −1"), np.sin(TURN), "muted", "dot", 1.4, np.cos(TURN) - 1),
+        (Curve(text("unit circle around −1"), np.sin(CIRCLE_ANGLES_RAD), "muted", "dot", 1.4, np.cos(CIRCLE_ANGLES_RAD) - 1),
          Curve(same("LQR"), ideal[1], "plant", "dash", 2.0, ideal[0]), Curve(same("LQG"), real[1], "estimate", "solid", 2.0, real[0])),
         (Point(-1.0, 0.0, "reference", "cross"),), "Re ℓ", "Im ℓ", (-2.6, 1.0), (-1.8, 1.8), equal=True, tab=ROBUST_TAB,
         caption=text("LQG stays stable while the input's gain is between {low} and {high} times the model's.",

@@ -1,4 +1,4 @@
-"""The job: a computer runs the loop many times on fresh noise; Welch's spectra gather around the predicted ones."""
+"""Simulate the sampled loop many times and compare Welch spectra with the prediction."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from types import MappingProxyType
 
 import numpy as np
 
-from app.engine import Belief, EngineError, Plant, chi2_band, noisy_loop, psd
-from app.engine.feedback import NoisyLoop
-from app.engine.sampled import SampledLqg
-from app.engine.systems import root, step_covariance
-from app.lesson.knobs import KnobError
-from app.lesson.later import still_known, with_more
-from app.lesson.lesson import Design, Job, Outcome
-from app.text import text
+from observer_lab.course.knobs import KnobError
+from observer_lab.course.lazy import merge_lazily, replace_keeping_cache
+from observer_lab.course.lesson import Design, Job, Outcome
+from observer_lab.engine import Belief, EngineError, Plant, chi2_band, noisy_loop, psd
+from observer_lab.engine.feedback import NoisyLoop
+from observer_lab.engine.sampled import SampledLqg
+from observer_lab.engine.systems import root, step_covariance
+from observer_lab.text import text
 
 from .cases import Case
 from .knobs import NONE, RECURSIVE
@@ -23,7 +23,7 @@ from .loops import Setting, computer, setting_of
 from .study import Study, Trials
 
 RECORDS = 12
-AT_ONCE = 400  # steps of the warm-up between two looks at cancel
+STEPS_PER_CHECK = 400  # steps of the warm-up between two looks at cancel
 SEGMENTS = 4  # a segment is this part of a record
 EFFECTIVE = 5.6  # independent segments of a record with Hann windows that overlap by half, of 7 in all
 
@@ -87,8 +87,8 @@ def _warm_up(bench: Bench, rng: np.random.Generator) -> Iterator[tuple[float, np
     P = P + 1e-9 * np.trace(P) / n * np.eye(n)
     z = np.hstack([rng.standard_normal((RECORDS, n)) @ root(P).T, np.zeros((RECORDS, n))])
     belief, to_w, to_v = Belief(np.zeros(n), P), root(bench.process), root(bench.readings)
-    for first in range(0, steps, AT_ONCE):
-        plan = kf.schedule(belief, min(AT_ONCE, steps - first))
+    for first in range(0, steps, STEPS_PER_CHECK):
+        plan = kf.schedule(belief, min(STEPS_PER_CHECK, steps - first))
         for k in plan.index:
             M = plan.gains[k]
             x, predicted = z[:, :n], z[:, n:]
@@ -128,7 +128,7 @@ def shown(outcome: Outcome[Study], trials: Trials) -> Outcome[Study]:
     more = {"trials": float(trials.count),
             **{f"trial_ratio_{i}": float(r) for i, r in enumerate(trials.ratio)},
             **{f"trial_inside_{i}": float(r) for i, r in enumerate(trials.inside)}}
-    return replace(outcome, study=still_known(outcome.study, trials=trials), metrics=with_more(outcome.metrics, more))
+    return replace(outcome, study=replace_keeping_cache(outcome.study, trials=trials), metrics=merge_lazily(outcome.metrics, more))
 
 
 VIEWS = MappingProxyType({"rule": NONE, "cut": "1", "kick": -1.0})  # knobs that change no spectrum

@@ -1,24 +1,24 @@
-"""The knobs of the lesson, for one case or for several, and the lines of the report in doubt."""
+"""Define the knobs of lesson 10 for one case or several, and the report lines in doubt."""
 
 from __future__ import annotations
 
-from app.lesson.knobs import Choice, Number
-from app.plants.names import called
-from app.text import Text, text, text_in
+from observer_lab.course.knobs import Choice, Number
+from observer_lab.plants.signal_names import signal_name
+from observer_lab.text import Text, text, text_in
 
 from ..toolkit.knobs import run_knobs
 from .cases import DOYLE, REPORT, Case
 
 STEADY, RECURSIVE = "steady", "recursive"
-NONE, SPLIT, SENSOR, PROCESS, CAUTION, UNITS = "none", "split", "beta-r", "beta-q", "caution", "sigma"
-SLIPS = (SENSOR, UNITS)
+NONE, SPLIT_RULE, SENSOR_RULE, PROCESS_RULE, CAUTION_RULE, UNITS_RULE = "none", "split", "beta-r", "beta-q", "caution", "sigma"
+WRONG_RULES = (SENSOR_RULE, UNITS_RULE)
 RULES = (
     (NONE, text_in("lqg", "none")),
-    (SPLIT, text("tune LQR first, then LQE")),
-    (SENSOR, text("β_R ↑: sensor noise is suppressed less")),
-    (PROCESS, text("β_Q ↑: the filter is faster and follows disturbances more")),
-    (CAUTION, text("LQG has no robustness of its own")),
-    (UNITS, text("σ_v = 1e-9 gives V = 1e-9")),
+    (SPLIT_RULE, text("tune LQR first, then LQE")),
+    (SENSOR_RULE, text("β_R ↑: sensor noise is suppressed less")),
+    (PROCESS_RULE, text("β_Q ↑: the filter is faster and follows disturbances more")),
+    (CAUTION_RULE, text("LQG has no robustness of its own")),
+    (UNITS_RULE, text("σ_v = 1e-9 gives V = 1e-9")),
 )
 When = tuple[str, tuple[str, ...]] | None
 
@@ -70,7 +70,7 @@ def _of_paper(when: When) -> tuple[Number, ...]:
 
 
 def _for_all(case: Case, report: When) -> tuple[Choice | Number, ...]:
-    inputs = tuple((str(i + 1), called(case.plant, name)) for i, name in enumerate(case.plant.input_names))
+    inputs = tuple((str(i + 1), signal_name(case.plant, name)) for i, name in enumerate(case.plant.input_names))
     cut = () if len(inputs) < 2 else (Choice(
         "cut", "", text("loop cut at"), default="1", options=inputs, when=report,
         hint=text("Nyquist and margins: this input is cut, the others stay closed.")),)

@@ -1,16 +1,16 @@
-"""LQG: what is optimal on average, what that costs, and how little it promises when the model is not quite right."""
+"""Assemble lesson 10: LQG is optimal on average, yet has no guaranteed margins."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
 
-from app.lesson.again import Again
-from app.lesson.lesson import Lesson
-from app.lesson.prose import read_prose
-from app.plants.model import Model
+from observer_lab.course.exercises.second_prediction import SecondPrediction
+from observer_lab.course.lesson import Lesson
+from observer_lab.course.prose import read_prose
+from observer_lab.plants.model import Model
 
-from ..course import PLACES
+from ..course import COURSE_PLACES
 from .cases import Case, case_of, doyle_case, report_case
 from .code import code
 from .derive import cost_split, derived
@@ -28,8 +28,8 @@ def build(cases: tuple[Case, ...]) -> Lesson:
         "lqg", 10, knobs_for(cases), lambda design: compute_for(cases, design), all_figures, answer=3, answering="margins",
         tasks=TASKS, exams=EXAMS,
         source="Platform report (003), chapter 5: equations (71)–(89), figures 13–16; J. C. Doyle (1978); Doyle and Stein (1979)",
-        place=PLACES["lqg"],
-        again=Again(("recovery",), 3, {"case": "doyle", "recovery": 4.0}, ("price", "cost", "loop-gain")),
+        place=COURSE_PLACES["lqg"],
+        again=SecondPrediction(("recovery",), 3, {"case": "doyle", "recovery": 4.0}, ("price", "cost", "loop-gain")),
     words=read_prose(Path(__file__).parent), key=("case", "beta_r", "sigma", "gain"), aside=("cut", "filter", "rule"),
         job=JOB, code=code)
 

@@ -1,4 +1,4 @@
-"""What a design of this lesson leads to: gains, the noisy loop, its costs, one run. All of it cached."""
+"""Compute the loop of a design: gains, noisy loop, costs, one run; all cached."""
 
 from __future__ import annotations
 
@@ -7,28 +7,17 @@ from functools import lru_cache
 
 import numpy as np
 
-from app.engine import (
-    Belief,
-    KalmanFilter,
-    Plant,
-    Scenario,
-    compensator,
-    lqe,
-    lqr,
-    noisy_loop,
-    sampled_lqg,
-    simulate,
-)
-from app.engine.design import Optimal
-from app.engine.feedback import NoisyLoop
-from app.engine.filters import Schedule
-from app.engine.sampled import SampledLqg
-from app.engine.systems import symmetric
-from app.lesson.lesson import Design
+from observer_lab.course.lesson import Design
+from observer_lab.engine import Belief, KalmanFilter, Plant, Scenario, compensator, lqe, lqr, noisy_loop, sampled_lqg, simulate
+from observer_lab.engine.design import Optimal
+from observer_lab.engine.feedback import NoisyLoop
+from observer_lab.engine.filters import Schedule
+from observer_lab.engine.sampled import SampledLqg
+from observer_lab.engine.systems import symmetric
 
 from .cases import Case, Factors
 
-FAR = 1e9  # a state beyond this ends the run
+RUN_STATE_LIMIT = 1e9  # a state beyond this ends the run
 SLACK = 0.1  # of the largest first error, the least standard deviation that the recursive filter begins with
 
 
@@ -197,9 +186,12 @@ def trace(case: Case, setting: Setting, kick: float, recursive: bool, held: bool
     with np.errstate(over="ignore", invalid="ignore"):
         found = sampled.run(case.model.x0, w, v, gains=schedule(case, f.beta_q, f.beta_r, setting.recovery, steps),
                             xhat0=case.model.guess, truth=Plant(s.A, setting.gain * s.B, s.C, s.D, s.dt))
-    good = int(np.argmin(np.append(np.isfinite(found.x).all(axis=1) & (np.abs(found.x).max(axis=1) < FAR), False)))
+    good = int(np.argmin(np.append(np.isfinite(found.x).all(axis=1) & (np.abs(found.x).max(axis=1) < RUN_STATE_LIMIT), False)))
     keep = slice(0, max(good, 1))
-    return _long_enough(Trace(found.t[keep], found.x[keep], found.xhat[keep], np.clip(np.nan_to_num(found.u[keep]), -FAR, FAR)), case.dt)
+    return _long_enough(
+        Trace(found.t[keep], found.x[keep], found.xhat[keep], np.clip(np.nan_to_num(found.u[keep]), -RUN_STATE_LIMIT, RUN_STATE_LIMIT)),
+        case.dt,
+    )
 
 
 def _long_enough(found: Trace, dt: float) -> Trace:

@@ -1,4 +1,4 @@
-"""How far the loop of a design is from instability, the model being right: what LQR has and LQG need not have."""
+"""Compute the margins of a design: guaranteed for LQR, not for LQG."""
 
 from __future__ import annotations
 
@@ -7,14 +7,14 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from app.engine import compensator, loop_margins
-from app.engine.feedback import ChannelMargins, LoopMargins, state_feedback_margins
+from observer_lab.engine import compensator, loop_margins
+from observer_lab.engine.feedback import ChannelMargins, LoopMargins, state_feedback_margins
 
 from .cases import Case, Factors
 from .loops import Setting, gains, regulator
 
-STEP, DRAWN = 0.1, 240  # of Nyquist's curve: a longer jump counts as this; points drawn
-LOOK = 60  # matrices looked at together
+NYQUIST_STEP, DRAWN_POINTS = 0.1, 240  # of Nyquist's curve: a longer jump counts as this; points drawn
+MATRICES_PER_BATCH = 60  # matrices looked at together
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,8 +84,8 @@ def _gain(S: np.ndarray) -> np.ndarray:
 
 def _even(ell: np.ndarray) -> np.ndarray:
     """Points of a curve about evenly spaced where it is near, so that resonances are round and far arcs cost little."""
-    way = np.concatenate([[0.0], np.cumsum(np.minimum(np.abs(np.diff(ell)), STEP))])
-    return ell[np.unique(np.searchsorted(way, np.linspace(0.0, way[-1], DRAWN)).clip(0, len(ell) - 1))]
+    way = np.concatenate([[0.0], np.cumsum(np.minimum(np.abs(np.diff(ell)), NYQUIST_STEP))])
+    return ell[np.unique(np.searchsorted(way, np.linspace(0.0, way[-1], DRAWN_POINTS)).clip(0, len(ell) - 1))]
 
 
 def _least(S: np.ndarray) -> np.ndarray:
@@ -101,7 +101,7 @@ def _largest(matrices: np.ndarray) -> float:
     if matrices.shape[-1] == 1:
         return float(size.max())
     order, best = np.argsort(size)[::-1], 0.0
-    for part in np.array_split(order, max(len(order) // LOOK, 1)):
+    for part in np.array_split(order, max(len(order) // MATRICES_PER_BATCH, 1)):
         if size[part[0]] <= best:
             break
         M = matrices[part]

@@ -1,4 +1,4 @@
-"""The draft: gains, loop, spectra, costs, robustness and one run of a design, gathered."""
+"""Compute a design of lesson 10: gains, spectra, costs, robustness, one run."""
 
 from __future__ import annotations
 
@@ -8,34 +8,23 @@ from functools import cached_property
 
 import numpy as np
 
-from app.engine import closed_loop
-from app.engine.design import Optimal
-from app.engine.feedback import NoisyLoop
-from app.lesson.later import Later, LaterItems, LaterMap
-from app.lesson.lesson import Board, Check, Design, Formula, Outcome, Stage
-from app.plants.doyle import gains as gains_of_paper
-from app.plants.model import Window
-from app.text import Text, text
+from observer_lab.course.lazy import LazyMap, LazySequence, LazyValue
+from observer_lab.course.lesson import Board, Check, Design, Formula, Outcome, Stage
+from observer_lab.engine import closed_loop
+from observer_lab.engine.design import Optimal
+from observer_lab.engine.feedback import NoisyLoop
+from observer_lab.plants.doyle import gains as gains_of_paper
+from observer_lab.plants.model import Window
+from observer_lab.text import Text, text
 
 from ..toolkit.latex import number
 from .cases import DOYLE, Case
-from .knobs import PROCESS, RECURSIVE, SENSOR, SPLIT
-from .loops import (
-    Cost,
-    Setting,
-    Trace,
-    cost,
-    estimator,
-    gains,
-    loop,
-    sensor_input,
-    setting_of,
-    trace,
-)
+from .knobs import PROCESS_RULE, RECURSIVE, SENSOR_RULE, SPLIT_RULE
+from .loops import Cost, Setting, Trace, cost, estimator, gains, loop, sensor_input, setting_of, trace
 from .robustness import Robustness, ideal, real
 
 STILL = 0.05  # of the plant's motion: a ghost that moves less hardly moves
-STANDS, SLOW = text("the ghost hardly moves:"), text("a steady gain corrects a wrong start only slowly")
+GHOST_HARDLY_MOVES, SLOW_CORRECTION = text("the ghost hardly moves:"), text("a steady gain corrects a wrong start only slowly")
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,11 +138,11 @@ def compute_for(cases: tuple[Case, ...], design: Design) -> Outcome[Study]:
     reg, est = gains(case, setting)
     study = Study(case, setting, cut, case.true_disturbance(f), design["rule"],
                   trace(case, setting, design["kick"], design["filter"] == RECURSIVE))
-    metrics, poles = LaterMap(lambda: _metrics(study, reg, est)), {"regulator": reg.poles, "filter": est.poles}
-    return Outcome(design, {"K": reg.gain, "L": est.gain}, LaterMap(lambda: {**poles, "loop": study.loop.poles}, poles), metrics,
-                   LaterItems(lambda: _checks(study, metrics)), None, _boards(case, reg, est),
+    metrics, poles = LazyMap(lambda: _metrics(study, reg, est)), {"regulator": reg.poles, "filter": est.poles}
+    return Outcome(design, {"K": reg.gain, "L": est.gain}, LazyMap(lambda: {**poles, "loop": study.loop.poles}, poles), metrics,
+                   LazySequence(lambda: _checks(study, metrics)), None, _boards(case, reg, est),
                    Stage(case.model.body, study.trace.t, study.trace.x, study.trace.xhat, study.trace.u, note=_note(study, design)),
-                   LaterItems(lambda: _formulas(study, setting)), Later(lambda: _live(study)), study)
+                   LazySequence(lambda: _formulas(study, setting)), LazyValue(lambda: _live(study)), study)
 
 
 def moved(run: Trace) -> float:
@@ -167,7 +156,9 @@ def _note(study: Study, design: Design) -> tuple[Text, ...]:
     if design["filter"] == RECURSIVE or moved(study.trace) > STILL:
         return ()
     alone = moved(trace(study.case, study.setting, design["kick"], False, held=False))
-    return STANDS, SLOW if alone <= STILL else text("without control it would go {share:.0f} % as far as the plant", share=100 * alone)
+    return GHOST_HARDLY_MOVES, SLOW_CORRECTION if alone <= STILL else text(
+        "without control it would go {share:.0f} % as far as the plant", share=100 * alone
+    )
 
 
 def _gained(case: Case, true: float, density: np.ndarray) -> tuple[np.ndarray | None, np.ndarray]:
@@ -204,14 +195,14 @@ def _metrics(s: Study, reg: Optimal, est: Optimal) -> dict[str, float]:
 
 def _answers(s: Study) -> dict[str, float]:
     case, f, rule, (reg, est) = s.case, s.setting.factors, s.rule, gains(s.case, s.setting)
-    base = float(np.sqrt(sensor_share(s.cost)[0])) if rule in (SENSOR, PROCESS) else 0.0
-    if rule == SPLIT:
+    base = float(np.sqrt(sensor_share(s.cost)[0])) if rule in (SENSOR_RULE, PROCESS_RULE) else 0.0
+    if rule == SPLIT_RULE:
         return {"union_error": closed_loop(case.plant, reg.gain, est.gain).union_error}
-    if rule == SENSOR:
+    if rule == SENSOR_RULE:
         others = {name: replace(s.setting, factors=replace(f, beta_r=f.beta_r * factor))
                   for name, factor in (("sensor_less", 0.1), ("sensor_more", 10.0))}
         return {name: sensor_input(case, other) / base if base > 0 else np.inf for name, other in others.items()}
-    if rule == PROCESS:
+    if rule == PROCESS_RULE:
         more = estimator(case, f.beta_q * 10.0, f.beta_r, s.setting.recovery)
         told = replace(s.setting, factors=replace(f, beta_q=f.beta_q * 10.0))
         return {"process_more": float(np.sum(more.poles.real) / np.sum(est.poles.real)),

@@ -1,23 +1,23 @@
-"""Tasks of the lesson: margins vanish, recovery, twenty decibels with time to spare, time for a few per cent, a rule turned round."""
+"""Define the tasks of lesson 10."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from app.lesson.lesson import Outcome, Task, Verdict, pencil
-from app.lesson.typed import Typed
-from app.text import text
+from observer_lab.course.exercises.typed_answers import Typed
+from observer_lab.course.lesson import Outcome, Task, Verdict, typed_task
+from observer_lab.text import text
 
 from .cases import DOYLE, REPORT
-from .knobs import NONE, SENSOR, UNITS
+from .knobs import NONE, SENSOR_RULE, UNITS_RULE
 from .loops import setting_of
 from .robustness import real
 from .study import Study
 
-EDGE = 1.001  # a gain that breaks the loop of the first task
+BREAKING_GAIN = 1.001  # a gain that breaks the loop of the first task
 HEAVY = 1000.0  # q and σ at least, in the second
-UP, DOWN = 2.0, 0.5  # gain margins asked back
-DECIBEL, SECONDS = 20.0, 0.1
+MIN_GAIN_UP, MAX_GAIN_DOWN = 2.0, 0.5  # gain margins asked back
+MIN_SUPPRESSION_DB, MIN_DELAY_MARGIN_S = 20.0, 0.1
 LOUD, DELAY, DEARER = 1e7, (0.12, 0.13), 1.25  # true sensor noise; s of delay margin; of the least cost
 
 
@@ -31,7 +31,7 @@ def _vanish(outcome: Outcome[Study]) -> Verdict:
     high = outcome.study.real.margins.gain[1]
     if outcome.design["recovery"] > 0:
         return Verdict(False, text("Leave recovery at 0: plain LQG is asked for."))
-    if high > EDGE:
+    if high > BREAKING_GAIN:
         return Verdict(False, text("It still bears a gain of {high:.5g}; an error of 0.1 % is to break it.",
                                    high=high))
     return Verdict(True, text("At {high:.6g} times the model's gain this optimal loop is lost.", high=high))
@@ -43,7 +43,7 @@ def _recover(outcome: Outcome[Study]) -> Verdict:
         return Verdict(False, text("Doyle's plant with q and σ of at least 1000, please."))
     low, high = s.real.margins.gain
     found = text("Gains from {low:.3g} to {high:.4g} are borne", low=low, high=high)
-    if high < UP or low > DOWN:
+    if high < MIN_GAIN_UP or low > MAX_GAIN_DOWN:
         return Verdict(False, text("{found}; from 0.5 to 2 is wanted.", found=found))
     if s.density is None:
         return Verdict(False, text("The margins are there, but the true gain m lies outside them."))
@@ -79,7 +79,7 @@ def _twenty(outcome: Outcome[Study]) -> Verdict:
     worst, least = float(np.min(s.suppression)), _least_delay(outcome)
     found = text("The least of the three channels gains {worst:.1f} dB, the least delay margin is {least:.3g} s",
                  worst=worst, least=least)
-    if worst < DECIBEL or least < SECONDS:
+    if worst < MIN_SUPPRESSION_DB or least < MIN_DELAY_MARGIN_S:
         return Verdict(False, text("{found}; wanted are 20 dB and 0.1 s.", found=found))
     return Verdict(True, text("{found}.", found=found))
 
@@ -88,9 +88,9 @@ def _rule(outcome: Outcome[Study]) -> Verdict:
     rule, more = outcome.design["rule"], outcome.metrics.get("sensor_more", np.inf)
     if rule == NONE:
         return Verdict(False, text("Choose the line that you doubt."))
-    if rule == UNITS:
+    if rule == UNITS_RULE:
         return Verdict(False, text("That one is a slip of units; a rule of tuning is asked for."))
-    if rule != SENSOR:
+    if rule != SENSOR_RULE:
         return Verdict(False, text("This line holds; the table says why."))
     if not more < 0.9:
         return Verdict(False, text("Here ten times β_R leaves {more:.3g} times the noise in the input; find a "
@@ -110,6 +110,8 @@ TASKS = (
     Task("recover", _recover, {"case": DOYLE, "q": 1000.0, "sigma": 1000.0, "recovery": 6.0}),
     Task("twenty", _twenty, {"beta_r": 1e8}),
     Task("patience", _patience, {"sensor": LOUD, "beta_r": 3.5e7}),
-    Task("rule", _rule, {"rule": SENSOR}, Typed(lambda _: 0.1, slips=(("10", text("The other way round: W is to fall as V rises.")),))),
-    pencil("weaker", WEAKER),
+    Task(
+        "rule", _rule, {"rule": SENSOR_RULE}, Typed(lambda _: 0.1, slips=(("10", text("The other way round: W is to fall as V rises.")),))
+    ),
+    typed_task("weaker", WEAKER),
 )

@@ -1,4 +1,4 @@
-"""Bodies of the lesson: a ball on a ridge, two columns, and for every plant two lamps that show its packets.
+"""Draw the plants of lesson 18, each with two lamps that show its packets.
 
 The record that the stage plays is (state, measurement heard, input heard), the last two 1 or 0.
 """
@@ -8,10 +8,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from app.plants.body import (
-    DARK,
+from observer_lab.plants.bodies.body import (
+    DARK_GREY,
     METAL,
-    PLANT,
+    PLANT_COLOUR,
     STEEL,
     UNTURNED,
     Arrow,
@@ -23,19 +23,19 @@ from app.plants.body import (
     Pose,
     Rod,
     Vector,
-    bounded,
+    bound_displacement,
     force_arrow,
 )
-from app.text import text
+from observer_lab.text import text
 
-LIT, OUT = (255, 214, 90), (58, 64, 74)
+LIT_COLOUR, UNLIT_COLOUR = (255, 214, 90), (58, 64, 74)
 LAMPS = (("sensor", -0.75), ("input", 0.75))
-AWAY, HEIGHT = -1.35, 0.42  # in front of the plant
-SLICES, WIDE, CREST = 21, 3.4, 0.95  # of the ridge
-REACH, STEEP = 1.5, 0.26  # farthest drawn place of the ball, drop of the ridge at one stage unit squared
+LAMP_Y, LAMP_HEIGHT = -1.35, 0.42  # in front of the plant
+SLICES, RIDGE_WIDTH, CREST = 21, 3.4, 0.95  # of the ridge
+MAX_DRAWN_POSITION, STEEP = 1.5, 0.26  # farthest drawn place of the ball, drop of the ridge at one stage unit squared
 SCALE = 0.12  # stage units per centimetre on the ridge
 BALL = 0.16
-DOWN = (0.0, 1.0, 0.0, 0.0)  # half a turn
+HALF_TURN = (0.0, 1.0, 0.0, 0.0)  # half a turn
 
 
 def with_lamps(body: Body, n: int) -> Body:
@@ -43,16 +43,16 @@ def with_lamps(body: Body, n: int) -> Body:
     parts, fixed = list(body.parts), {}
     for name, x in LAMPS:
         parts += [Part(f"{name} lamp foot", Cylinder(0.12, 0.06), STEEL), Part(f"{name} lamp post", Rod(0.03), METAL),
-                  Part(f"{name} lamp", Ball(0.11), DARK)]
-        fixed[f"{name} lamp foot"] = Pose((x, AWAY, 0.03))
-        fixed[f"{name} lamp post"] = Pose((x, AWAY, 0.0), scale=(1.0, 1.0, HEIGHT))
+                  Part(f"{name} lamp", Ball(0.11), DARK_GREY)]
+        fixed[f"{name} lamp foot"] = Pose((x, LAMP_Y, 0.03))
+        fixed[f"{name} lamp post"] = Pose((x, LAMP_Y, 0.0), scale=(1.0, 1.0, LAMP_HEIGHT))
 
     def pose(x: Sequence[float], gain: float) -> Mapping[str, Pose]:
         poses = {**body.pose(x[:n], gain), **fixed}
         for (name, place), heard in zip(LAMPS, x[n:n + 2], strict=True):
             on = float(heard) > 0.5
             size = 1.0 if on else 0.55  # a lamp that is out is smaller as well as darker
-            poses[f"{name} lamp"] = Pose((place, AWAY, HEIGHT), scale=(size, size, size), colour=LIT if on else OUT)
+            poses[f"{name} lamp"] = Pose((place, LAMP_Y, LAMP_HEIGHT), scale=(size, size, size), colour=LIT_COLOUR if on else UNLIT_COLOUR)
         return poses
 
     return replace(
@@ -69,14 +69,14 @@ def _ridge(x: float) -> float:
 
 def ridge_body() -> Body:
     """A ball on the crest of a ridge, its place in cm: the farther off, the faster it rolls away."""
-    width = WIDE / SLICES
+    width = RIDGE_WIDTH / SLICES
     middles = tuple((i - (SLICES - 1) / 2) * width for i in range(SLICES))
     fixed = {"base": Pose((0.0, 0.0, 0.05))}
     for i, x in enumerate(middles):
         fixed[f"slice {i}"] = Pose((x, 0.1, (0.1 + _ridge(x)) / 2))
 
     def centre(x: Sequence[float], gain: float) -> Vector:
-        at = bounded(float(x[0]) * SCALE * gain, REACH)
+        at = bound_displacement(float(x[0]) * SCALE * gain, MAX_DRAWN_POSITION)
         return at, 0.0, _ridge(at) + BALL
 
     def pose(x: Sequence[float], gain: float) -> Mapping[str, Pose]:
@@ -91,7 +91,7 @@ def ridge_body() -> Body:
 
     slices = tuple(Part(f"slice {i}", Box((width, 0.9, _ridge(x) - 0.1)), STEEL if i % 2 else METAL)
                    for i, x in enumerate(middles))
-    return Body((Part("base", Box((4.0, 1.3, 0.1)), DARK), *slices, Part("ball", Ball(BALL), PLANT, twin=True)),
+    return Body((Part("base", Box((4.0, 1.3, 0.1)), DARK_GREY), *slices, Part("ball", Ball(BALL), PLANT_COLOUR, twin=True)),
                 pose, arrows, anchors, 1.0, text("A ball on a ridge rolls away by itself; the green arrow is the "
                                                  "input"))
 
@@ -104,7 +104,7 @@ def columns_body(count: int, full: float) -> Body:
         return (i - (count - 1) / 2) * 1.1
 
     def top(x: Sequence[float], i: int, gain: float) -> Vector:
-        return place(i), 0.0, base + bounded(0.7 * gain * float(x[i]) / full, 0.8)
+        return place(i), 0.0, base + bound_displacement(0.7 * gain * float(x[i]) / full, 0.8)
 
     fixed = {"plinth": Pose((0.0, 0.0, 0.06))}
     for i in range(count):
@@ -116,7 +116,7 @@ def columns_body(count: int, full: float) -> Body:
             head = top(x, i, gain)
             rise = head[2] - base
             poses[f"head {i}"] = Pose(head)
-            poses[f"stem {i}"] = Pose((head[0], 0.0, base), UNTURNED if rise >= 0 else DOWN, (1.0, 1.0, max(abs(rise), 1e-6)))
+            poses[f"stem {i}"] = Pose((head[0], 0.0, base), UNTURNED if rise >= 0 else HALF_TURN, (1.0, 1.0, max(abs(rise), 1e-6)))
         return poses
 
     def arrows(x: Sequence[float], u: Sequence[float], gain: float) -> tuple[Arrow, ...]:
@@ -125,10 +125,10 @@ def columns_body(count: int, full: float) -> Body:
     def anchors(x: Sequence[float], gain: float) -> tuple[Vector, ...]:
         return tuple(top(x, i, gain) for i in range(count))
 
-    parts = [Part("plinth", Box((3.6, 1.2, 0.12)), DARK)]
+    parts = [Part("plinth", Box((3.6, 1.2, 0.12)), DARK_GREY)]
     for i in range(count):
         parts += [Part(f"back {i}", Box((0.66, 0.05, 1.76)), STEEL), Part(f"foot {i}", Box((0.62, 0.5, 0.03)), METAL),
                   Part(f"stem {i}", Rod(0.09), METAL),
-                  Part(f"head {i}", Box((0.5, 0.42, 0.12)), PLANT, twin=True)]
+                  Part(f"head {i}", Box((0.5, 0.42, 0.12)), PLANT_COLOUR, twin=True)]
     return Body(tuple(parts), pose, arrows, anchors, 1.0, text("One column per state; only their sum is measured; "
                                                                "the green arrow is the input"))

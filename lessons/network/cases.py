@@ -1,4 +1,4 @@
-"""The plants of the lesson, sampled, with their noise, their controller and the filter that would lose nothing."""
+"""Define the plants of lesson 18: sampled model, noise, controller, filter without loss."""
 
 from __future__ import annotations
 
@@ -8,25 +8,25 @@ from types import MappingProxyType
 
 import numpy as np
 
-from app.engine import KalmanFilter, Plant, critical_loss, dlqe, dlqr
-from app.engine.design import DiscreteFilter
-from app.engine.network import CriticalLoss, spectral_radius
-from app.plants import MODELS, Signal
-from app.plants.body import Body
-from app.plants.cart_pendulum import STAGE as CART_SCALE
-from app.plants.chip import STAGE as CHIP_SCALE
-from app.plants.deck_body import GAIN as DECK_GAIN
-from app.plants.deck_body import STAGE as DECK_SCALE
-from app.plants.platform import deck_disturbance
-from app.text import Text, text
+from observer_lab.engine import KalmanFilter, Plant, critical_loss, dlqe, dlqr
+from observer_lab.engine.design import DiscreteFilter
+from observer_lab.engine.network import CriticalLoss, spectral_radius
+from observer_lab.plants import MODELS, Signal
+from observer_lab.plants.bodies.body import Body
+from observer_lab.plants.bodies.deck_body import MOTION_GAIN as DECK_GAIN
+from observer_lab.plants.bodies.deck_body import STAGE_SCALE as DECK_SCALE
+from observer_lab.plants.cart_pendulum import STAGE_SCALE as CART_SCALE
+from observer_lab.plants.chip import STAGE_SCALE as CHIP_SCALE
+from observer_lab.plants.platform.model import deck_disturbance
+from observer_lab.text import Text, text
 
 from .bodies import SCALE, columns_body, ridge_body, with_lamps
 
-SAMPLES = 80
-SCALAR, TWO, CHIP, CART, DECK = "scalar", "two", "chip-runaway", "cart-pendulum", "deck"
-PERIODS = MappingProxyType({SCALAR: 0.1, TWO: 0.1, CHIP: 0.5, CART: 0.05, DECK: 0.04})  # s
-SLOWEST = 3.0  # times the period
-HORIZON = SAMPLES * SLOWEST * PERIODS[CHIP]  # s, the longest run
+RUN_SAMPLES = 80
+SCALAR_CASE, TWO, CHIP_CASE, CART_CASE, DECK_CASE = "scalar", "two", "chip-runaway", "cart-pendulum", "deck"
+PERIODS = MappingProxyType({SCALAR_CASE: 0.1, TWO: 0.1, CHIP_CASE: 0.5, CART_CASE: 0.05, DECK_CASE: 0.04})  # s
+MAX_PERIOD_FACTOR = 3.0  # times the period
+HORIZON = RUN_SAMPLES * MAX_PERIOD_FACTOR * PERIODS[CHIP_CASE]  # s, the longest run
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,17 +42,17 @@ class Kind:
     input_unit: str
 
 
-KINDS: MappingProxyType[str, Kind] = MappingProxyType({
-    SCALAR: Kind(text("Scalar: a ball on a ridge"), with_lamps(ridge_body(), 1), (3.0,), (4.0,),
+CASE_KINDS: MappingProxyType[str, Kind] = MappingProxyType({
+    SCALAR_CASE: Kind(text("Scalar: a ball on a ridge"), with_lamps(ridge_body(), 1), (3.0,), (4.0,),
                  Signal(text("place of the ball x"), (1.0,), "cm"), (SCALE,), "cm"),
     TWO: Kind(text("Two unstable modes, one sensor"), with_lamps(columns_body(2, 60.0), 2),
               (20.0, -10.0), (30.0, 0.0), Signal(text("first state x₁"), (1.0, 0.0), ""), (0.7 / 60, 0.0), ""),
-    CHIP: Kind(MODELS[CHIP].label, with_lamps(MODELS[CHIP].body, 2), MODELS[CHIP].x0, MODELS[CHIP].kick,
-               MODELS[CHIP].watched[0], (CHIP_SCALE, 0.0), "W"),
-    CART: Kind(MODELS[CART].label, with_lamps(MODELS[CART].body, 4), (0.0, 0.05, 0.0, 0.0), (0.0, 0.0, 0.0, 0.15),
-               MODELS[CART].watched[0], (CART_SCALE, CART_SCALE, 0.0, 0.0), "N"),
-    DECK: Kind(MODELS[DECK].label, with_lamps(MODELS[DECK].body, 6), MODELS[DECK].x0, MODELS[DECK].kick,
-               MODELS[DECK].watched[0], (0.0, DECK_SCALE * DECK_GAIN, 0.0, 0.0, 0.0, 0.0), "N"),
+    CHIP_CASE: Kind(MODELS[CHIP_CASE].label, with_lamps(MODELS[CHIP_CASE].body, 2), MODELS[CHIP_CASE].x0, MODELS[CHIP_CASE].kick,
+               MODELS[CHIP_CASE].watched[0], (CHIP_SCALE, 0.0), "W"),
+    CART_CASE: Kind(MODELS[CART_CASE].label, with_lamps(MODELS[CART_CASE].body, 4), (0.0, 0.05, 0.0, 0.0), (0.0, 0.0, 0.0, 0.15),
+               MODELS[CART_CASE].watched[0], (CART_SCALE, CART_SCALE, 0.0, 0.0), "N"),
+    DECK_CASE: Kind(MODELS[DECK_CASE].label, with_lamps(MODELS[DECK_CASE].body, 6), MODELS[DECK_CASE].x0, MODELS[DECK_CASE].kick,
+               MODELS[DECK_CASE].watched[0], (0.0, DECK_SCALE * DECK_GAIN, 0.0, 0.0, 0.0, 0.0), "N"),
 })
 
 
@@ -91,9 +91,9 @@ def _from_model(name: str, h: float) -> tuple[KalmanFilter, np.ndarray, np.ndarr
     """The sampled filter, and the weights of state and input for the controller."""
     model = MODELS[name]
     plant = model.plant
-    if name == CHIP:  # 1.5 W of fluctuating power in a second, 0.3 K of sensor noise
+    if name == CHIP_CASE:  # 1.5 W of fluctuating power in a second, 0.3 K of sensor noise
         return KalmanFilter.from_plant(plant, 2.0, 0.09 * h, dt=h), np.diag([1.0, 1.0]), 0.05 * np.eye(1)
-    if name == CART:  # gusts on the cart, half a millimetre of sensor noise
+    if name == CART_CASE:  # gusts on the cart, half a millimetre of sensor noise
         return KalmanFilter.from_plant(plant, 1e-4, 2.5e-7 * h, dt=h), np.diag([20.0, 20.0, 1.0, 1.0]), 0.3 * np.eye(1)
     G = np.column_stack([deck_disturbance(), plant.B[:, 1] - plant.B[:, 0]])  # ground and a draught, 1 mm/s of noise
     kf = KalmanFilter.from_plant(plant, np.diag([4e-10, 4e-10, 3e-4]), 1e-6 * h * np.eye(4), dt=h, G=G)
@@ -103,8 +103,8 @@ def _from_model(name: str, h: float) -> tuple[KalmanFilter, np.ndarray, np.ndarr
 @lru_cache(maxsize=128)
 def sampled(name: str, a: float, stretch: float) -> Sampled:
     """The case at a (scalar only) and its sampling period times `stretch` (the scalar and the pair of modes keep theirs)."""
-    h = PERIODS[name] * (1.0 if name in (SCALAR, TWO) else stretch)
-    if name == SCALAR:
+    h = PERIODS[name] * (1.0 if name in (SCALAR_CASE, TWO) else stretch)
+    if name == SCALAR_CASE:
         plant, Q, R = Plant(np.array([[a]]), np.eye(1), np.eye(1), dt=h), 0.09 * np.eye(1), 0.09 * np.eye(1)
         state, force = np.eye(1), 0.5 * np.eye(1)
     elif name == TWO:

@@ -1,11 +1,11 @@
-"""The numbers that stand now in the derivation of lesson 18: the fastest mode, the loss, and the edge between them."""
+"""Compute the numbers in the derivation of lesson 18: fastest mode and critical loss."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 
-from app.lesson.derivation import Value
-from app.lesson.lesson import Outcome
+from observer_lab.course.exercises.derivation import Value
+from observer_lab.course.lesson import Outcome
 
 from .study import Study
 

@@ -1,38 +1,51 @@
-"""Figures of the lesson, from an outcome and nothing else."""
+"""Draw the figures of lesson 18 from an outcome."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from app.engine.network import mean_lower_limit
-from app.lesson.figures import Curve, LineFigure, MatrixFigure, PlaneFigure, Point, TableFigure
-from app.lesson.later import Sheaf, leaf
-from app.lesson.lesson import Outcome
-from app.text import Text, raised, same, text, text_in
+from observer_lab.course.figures.records import Curve, LineFigure, MatrixFigure, PlaneFigure, Point, TableFigure
+from observer_lab.course.lazy import FigureSet, tab_figures
+from observer_lab.course.lesson import Outcome
+from observer_lab.engine.network import mean_lower_limit
+from observer_lab.text import Text, same, superscript, text, text_in
 
 from ..toolkit.figures import TIME_TAB
-from .cases import KINDS, SAMPLES
-from .job import RUNS
-from .study import HELD, INPUT_LOSSES, LOSSES, MOST, OVER, ZERO, Study, bounds_over_loss, growth_now, input_growth, key, loop_radius
+from .cases import CASE_KINDS, RUN_SAMPLES
+from .job import RUN_COUNT
+from .study import (
+    AUTONOMOUS_TOLERANCE,
+    DISPLAY_LIMIT,
+    INPUT_LOSSES,
+    LOSSES,
+    OVER,
+    ZERO_INPUT,
+    Study,
+    bounds_over_loss,
+    growth_now,
+    input_growth,
+    key,
+    loop_radius,
+)
 
 MEAN_TAB, WALL_TAB, INPUT_TAB = text("Covariance"), text("Separation"), text("Lost inputs")
 JUST = 1e-3  # of a period: how long before a sample its upper corner is drawn
-TURN = np.linspace(0, 2 * np.pi, 73)
+CIRCLE_ANGLES_RAD = np.linspace(0, 2 * np.pi, 73)
 NEVER = text_in("network", "none")
 
 
-def figures(outcome: Outcome[Study]) -> Sheaf:
+def figures(outcome: Outcome[Study]) -> FigureSet:
     """Time, covariance, separation, lost inputs: at most three in a tab."""
-    return Sheaf(leaf(TIME_TAB, lambda: (_state(outcome), _input(outcome), _ages(outcome))),
-                 leaf(MEAN_TAB, lambda: (_teeth(outcome), _means(outcome), _limits(outcome))),
-                 leaf(WALL_TAB, lambda: (_error(outcome), _spectrum(outcome), _blocks(outcome))),
-                 leaf(INPUT_TAB, lambda: (_growth(outcome),)))
+    return FigureSet(tab_figures(TIME_TAB, lambda: (_state(outcome), _input(outcome), _ages(outcome))),
+                 tab_figures(MEAN_TAB, lambda: (_teeth(outcome), _means(outcome), _limits(outcome))),
+                 tab_figures(WALL_TAB, lambda: (_error(outcome), _spectrum(outcome), _blocks(outcome))),
+                 tab_figures(INPUT_TAB, lambda: (_growth(outcome),)))
 
 
 def times(outcome: Outcome[Study]) -> np.ndarray:
     """Two moments a sample: at it, and just before the next."""
     h = outcome.study.watched.sampled.plant.dt
-    return np.column_stack([np.arange(SAMPLES), np.arange(1, SAMPLES + 1) - JUST]).ravel() * h
+    return np.column_stack([np.arange(RUN_SAMPLES), np.arange(1, RUN_SAMPLES + 1) - JUST]).ravel() * h
 
 
 def _steps(values: np.ndarray) -> np.ndarray:
@@ -47,7 +60,7 @@ def _lines(values: np.ndarray) -> np.ndarray:
 
 # --- time ------------------------------------------------------------------------------------------------------------
 def _state(outcome: Outcome[Study]) -> LineFigure:
-    s, signal = outcome.study, KINDS[outcome.design["case"]].watched
+    s, signal = outcome.study, CASE_KINDS[outcome.design["case"]].watched
     true, guess = signal.of(s.x), signal.of(s.xhat)
     low, high = float(min(true.min(), guess.min(), 0.0)), float(max(true.max(), guess.max(), 0.0))
     comb = _steps(np.where(s.heard, low, low - 0.12 * (high - low)))
@@ -58,7 +71,7 @@ def _state(outcome: Outcome[Study]) -> LineFigure:
                       f"[{signal.unit}]" if signal.unit else "x₁", tab=TIME_TAB,
                       caption=text("{lost} of {samples} samples brought no measurement; the longest gap lasted "
                                    "{heard}.",
-                                   lost=lost, samples=SAMPLES, heard=longest(s.heard)))
+                                   lost=lost, samples=RUN_SAMPLES, heard=longest(s.heard)))
 
 
 def longest(heard: np.ndarray) -> int:
@@ -71,9 +84,9 @@ def longest(heard: np.ndarray) -> int:
 
 
 def _input(outcome: Outcome[Study]) -> LineFigure:
-    s, d, unit = outcome.study, outcome.design, KINDS[outcome.design["case"]].input_unit
+    s, d, unit = outcome.study, outcome.design, CASE_KINDS[outcome.design["case"]].input_unit
     lost = int(np.sum(s.run.draw.acted < 0))
-    how = text("zero stands in") if d["lost"] == ZERO else text("the last one is held")
+    how = text("zero stands in") if d["lost"] == ZERO_INPUT else text("the last one is held")
     return LineFigure("input", text("input asked for and applied"), times(outcome),
                       (Curve(text("asked"), _steps(s.asked[:, 0]), "second", "dash", 1.6),
                        Curve(text("applied"), _steps(s.applied[:, 0]), "force")), f"u [{unit}]" if unit else "u",
@@ -105,16 +118,16 @@ def _teeth(outcome: Outcome[Study]) -> LineFigure:
     s = outcome.study
     curves = [Curve(text("this run"), s.teeth.ravel(), "plant")]
     if s.trials is not None and len(s.trials.mean):
-        curves.append(Curve(text("mean of {runs}", runs=RUNS), _bound(s.trials.mean), "estimate"))
+        curves.append(Curve(text("mean of {runs}", runs=RUN_COUNT), _bound(s.trials.mean), "estimate"))
     curves += [Curve(text("mean, at least"), _bound(s.lower), "reference", "dot", 1.6),
                Curve(text("mean, at most"), _bound(s.upper), "reference", "dash", 1.6)]
     peak = float(s.teeth.max())
     low, high = _big(s.lower[-1]), _big(s.upper[-1])
-    mean = (text("lies between {low} and {high}", low=low, high=high) if s.upper[-1] < MOST else
+    mean = (text("lies between {low} and {high}", low=low, high=high) if s.upper[-1] < DISPLAY_LIMIT else
             text("is at least {low}", low=low))
     words = text("Variance of the error over that without loss. This run rises to {peak}; after {samples} samples "
                  "the mean {mean}.",
-                 peak=_big(peak), samples=SAMPLES, mean=mean)
+                 peak=_big(peak), samples=RUN_SAMPLES, mean=mean)
     return LineFigure("teeth", text("how unsure the filter is"), times(outcome), tuple(curves), "σ²/σ₀²",
                       log_y=True, window=(0.5, 10.0), tab=MEAN_TAB, caption=words)
 
@@ -126,12 +139,12 @@ def _bound(values: np.ndarray) -> np.ndarray:
 
 def _big(value: float) -> str:
     """A ratio in few letters."""
-    if value >= MOST:
+    if value >= DISPLAY_LIMIT:
         return "10⁹"
     if value < 1e4:
         return f"{value:.3g}"
     mantissa, power = f"{value:.1e}".split("e")
-    return f"{mantissa}·10{raised(int(power))}"
+    return f"{mantissa}·10{superscript(int(power))}"
 
 
 def _log(values: np.ndarray) -> np.ndarray:
@@ -156,11 +169,11 @@ def _means(outcome: Outcome[Study]) -> PlaneFigure:
                    for p, v in zip(OVER, values, strict=False)]
     words = (text("After {samples} samples. Crosses: mean of {runs} runs; dots: their median. At high loss "
                   "the crosses can miss the rare runs that carry the mean. Circle: this run.",
-                  samples=SAMPLES, runs=RUNS)
+                  samples=RUN_SAMPLES, runs=RUN_COUNT)
              if s.trials is not None else
              text("After {samples} samples. Circle: this run. Press “Average {runs} runs” for means and "
                   "medians.",
-                  samples=SAMPLES, runs=RUNS))
+                  samples=RUN_SAMPLES, runs=RUN_COUNT))
     return PlaneFigure("means", text("mean variance over the share lost"), tuple(curves), tuple(points),
                        "p", "σ²/σ₀²", (0.0, 1.0), (-0.3, top), caption=words, tab=MEAN_TAB, powers="y")
 
@@ -188,7 +201,7 @@ def _limits(outcome: Outcome[Study]) -> TableFigure:
 # --- separation --------------------------------------------------------------------------------------------------------
 def _error(outcome: Outcome[Study]) -> LineFigure:
     s, meter = outcome.study, outcome.study.meter
-    held = meter < HELD
+    held = meter < AUTONOMOUS_TOLERANCE
     words = (text("Separation meter: 0. The error is what noise and packets make of it, whatever the controller "
                   "does.") if held else
              text("Separation meter: {meter}. State or inputs now drive the error of the estimate.",
@@ -208,9 +221,19 @@ def _spectrum(outcome: Outcome[Study]) -> PlaneFigure:
     words = text("Delay alone, no loss. Crosses: controller and observer as designed. Circles: the loop; the "
                  "largest has modulus {radius:.3f}.",
                  radius=radius)
-    return PlaneFigure("spectrum", text("poles in the z-plane"),
-                       (Curve(same("|z| = 1"), np.sin(TURN), "muted", "dash", 1.4, np.cos(TURN)),), points, "Re z", "Im z",
-                       (-reach, reach), (-reach, reach), equal=True, caption=words, tab=WALL_TAB)
+    return PlaneFigure(
+        "spectrum",
+        text("poles in the z-plane"),
+        (Curve(same("|z| = 1"), np.sin(CIRCLE_ANGLES_RAD), "muted", "dash", 1.4, np.cos(CIRCLE_ANGLES_RAD)),),
+        points,
+        "Re z",
+        "Im z",
+        (-reach, reach),
+        (-reach, reach),
+        equal=True,
+        caption=words,
+        tab=WALL_TAB,
+    )
 
 
 def _blocks(outcome: Outcome[Study]) -> MatrixFigure:
@@ -224,7 +247,7 @@ def _blocks(outcome: Outcome[Study]) -> MatrixFigure:
     shown = s.loop / scale[:, None] * scale[None, :] if n > 1 else s.loop
     corner = float(np.abs(shown[N:, :N]).max())
     words = (text("Delay alone. The lower left block is zero: state and inputs do not drive the error.")
-             if corner == 0 and s.meter < HELD else
+             if corner == 0 and s.meter < AUTONOMOUS_TOLERANCE else
              text("Delay alone leaves the lower left block at zero; what the meter reads comes from packets lost or out of order.")
              if corner == 0 else
              text("The lower left block is not zero: what the observer is told is not what acts, and the "
@@ -239,7 +262,7 @@ def _growth(outcome: Outcome[Study]) -> PlaneFigure:
     name, a, stretch, _ = key(d)
     held, zeroed = input_growth(name, a, stretch)
     hold_now, zero_now = growth_now(name, a, stretch, d["loss_u"])
-    now = zero_now if d["lost"] == ZERO else hold_now
+    now = zero_now if d["lost"] == ZERO_INPUT else hold_now
     top = float(np.clip(np.ceil(2 * max(held.max(), zeroed.max())) / 2, 1.5, 5.0))
     better = (text("with nothing lost there is no difference") if hold_now == zero_now else
               text("holding is the better stand-in there") if hold_now < zero_now else

@@ -1,4 +1,4 @@
-"""The job: the covariance of the filter over many records of lost packets, at this loss and over all losses."""
+"""Average the filter's covariance over many loss records, at this loss and at all losses."""
 
 from __future__ import annotations
 
@@ -7,15 +7,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from app.engine.network import intermittent_steps
-from app.lesson.later import still_known, with_more
-from app.lesson.lesson import Design, Job, Outcome
-from app.text import text
+from observer_lab.course.lazy import merge_lazily, replace_keeping_cache
+from observer_lab.course.lesson import Design, Job, Outcome
+from observer_lab.engine.network import intermittent_steps
+from observer_lab.text import text
 
-from .cases import SAMPLES, watched
-from .study import FIRST, MOST, OVER, Study, Trials, key
+from .cases import RUN_SAMPLES, watched
+from .study import DISPLAY_LIMIT, FIRST_BAR_SHARE, OVER, Study, Trials, key
 
-RUNS = 800
+RUN_COUNT = 800
 
 
 def depends(design: Design) -> Hashable:
@@ -26,24 +26,24 @@ def depends(design: Design) -> Hashable:
 def average(outcome: Outcome[Study]) -> Iterator[tuple[float, Trials | None]]:
     """Means and medians, one loss after another on the same random numbers; every yield is a place to stop."""
     d = outcome.design
-    chance = np.random.default_rng([int(d["seed"]), 18]).random((RUNS, SAMPLES))
+    chance = np.random.default_rng([int(d["seed"]), 18]).random((RUN_COUNT, RUN_SAMPLES))
     every = 4 if watched(*key(d)).sampled.plant.n <= 2 else 1
-    mean = np.empty(SAMPLES + 1)
+    mean = np.empty(RUN_SAMPLES + 1)
     for k, ratios in enumerate(_ratios(d, chance >= d["loss"])):
         mean[k] = ratios.mean()
         if k % every == 0:
-            yield FIRST * (k + 1) / (SAMPLES + 2), None
-    found = Trials(d["loss"], np.clip(mean, 1 / MOST, MOST))
-    yield FIRST, found
-    share = (1 - FIRST) / len(OVER)
+            yield FIRST_BAR_SHARE * (k + 1) / (RUN_SAMPLES + 2), None
+    found = Trials(d["loss"], np.clip(mean, 1 / DISPLAY_LIMIT, DISPLAY_LIMIT))
+    yield FIRST_BAR_SHARE, found
+    share = (1 - FIRST_BAR_SHARE) / len(OVER)
     for i, loss in enumerate(OVER):
-        last, before = np.ones(RUNS), FIRST + share * i
+        last, before = np.ones(RUN_COUNT), FIRST_BAR_SHARE + share * i
         for k, ratios in enumerate(_ratios(d, chance >= loss)):
             last = ratios
             if k % every == 0:
-                yield before + share * (k + 1) / (SAMPLES + 2), None
-        found = replace(found, means=(*found.means, min(float(last.mean()), MOST)),
-                        medians=(*found.medians, min(float(np.median(last)), MOST)))
+                yield before + share * (k + 1) / (RUN_SAMPLES + 2), None
+        found = replace(found, means=(*found.means, min(float(last.mean()), DISPLAY_LIMIT)),
+                        medians=(*found.medians, min(float(np.median(last)), DISPLAY_LIMIT)))
         yield 1.0 if i == len(OVER) - 1 else before + share, found
 
 
@@ -61,7 +61,7 @@ def with_trials(outcome: Outcome[Study], found: Trials) -> Outcome[Study]:
     more = {"trials_done": min(found.done, 1.0)}
     if len(found.mean):
         more["trials_mean"] = float(found.mean[-1])
-    return replace(outcome, study=still_known(outcome.study, trials=found), metrics=with_more(outcome.metrics, more))
+    return replace(outcome, study=replace_keeping_cache(outcome.study, trials=found), metrics=merge_lazily(outcome.metrics, more))
 
 
-JOB = Job(text("Average {runs} runs", runs=RUNS), average, depends, with_trials, figure="means", follows=True)
+JOB = Job(text("Average {runs} runs", runs=RUN_COUNT), average, depends, with_trials, figure="means", follows=True)

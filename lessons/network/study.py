@@ -1,4 +1,4 @@
-"""What a design leads to: one run, the bounds of the mean covariance beside it, and the growth under lossy inputs."""
+"""Compute a design of lesson 18: one run, covariance bounds, growth under lossy inputs."""
 
 from __future__ import annotations
 
@@ -8,8 +8,11 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from app.engine import Link, NetworkScenario, simulate_network
-from app.engine.network import (
+from observer_lab.course.figures.claims import claim
+from observer_lab.course.lazy import LazyMap, LazySequence, LazyValue
+from observer_lab.course.lesson import Check, Design, Formula, Outcome, Stage
+from observer_lab.engine import Link, NetworkScenario, simulate_network
+from observer_lab.engine.network import (
     NetworkRun,
     delayed_loop,
     mean_bounds,
@@ -18,29 +21,26 @@ from app.engine.network import (
     promised_error,
     spectral_radius,
 )
-from app.lesson.claims import claim
-from app.lesson.later import Later, LaterItems, LaterMap
-from app.lesson.lesson import Check, Design, Formula, Outcome, Stage
-from app.text import Text, joined, text
+from observer_lab.text import Text, joined, text
 
 from ..toolkit.latex import matrix, number
-from .cases import DECK, KINDS, SAMPLES, SCALAR, TWO, Watched, sampled, watched
+from .cases import CASE_KINDS, DECK_CASE, RUN_SAMPLES, SCALAR_CASE, TWO, Watched, sampled, watched
 
-ASKED, APPLIED, AHEAD = "asked", "applied", "ahead"
-HOLD, ZERO = "hold", "zero"
-MOST = 1e9  # ratios and signals beyond are drawn at the edge
+TOLD_COMMANDED, TOLD_APPLIED, TOLD_AHEAD = "asked", "applied", "ahead"
+HOLD_INPUT, ZERO_INPUT = "hold", "zero"
+DISPLAY_LIMIT = 1e9  # ratios and signals beyond are drawn at the edge
 LOSSES = np.linspace(0.0, 1.0, 21)
 INPUT_LOSSES = np.linspace(0.0, 0.96, 17)
 OVER = np.linspace(0.05, 0.95, 19)
-FIRST = 0.2  # share of the bar for the loss of the design
-HELD = 1e-6  # of the separation meter: below it the error lives by itself
-FINE, MOST_FINE = 0.04, 12  # s, how finely the stage plays, and in how many parts of a sample at most
+FIRST_BAR_SHARE = 0.2  # share of the bar for the loss of the design
+AUTONOMOUS_TOLERANCE = 1e-6  # of the separation meter: below it the error lives by itself
+FRAME_S, MAX_FRAMES_PER_SAMPLE = 0.04, 12  # s, how finely the stage plays, and in how many parts of a sample at most
 
 
 def key(design: Design) -> tuple[str, float, float, float]:
     """What the filter's mean depends on beside the loss: case, a, period, sensor noise; knobs that do not matter left out."""
     name = design["case"]
-    return (name, design["a"] if name == SCALAR else 1.2, 1.0 if name in (SCALAR, TWO) else design["stretch"], design["noise"])
+    return (name, design["a"] if name == SCALAR_CASE else 1.2, 1.0 if name in (SCALAR_CASE, TWO) else design["stretch"], design["noise"])
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,7 +59,7 @@ class Trials:
     @property
     def done(self) -> float:
         """How far the job has come."""
-        return (FIRST if len(self.mean) else 0.0) + (1 - FIRST) * len(self.means) / len(OVER)
+        return (FIRST_BAR_SHARE if len(self.mean) else 0.0) + (1 - FIRST_BAR_SHARE) * len(self.means) / len(OVER)
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,7 +80,7 @@ class Study:
     heard: np.ndarray
     fresh: np.ndarray
     teeth: np.ndarray
-    bounds: Later[tuple[np.ndarray, np.ndarray]]
+    bounds: LazyValue[tuple[np.ndarray, np.ndarray]]
     loop: np.ndarray
     ages: tuple[np.ndarray, np.ndarray]
     trials: Trials | None = None
@@ -93,7 +93,7 @@ class Study:
     @cached_property
     def meter(self) -> float:
         """How far the error is not its own."""
-        return min(network_meter(self.run, promised=self.told_all), MOST)
+        return min(network_meter(self.run, promised=self.told_all), DISPLAY_LIMIT)
 
     @property
     def size(self) -> np.ndarray:
@@ -106,7 +106,7 @@ class Study:
         return self._sized(self.told_all)
 
     def _sized(self, e: np.ndarray) -> np.ndarray:
-        return _held(np.minimum(np.linalg.norm(e * np.sqrt(self.watched.weights), axis=1), MOST))
+        return _held(np.minimum(np.linalg.norm(e * np.sqrt(self.watched.weights), axis=1), DISPLAY_LIMIT))
 
     @property
     def lower(self) -> np.ndarray:
@@ -122,37 +122,37 @@ class Study:
 def tell(design: Design) -> Study:
     """Simulate the design and put beside it what is known about the mean."""
     who = watched(*key(design))
-    s, kind = who.sampled, KINDS[design["case"]]
-    delay, ahead = int(design["delay"]), int(design["delay"]) if design["told"] == AHEAD else 0
-    told = ASKED if design["told"] == ASKED else APPLIED
+    s, kind = who.sampled, CASE_KINDS[design["case"]]
+    delay, ahead = int(design["delay"]), int(design["delay"]) if design["told"] == TOLD_AHEAD else 0
+    told = TOLD_COMMANDED if design["told"] == TOLD_COMMANDED else TOLD_APPLIED
     stamped = design["jitter"] == 0 or design["order"] == "stamped"
     run = simulate_network(NetworkScenario(
-        s.plant, s.K, s.Q, who.R, who.steady.solution, kind.x0, SAMPLES, Link(design["loss"], 0, int(design["jitter"])),
+        s.plant, s.K, s.Q, who.R, who.steady.solution, kind.x0, RUN_SAMPLES, Link(design["loss"], 0, int(design["jitter"])),
         Link(design["loss_u"], delay), design["lost"], told, "stamped" if stamped else "arrival", ahead,
         _jumps(design, s.plant.dt), int(design["seed"])))
     after = run.plan.P
     before = s.plant.A @ after @ s.plant.A.T + s.Q
-    limits = Later(lambda: _late(*bounds(design["loss"], key(design)), int(design["jitter"]), who))
+    limits = LazyValue(lambda: _late(*bounds(design["loss"], key(design)), int(design["jitter"]), who))
     return Study(
         watched=who, run=run, x=_held(run.x), xhat=_held(run.xhat), asked=_held(run.u_asked), applied=_held(run.u_applied),
-        heard=np.isin(np.arange(SAMPLES), run.draw.sensed), fresh=np.isin(np.arange(SAMPLES), run.draw.acted),
-        teeth=np.clip(np.column_stack([who.ratio(after), who.ratio(before)]), 1 / MOST, MOST), bounds=limits,
+        heard=np.isin(np.arange(RUN_SAMPLES), run.draw.sensed), fresh=np.isin(np.arange(RUN_SAMPLES), run.draw.acted),
+        teeth=np.clip(np.column_stack([who.ratio(after), who.ratio(before)]), 1 / DISPLAY_LIMIT, DISPLAY_LIMIT), bounds=limits,
         loop=delayed_loop(s.plant, s.K, who.steady.filter_gain, delay, told=told, ahead=ahead),
         ages=(_held(run.sensor_age), _held(run.actuator_age)))
 
 
 def _held(values: np.ndarray) -> np.ndarray:
     """Over SAMPLES, clipped, the last value held where the run ended early."""
-    index = np.minimum(np.arange(SAMPLES), len(values) - 1)
-    return np.clip(values, -MOST, MOST)[index]
+    index = np.minimum(np.arange(RUN_SAMPLES), len(values) - 1)
+    return np.clip(values, -DISPLAY_LIMIT, DISPLAY_LIMIT)[index]
 
 
 def _jumps(design: Design, h: float) -> np.ndarray:
     """The kick, between two samples."""
-    kind = KINDS[design["case"]]
-    jumps = np.zeros((SAMPLES, len(kind.x0)))
+    kind = CASE_KINDS[design["case"]]
+    jumps = np.zeros((RUN_SAMPLES, len(kind.x0)))
     if design["kick"] >= 0:
-        jumps[min(int(design["kick"] / h), SAMPLES - 2)] = kind.kick
+        jumps[min(int(design["kick"] / h), RUN_SAMPLES - 2)] = kind.kick
     return jumps
 
 
@@ -161,7 +161,7 @@ def bounds(loss: float, of: tuple[str, float, float, float]) -> tuple[np.ndarray
     """Lower and upper bound of the mean covariance, (SAMPLES + 1, n, n), from the filter without loss on."""
     who = watched(*of)
     s = who.sampled
-    return mean_bounds(s.plant.A, s.plant.C, s.Q, who.R, who.steady.solution, loss, SAMPLES)
+    return mean_bounds(s.plant.A, s.plant.C, s.Q, who.R, who.steady.solution, loss, RUN_SAMPLES)
 
 
 @lru_cache(maxsize=32)
@@ -169,8 +169,8 @@ def bounds_over_loss(of: tuple[str, float, float, float]) -> tuple[np.ndarray, n
     """Ratios of the lower and the upper bound after SAMPLES samples, over LOSSES."""
     who = watched(*of)
     s = who.sampled
-    lower, upper = mean_bounds(s.plant.A, s.plant.C, s.Q, who.R, who.steady.solution, LOSSES, SAMPLES)
-    return np.minimum(who.ratio(lower[:, -1]), MOST), np.minimum(who.ratio(upper[:, -1]), MOST)
+    lower, upper = mean_bounds(s.plant.A, s.plant.C, s.Q, who.R, who.steady.solution, LOSSES, RUN_SAMPLES)
+    return np.minimum(who.ratio(lower[:, -1]), DISPLAY_LIMIT), np.minimum(who.ratio(upper[:, -1]), DISPLAY_LIMIT)
 
 
 def _late(lower: np.ndarray, upper: np.ndarray, late: int, who: Watched) -> tuple[np.ndarray, np.ndarray]:
@@ -179,15 +179,15 @@ def _late(lower: np.ndarray, upper: np.ndarray, late: int, who: Watched) -> tupl
     top = upper
     for _ in range(late):  # one more sample without any measurement; at the start there are none to wait for
         top = np.concatenate([upper[:1], s.plant.A @ top[:-1] @ s.plant.A.T + s.Q])
-    return np.clip(who.ratio(lower), 1 / MOST, MOST), np.clip(who.ratio(top), 1 / MOST, MOST)
+    return np.clip(who.ratio(lower), 1 / DISPLAY_LIMIT, DISPLAY_LIMIT), np.clip(who.ratio(top), 1 / DISPLAY_LIMIT, DISPLAY_LIMIT)
 
 
 @lru_cache(maxsize=32)
 def input_growth(name: str, a: float, stretch: float) -> tuple[np.ndarray, np.ndarray]:
     """Growth of E‖x‖² a sample over INPUT_LOSSES under u = −K x, for held and for zeroed inputs."""
     s = sampled(name, a, stretch)
-    losses = INPUT_LOSSES[::4] if name == DECK else INPUT_LOSSES
-    held, zeroed = ([mean_square_growth(s.plant, s.K, p, how) for p in losses] for how in (HOLD, ZERO))
+    losses = INPUT_LOSSES[::4] if name == DECK_CASE else INPUT_LOSSES
+    held, zeroed = ([mean_square_growth(s.plant, s.K, p, how) for p in losses] for how in (HOLD_INPUT, ZERO_INPUT))
     return np.interp(INPUT_LOSSES, losses, held), np.interp(INPUT_LOSSES, losses, zeroed)
 
 
@@ -195,7 +195,7 @@ def input_growth(name: str, a: float, stretch: float) -> tuple[np.ndarray, np.nd
 def growth_now(name: str, a: float, stretch: float, loss: float) -> tuple[float, float]:
     """The same at one loss, held and zeroed."""
     s = sampled(name, a, stretch)
-    return mean_square_growth(s.plant, s.K, loss, HOLD), mean_square_growth(s.plant, s.K, loss, ZERO)
+    return mean_square_growth(s.plant, s.K, loss, HOLD_INPUT), mean_square_growth(s.plant, s.K, loss, ZERO_INPUT)
 
 
 def loop_radius(study: Study) -> float:
@@ -207,32 +207,32 @@ def compute(design: Design) -> Outcome[Study]:
     """One run over the two links, bounds of the mean covariance, the loop with its delay."""
     study = tell(design)
     s = study.watched.sampled
-    poles = LaterMap(lambda: {"controller": np.linalg.eigvals(s.plant.A - s.plant.B @ s.K), "observer": study.watched.steady.poles,
+    poles = LazyMap(lambda: {"controller": np.linalg.eigvals(s.plant.A - s.plant.B @ s.K), "observer": study.watched.steady.poles,
                               "loop": np.linalg.eigvals(study.loop)})
-    metrics = LaterMap(lambda: {
+    metrics = LazyMap(lambda: {
         "critical": s.edge.lost, "safe": s.edge.safe, "growth": design["loss"] * s.radius**2, "radius": s.radius,
         "period": s.plant.dt, "separation_meter": study.meter, "loop_radius": loop_radius(study),
         "designed_radius": float(max(np.abs(p).max() for name, p in poles.items() if name != "loop")),
         "lower": float(study.lower[-1]), "upper": float(study.upper[-1]), "peak": float(study.teeth.max()),
         "lost_measurements": float(np.sum(~study.heard)), "lost_inputs": float(np.sum(study.run.draw.acted < 0)),
     })
-    checks = LaterItems(lambda: (
+    checks = LazySequence(lambda: (
         Check("bounded", text("the mean covariance stays bounded"), s.edge.bounded(design["loss"]) is True, metrics["growth"]),
-        Check("separation", text("the error lives by itself"), study.meter < HELD, study.meter),
+        Check("separation", text("the error lives by itself"), study.meter < AUTONOMOUS_TOLERANCE, study.meter),
         Check("loop", text("the loop with its delay is stable"), metrics["loop_radius"] < 1, metrics["loop_radius"]),
     ))
     return Outcome(design, {"K": s.K, "L": study.watched.steady.gain, "M": study.watched.steady.filter_gain}, poles, metrics,
-                   checks, None, (), _stage(design, study), LaterItems(lambda: _formulas(design, study)),
-                   Later(lambda: _live(design, metrics)), study)
+                   checks, None, (), _stage(design, study), LazySequence(lambda: _formulas(design, study)),
+                   LazyValue(lambda: _live(design, metrics)), study)
 
 
 def _stage(design: Design, study: Study) -> Stage:
     """The run played finely, straight between samples, with the packets as lamps and 3σ of the filter as a cloud."""
-    kind, s = KINDS[design["case"]], study.watched.sampled
-    fine = int(np.clip(np.ceil(s.plant.dt / FINE), 1, MOST_FINE))
-    index, share = np.divmod(np.arange((SAMPLES - 1) * fine + 1), fine)
+    kind, s = CASE_KINDS[design["case"]], study.watched.sampled
+    fine = int(np.clip(np.ceil(s.plant.dt / FRAME_S), 1, MAX_FRAMES_PER_SAMPLE))
+    index, share = np.divmod(np.arange((RUN_SAMPLES - 1) * fine + 1), fine)
     share = (share / fine)[:, None]
-    after = np.minimum(index + 1, SAMPLES - 1)
+    after = np.minimum(index + 1, RUN_SAMPLES - 1)
     lamps = np.column_stack([study.heard, study.fresh])[index]
 
     def played(x: np.ndarray) -> np.ndarray:
@@ -273,6 +273,6 @@ def _live(design: Design, m: Mapping[str, float]) -> Text:
                            lost=lost, critical=100 * m["critical"]), design["loss"], below=m["critical"], otherwise=text(
             "{lost} of the measurements are lost, {critical:.1f} % is the limit: the mean diverges.",
             lost=lost, critical=100 * m["critical"]))
-    second = claim(text("Separation meter: 0."), m["separation_meter"], below=HELD, otherwise=text(
+    second = claim(text("Separation meter: 0."), m["separation_meter"], below=AUTONOMOUS_TOLERANCE, otherwise=text(
         "Separation meter: {separation_meter:.2g}.", separation_meter=m["separation_meter"]))
     return joined(first, second)

@@ -1,20 +1,20 @@
-"""Tasks of the lesson: the edge, faster sampling, the gap between the bounds, the wall, both bounds by hand, a budget of packets."""
+"""Define the tasks of lesson 18."""
 
 from __future__ import annotations
 
-from app.lesson.lesson import Outcome, Task, Verdict, pencil
-from app.lesson.typed import Typed
-from app.text import text, written
+from observer_lab.course.exercises.typed_answers import Typed
+from observer_lab.course.lesson import Outcome, Task, Verdict, typed_task
+from observer_lab.text import format_number, text
 
-from .cases import CART, SCALAR, TWO
-from .study import AHEAD, HELD, Study
+from .cases import CART_CASE, SCALAR_CASE, TWO
+from .study import AUTONOMOUS_TOLERANCE, TOLD_AHEAD, Study
 
 NO_FASTER = 0.82  # share that may be lost at most where sampling is no faster than needed
 
 
 def _edge(outcome: Outcome[Study]) -> Verdict:
     d, m = outcome.design, outcome.metrics
-    if d["case"] != SCALAR or d["a"] < 1.3:
+    if d["case"] != SCALAR_CASE or d["a"] < 1.3:
         return Verdict(False, text("This task is about the scalar plant with a of at least 1.3."))
     now = text("{loss:.1f} % are lost, {critical:.1f} % is the edge",
                loss=100 * d["loss"], critical=100 * m["critical"])
@@ -27,7 +27,7 @@ def _edge(outcome: Outcome[Study]) -> Verdict:
 
 def _faster(outcome: Outcome[Study]) -> Verdict:
     d, m = outcome.design, outcome.metrics
-    if d["case"] != CART or d["loss"] < 0.8:
+    if d["case"] != CART_CASE or d["loss"] < 0.8:
         return Verdict(False, text("{loss:.0f} % lost; take the pole on a cart and lose at least 80 %.",
                                    loss=100 * d["loss"]))
     period, critical = 1e3 * m["period"], 100 * m["critical"]
@@ -52,10 +52,10 @@ def _gap(outcome: Outcome[Study]) -> Verdict:
 
 def _wall(outcome: Outcome[Study]) -> Verdict:
     d, m = outcome.design, outcome.metrics
-    if d["case"] != CART or d["delay"] < 2:
+    if d["case"] != CART_CASE or d["delay"] < 2:
         return Verdict(False, text("Take the pole on a cart and a delay of at least 2 samples."))
-    if m["separation_meter"] > HELD:
-        read = written(m["separation_meter"], ".2g")
+    if m["separation_meter"] > AUTONOMOUS_TOLERANCE:
+        read = format_number(m["separation_meter"], ".2g")
         return Verdict(False, text("The meter reads {read}: the observer counts with an input that does not act.",
                                    read=read))
     if m["loop_radius"] > m["designed_radius"] * (1 + 1e-6):
@@ -78,10 +78,10 @@ BUDGET = Typed("exp(-2*a/R)", ("a", "R", "k"), slips=(
 
 TASKS = (
     Task("edge", _edge, {"a": 1.4, "loss": 0.5}),
-    Task("faster", _faster, {"case": CART, "loss": 0.8, "stretch": 0.6}),
+    Task("faster", _faster, {"case": CART_CASE, "loss": 0.8, "stretch": 0.6}),
     Task("gap", _gap, {"case": TWO, "loss": 0.58}, Typed(lambda o: 1 / o.metrics["safe"])),
-    Task("wall", _wall, {"case": CART, "delay": 2.0, "told": AHEAD}),
-    pencil("perfect-readings", PERFECT_READINGS),
-    pencil("noisy-readings", NOISY_READINGS),
-    pencil("budget", BUDGET),
+    Task("wall", _wall, {"case": CART_CASE, "delay": 2.0, "told": TOLD_AHEAD}),
+    typed_task("perfect-readings", PERFECT_READINGS),
+    typed_task("noisy-readings", NOISY_READINGS),
+    typed_task("budget", BUDGET),
 )

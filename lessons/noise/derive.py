@@ -1,4 +1,4 @@
-"""The numbers that stand now in the derivation of lesson 8: the valley of one state at the present noises and speed."""
+"""Compute the numbers in the derivation of lesson 8: error variance of a one-state plant."""
 
 from __future__ import annotations
 
@@ -7,16 +7,16 @@ from collections.abc import Mapping
 import numpy as np
 from scipy.linalg import solve_continuous_are
 
-from app.lesson.derivation import Value
-from app.lesson.lesson import Outcome
+from observer_lab.course.exercises.derivation import Value
+from observer_lab.course.lesson import Outcome
 
-from .knobs import PLANT
+from .knobs import SPRING_PLANT
 from .study import Study
 
 
 def derived(outcome: Outcome[Study]) -> Mapping[str, Value]:
     """Gain, variance and slope of a plant with one state, as fast against its Kalman filter as the block's observer is."""
-    W, V, a = outcome.design["w"], outcome.design["v"], float(np.real(PLANT.poles).mean())
+    W, V, a = outcome.design["w"], outcome.design["v"], float(np.real(SPRING_PLANT.poles).mean())
     rho = outcome.metrics["speed"] / outcome.metrics["kalman_speed"]
     least = float(solve_continuous_are([[a]], [[1.0]], [[W]], [[V]])[0, 0])
     best = least / V

@@ -1,33 +1,33 @@
-"""The exams of lesson 8."""
+"""Define the exams of lesson 8."""
 
 from __future__ import annotations
 
 import math
 
-from app.lesson.exam import Exam, ExamItem, Lot, decimals, significant
+from observer_lab.course.exercises.exam import Exam, ExamItem, SeededDraws, decimals, significant
 
-QUIET = (0.1, 0.2, 0.5, 2.0)
+SMALL_INTENSITIES = (0.1, 0.2, 0.5, 2.0)
 
 
-def _least(lot: Lot) -> ExamItem:
+def _least(lot: SeededDraws) -> ExamItem:
     """ẋ = −a x + w, y = x + v: the Kalman gain L = −a + √(a² + W/V)."""
-    a, W, V = float(lot.whole(2, 7)), float(lot.whole(2, 39)), lot.one((*QUIET, 1.0))
+    a, W, V = float(lot.whole(2, 7)), float(lot.whole(2, 39)), lot.one((*SMALL_INTENSITIES, 1.0))
     return ExamItem({"a": a, "W": W, "V": V}, -a + math.sqrt(a * a + W / V))
 
 
-def _valley(lot: Lot) -> ExamItem:
+def _valley(lot: SeededDraws) -> ExamItem:
     """The variance at any L: P = (W + L² V)/(2 (a + L))."""
-    a, W, V, L = float(lot.whole(2, 7)), float(lot.whole(2, 30)), lot.one(QUIET), float(lot.whole(2, 12))
+    a, W, V, L = float(lot.whole(2, 7)), float(lot.whole(2, 30)), lot.one(SMALL_INTENSITIES), float(lot.whole(2, 12))
     return ExamItem({"a": a, "W": W, "V": V, "L": L}, (W + L * L * V) / (2 * (a + L)))
 
 
-def _worse(lot: Lot) -> ExamItem:
+def _worse(lot: SeededDraws) -> ExamItem:
     """P(L) = P(0) at L = W/(a V)."""
-    a, W, V = float(lot.whole(2, 6)), float(lot.whole(2, 39)), lot.one(QUIET)
+    a, W, V = float(lot.whole(2, 6)), float(lot.whole(2, 39)), lot.one(SMALL_INTENSITIES)
     return ExamItem({"a": a, "W": W, "V": V}, W / (a * V))
 
 
-def _samples(lot: Lot) -> ExamItem:
+def _samples(lot: SeededDraws) -> ExamItem:
     """Readings of deviation σ at a rate f are an intensity σ²/f; without damping L = √(W/V)."""
     W, f, sigma = float(lot.whole(2, 30)), float(lot.whole(2, 20) * 5), lot.part(2, 30)
     V = sigma**2 / f

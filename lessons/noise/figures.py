@@ -1,22 +1,22 @@
-"""Figures of the lesson: the U-curve and the peak over speed, one run, many runs against Lyapunov."""
+"""Draw the figures of lesson 8: error over speed, one run, many runs against Lyapunov."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from app.engine import chi2_band
-from app.lesson.claims import claim
-from app.lesson.figures import Curve, Figure, LineFigure, PlaneFigure, Point, TableFigure
-from app.lesson.lesson import Outcome
-from app.text import Text, same, squared, text
+from observer_lab.course.figures.claims import claim
+from observer_lab.course.figures.records import Curve, Figure, LineFigure, PlaneFigure, Point, TableFigure
+from observer_lab.course.lesson import Outcome
+from observer_lab.engine import chi2_band
+from observer_lab.text import Text, same, squared_unit, text
 
 from ..toolkit.figures import TIME_TAB
 from .study import Study
 
 SPEED_TAB, RUNS_TAB = text("Speed"), text("Many runs")
-NAMES = (text("position"), text("velocity"))
-UNITS = ("m", "m/s")
-LEVEL = 0.95
+SIGNAL_NAMES = (text("position"), text("velocity"))
+SIGNAL_UNITS = ("m", "m/s")
+BAND_PROBABILITY = 0.95
 PLANNED = 400  # runs for which the band is drawn before any has been made
 
 
@@ -44,12 +44,12 @@ def _valley(outcome: Outcome[Study], i: int) -> PlaneFigure:
         tried = float(_log(np.sqrt(study.trials.square[-1, i])))
         points.append(Point(float(_log(np.array(m["speed"]))), tried, "error", "dot", text("runs")))
     return PlaneFigure(
-        "valley", text("{names} error over observer speed", names=NAMES[i]),
+        "valley", text("{names} error over observer speed", names=SIGNAL_NAMES[i]),
         (Curve(text("both noises"), total, "error", x=x),
          Curve(text("force noise"), _log(ray.process[:, i]) / 2, "disturbance", "dash", 1.8, x),
          Curve(text("sensor noise"), _log(ray.sensor[:, i]) / 2, "second", "dot", 1.8, x),
          Curve(text("least possible"), np.full(2, least), "reference", "dash", 1.2, np.array([-0.5, 2.5]))),
-        tuple(points), "|p| [rad/s]", f"σ [{UNITS[i]}]", (-0.5, 2.5), (float(low), float(low) + 3.0), tab=SPEED_TAB, powers="xy",
+        tuple(points), "|p| [rad/s]", f"σ [{SIGNAL_UNITS[i]}]", (-0.5, 2.5), (float(low), float(low) + 3.0), tab=SPEED_TAB, powers="xy",
         caption=_valley_words(outcome, i))
 
 
@@ -57,7 +57,7 @@ def _valley_words(outcome: Outcome[Study], i: int) -> Text:
     study, m = outcome.study, outcome.metrics
     now, least = (float(np.sqrt(P[i, i])) for P in (study.parts.total, study.kalman.solution))
     if now < 1.005 * least:
-        return text("σ = {now:.3g} {units}: this is the bottom.", now=now, units=UNITS[i])
+        return text("σ = {now:.3g} {units}: this is the bottom.", now=now, units=SIGNAL_UNITS[i])
     total = study.ray.process[:, i] + study.ray.sensor[:, i]
     best = float(study.ray.speed[np.argmin(total)])
     share = 100 * m["sensor_share"]
@@ -66,7 +66,7 @@ def _valley_words(outcome: Outcome[Study], i: int) -> Text:
     advice = claim(text("No other speed is half a per cent better; only another pattern is."), gain, below=0.5, otherwise=turned)
     return text("σ = {now:.3g} {units}, {share:.0f} % of σ² from the sensor; the least is {least:.3g} {units}. "
                 "{advice}",
-                now=now, units=UNITS[i], share=share, least=least, advice=advice)
+                now=now, units=SIGNAL_UNITS[i], share=share, least=least, advice=advice)
 
 
 def _peaks(outcome: Outcome[Study]) -> PlaneFigure:
@@ -89,10 +89,10 @@ def _peaks(outcome: Outcome[Study]) -> PlaneFigure:
 def _shares(outcome: Outcome[Study]) -> TableFigure:
     study = outcome.study
     rows = []
-    for i, name in enumerate(NAMES):
+    for i, name in enumerate(SIGNAL_NAMES):
         parts = (study.parts.process, study.parts.sensor, study.parts.total, study.kalman.solution)
         tried = "—" if study.trials is None else f"{np.sqrt(study.trials.square[-1, i]):.3g}"
-        rows.append((text("{name} [{units}]", name=name, units=UNITS[i]), *(f"{np.sqrt(P[i, i]):.3g}" for P in parts), tried))
+        rows.append((text("{name} [{units}]", name=name, units=SIGNAL_UNITS[i]), *(f"{np.sqrt(P[i, i]):.3g}" for P in parts), tried))
     gap = float(np.linalg.eigvalsh(study.parts.total - study.kalman.solution)[0])
     worst = float(np.abs(study.kalman.solution).max())
     return TableFigure(
@@ -135,7 +135,7 @@ def error_curves(e: np.ndarray, quiet: np.ndarray, spread: np.ndarray) -> tuple[
 
 def variance_curves(promised: np.ndarray, tried: np.ndarray | None, count: int) -> tuple[tuple[Curve, ...], float]:
     """The promised variance and its band over `count` runs, beside what the runs gave; percent of the instants inside, NaN before any."""
-    low, high = chi2_band(1, count=count, level=LEVEL)
+    low, high = chi2_band(1, count=count, level=BAND_PROBABILITY)
     curves = (Curve(text("Lyapunov"), promised, "reference", "dash"),
               Curve(text("95 % band, {count} runs", count=count), high * promised, "muted", "dot", 1.4),
               Curve(text("lower edge"), low * promised, "muted", "dot", 1.4))
@@ -151,8 +151,8 @@ def _error(outcome: Outcome[Study], i: int) -> LineFigure:
     spread = 2 * np.sqrt(np.maximum(study.grown[:, i, i], 0.0))
     inside = 100 * float(np.mean(np.abs(run.e[:, i] - study.quiet[:, i]) <= spread + 1e-12))
     return LineFigure(
-        "error", text("error of the {names}", names=NAMES[i]), run.t,
-        error_curves(run.e[:, i], study.quiet[:, i], spread), f"e [{UNITS[i]}]", window=(-0.2, 0.2), tab=TIME_TAB,
+        "error", text("error of the {names}", names=SIGNAL_NAMES[i]), run.t,
+        error_curves(run.e[:, i], study.quiet[:, i], spread), f"e [{SIGNAL_UNITS[i]}]", window=(-0.2, 0.2), tab=TIME_TAB,
         caption=text("{inside:.0f} % of this run lies within 2σ of the noise-free error; 95 % are expected on "
                      "average.",
                      inside=inside))
@@ -170,5 +170,5 @@ def _variance(outcome: Outcome[Study], i: int) -> LineFigure:
         said = text("{count} runs: the variance lies within its 95 % band at {inside:.0f} % of the instants; at "
                     "the end it is {tried:.3f} of the promise.",
                     count=count, inside=inside, tried=tried[-1] / promised[-1])
-    return LineFigure("variance", text("variance of the {names} error", names=NAMES[i]), run.t, curves,
-                      f"[{squared(UNITS[i])}]", window=(0.0, float(1.3 * promised[-1])), caption=said, tab=RUNS_TAB)
+    return LineFigure("variance", text("variance of the {names} error", names=SIGNAL_NAMES[i]), run.t, curves,
+                      f"[{squared_unit(SIGNAL_UNITS[i])}]", window=(0.0, float(1.3 * promised[-1])), caption=said, tab=RUNS_TAB)

@@ -1,28 +1,28 @@
-"""Noise: the block, how its observer is chosen, and how strong both noises are."""
+"""Define the knobs of lesson 8: observer poles and the strength of both noises."""
 
 from __future__ import annotations
 
-from app.lesson.knobs import Choice, Number, Poles
-from app.plants import MODELS
-from app.text import text
+from observer_lab.course.knobs import Choice, Number, Poles
+from observer_lab.plants import MODELS
+from observer_lab.text import text
 
 from ..toolkit.knobs import run_knobs
 
 MODEL = MODELS["spring-damper"]
-PLANT = MODEL.plant
+SPRING_PLANT = MODEL.plant
 HORIZON, DT = 6.0, 0.012
 RE_LOW, RE_HIGH, IM_HIGH = -16.0, 2.0, 10.0
-SPEED, POLES = "speed", "poles"
+BY_SPEED, BY_POLES = "speed", "poles"
 POSITION, VELOCITY = "position", "velocity"
 KNOBS = (
-    Choice("method", "", text("observer by"), default=SPEED,
-           options=((SPEED, text("speed, in the Kalman pattern")),
-                    (POLES, text("dragging poles"))),
+    Choice("method", "", text("observer by"), default=BY_SPEED,
+           options=((BY_SPEED, text("speed, in the Kalman pattern")),
+                    (BY_POLES, text("dragging poles"))),
            hint=text("One factor on the Kalman filter's poles, or two poles of your own on the right board.")),
     Number("speed", r"\rho", text("speed, times Kalman"), low=0.1, high=10.0, default=5.0, scale="log",
-           when=("method", (SPEED,)), hint=text("Both poles are ρ times those of the Kalman filter.")),
+           when=("method", (BY_SPEED,)), hint=text("Both poles are ρ times those of the Kalman filter.")),
     Poles("observer_poles", "q", text("Observer poles"), "rad/s", default=(-8 - 6j, -8 + 6j), re_low=RE_LOW,
-          re_high=RE_HIGH, im_high=IM_HIGH, role="estimate", when=("method", (POLES,)),
+          re_high=RE_HIGH, im_high=IM_HIGH, role="estimate", when=("method", (BY_POLES,)),
           hint=text("eig(A − LC): farther left is faster.")),
     Number("w", "W", text("force noise W"), "N² s", low=1e-2, high=1.0, default=0.04, scale="log",
            hint=text("Intensity of the unknown force on the block.")),

@@ -1,4 +1,4 @@
-"""The valley of observer speed on a person's own plant: belief in the process noise takes the place of speed."""
+"""Fit lesson 8 to the user's own plant: the assumed process noise takes the place of speed."""
 
 from __future__ import annotations
 
@@ -8,20 +8,20 @@ from functools import partial
 
 import numpy as np
 
-from app.lesson.knobs import Choice, Knob, Number, Poles
-from app.lesson.later import still_known
-from app.lesson.lesson import Design, Job, Lesson, Outcome
-from app.plants import Model
-from app.text import text
+from observer_lab.course.knobs import Choice, Knob, Number, Poles
+from observer_lab.course.lazy import replace_keeping_cache
+from observer_lab.course.lesson import Design, Job, Lesson, Outcome
+from observer_lab.plants import Model
+from observer_lab.text import text
 
 from ..toolkit.knobs import run_knobs
-from .job import RUNS
-from .knobs import POLES
+from .job import RUN_COUNT
+from .knobs import BY_POLES
 from .own_figures import figures
 from .own_study import BELIEF, Study, compute, drawn, scenario_of, signals, watched_signal
 from .study import Trials
 
-AT_ONCE = 5
+BATCH_RUNS = 5
 
 
 def own_knobs(model: Model) -> tuple[Knob, ...]:
@@ -29,14 +29,14 @@ def own_knobs(model: Model) -> tuple[Knob, ...]:
     window, (one, two) = model.observer_window, signals(model)
     return (
         Choice("method", "", text("observer by"), default=BELIEF,
-               options=((BELIEF, text("belief in the process noise")), (POLES, text(
+               options=((BELIEF, text("belief in the process noise")), (BY_POLES, text(
                    "dragging poles"))),
                hint=text("A Kalman filter that believes b times the process noise, or poles of your own.")),
         Number("belief", "b", text("believed / true process noise"), low=1e-3, high=1e3, default=100.0,
                scale="log",
                when=("method", (BELIEF,)), hint=text("Above 1 the observer is too fast, below 1 too slow.")),
         Poles("observer_poles", "q", text("Observer poles"), "rad/s", default=model.observer_poles, re_low=window.re_low,
-              re_high=window.re_high, im_high=window.im_high, role="estimate", when=("method", (POLES,)),
+              re_high=window.re_high, im_high=window.im_high, role="estimate", when=("method", (BY_POLES,)),
               hidden=not model.observer_poles, hint=text("eig(A − LC): farther left is faster.")),
         Number("w", r"\sigma_w", text("process noise, share of the natural input"), low=1e-3, high=10.0,
                default=0.1, scale="log", hint=text("An unknown input, as strong as this share of the natural one.")),
@@ -56,17 +56,17 @@ def try_often(model: Model, outcome: Outcome[Study]) -> Iterator[tuple[float, Tr
     scenario, study, row = (scenario_of(model, outcome.design, outcome.gains["L"]), outcome.study,
                             np.array(watched_signal(model, outcome.design).weights))
     total = np.zeros(len(study.grown))
-    for k, seed in enumerate(np.random.SeedSequence(int(outcome.design["seed"])).generate_state(RUNS), start=1):
+    for k, seed in enumerate(np.random.SeedSequence(int(outcome.design["seed"])).generate_state(RUN_COUNT), start=1):
         e = drawn(replace(scenario, seed=int(seed))).e
         shared = min(len(e), len(total))
         total[:shared] += ((e[:shared] - study.quiet[:shared]) @ row) ** 2
-        if k % AT_ONCE == 0:
-            yield k / RUNS, Trials(k, (total / k)[:, None])
+        if k % BATCH_RUNS == 0:
+            yield k / RUN_COUNT, Trials(k, (total / k)[:, None])
 
 
 def shown(outcome: Outcome[Study], trials: Trials) -> Outcome[Study]:
     """The outcome with what the runs showed."""
-    return replace(outcome, study=still_known(outcome.study, trials=trials))
+    return replace(outcome, study=replace_keeping_cache(outcome.study, trials=trials))
 
 
 def key(design: Design) -> Design:
@@ -77,4 +77,4 @@ def key(design: Design) -> Design:
 def adapted(lesson: Lesson, model: Model) -> Lesson:
     """The lesson on a person's own plant, where a Kalman filter for it exists; the tasks stay with the block."""
     return replace(lesson, knobs=own_knobs(model), compute=partial(compute, model), figures=partial(figures, model), tasks=(),
-                   job=Job(text("Try {runs} runs", runs=RUNS), partial(try_often, model), key, shown, figure="variance", follows=True))
+                   job=Job(text("Try {runs} runs", runs=RUN_COUNT), partial(try_often, model), key, shown, figure="variance", follows=True))

@@ -1,32 +1,34 @@
-"""Figures of the valley on a person's own plant."""
+"""Draw the figures of lesson 8 for an own plant."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from app.engine.simulation import Run
-from app.lesson.figures import Curve, LineFigure, PlaneFigure, Point, TableFigure
-from app.lesson.later import Sheaf, leaf
-from app.lesson.lesson import Outcome
-from app.plants import Model, Signal
-from app.text import squared, text, text_in
+from observer_lab.course.figures.records import Curve, LineFigure, PlaneFigure, Point, TableFigure
+from observer_lab.course.lazy import FigureSet, tab_figures
+from observer_lab.course.lesson import Outcome
+from observer_lab.engine.simulation import Run
+from observer_lab.plants import Model, Signal
+from observer_lab.text import squared_unit, text, text_in
 
 from ..toolkit.figures import TIME_TAB
 from .figures import RUNS_TAB, SPEED_TAB, error_curves, variance_curves
-from .job import RUNS
-from .own_study import BELIEF, RUNGS, Study, watched_signal
+from .job import RUN_COUNT
+from .own_study import ASSUMED_NOISE_RATIOS, BELIEF, Study, watched_signal
 
-QUICK = 12  # states up to which the ladder of beliefs follows a hand; beyond, it follows when the hand pauses
+MAX_LIVE_STATES = 12  # states up to which the ladder of beliefs follows a hand; beyond, it follows when the hand pauses
 
 
 # --- figures -----------------------------------------------------------------------------------------------------------
-def figures(model: Model, outcome: Outcome[Study]) -> Sheaf:
+def figures(model: Model, outcome: Outcome[Study]) -> FigureSet:
     """The valley and the peak over belief, shares; one run; many runs."""
     run, signal = outcome.study.run, watched_signal(model, outcome.design)
-    return Sheaf(leaf(SPEED_TAB, lambda: (_valley(outcome, signal), _peaks(outcome)), "open" if model.plant.n <= QUICK else "late"),
-                 leaf(SPEED_TAB, lambda: (_shares(model, outcome),)),
-                 leaf(TIME_TAB, lambda: (_seen(model, run), _hidden(signal, run), _error(outcome, signal, run))),
-                 leaf(RUNS_TAB, lambda: (_variance(outcome, signal, run),)))
+    return FigureSet(
+        tab_figures(SPEED_TAB, lambda: (_valley(outcome, signal), _peaks(outcome)), "open" if model.plant.n <= MAX_LIVE_STATES else "late"),
+        tab_figures(SPEED_TAB, lambda: (_shares(model, outcome),)),
+        tab_figures(TIME_TAB, lambda: (_seen(model, run), _hidden(signal, run), _error(outcome, signal, run))),
+        tab_figures(RUNS_TAB, lambda: (_variance(outcome, signal, run),)),
+    )
 
 
 def _rms(P: np.ndarray, signal: Signal) -> float:
@@ -39,7 +41,7 @@ def _now(outcome: Outcome[Study]) -> float | None:
 
 
 def _valley(outcome: Outcome[Study], signal: Signal) -> PlaneFigure:
-    study, x, m = outcome.study, np.log10(RUNGS), outcome.metrics
+    study, x, m = outcome.study, np.log10(ASSUMED_NOISE_RATIOS), outcome.metrics
     total, process, sensor = (np.log10([_rms(getattr(p, k), signal) for p in study.ladder.parts]) for k in ("total", "process", "sensor"))
     at = _now(outcome)
     here = (Point(2.2 if at is None else at, float(np.log10(max(m["rms"], 1e-150))), "estimate", "cross", text(
@@ -59,10 +61,10 @@ def _valley(outcome: Outcome[Study], signal: Signal) -> PlaneFigure:
 
 def _peaks(outcome: Outcome[Study]) -> PlaneFigure:
     y, at = np.log10(np.maximum(outcome.study.peaks, 1e-150)), _now(outcome)
-    points = () if at is None else (Point(at, float(np.interp(at, np.log10(RUNGS), y)), "estimate", "cross", text(
+    points = () if at is None else (Point(at, float(np.interp(at, np.log10(ASSUMED_NOISE_RATIOS), y)), "estimate", "cross", text(
         "yours")),)
     return PlaneFigure("peaks", text("peak of the error from x(0), without noise"),
-                       (Curve(text("start as wrong as x(0)"), y, "error", x=np.log10(RUNGS)),), points,
+                       (Curve(text("start as wrong as x(0)"), y, "error", x=np.log10(ASSUMED_NOISE_RATIOS)),), points,
                        "b", "max|e|",
                        (-3.0, 3.0), (float(np.floor(y.min())) - 0.2, float(np.ceil(y.max())) + 0.2), tab=SPEED_TAB, powers="xy",
                        caption=text("In this run the estimate is wrong by up to {peak:.3g}, noise aside.",
@@ -112,7 +114,7 @@ def _error(outcome: Outcome[Study], signal: Signal, run: Run) -> LineFigure:
 
 def _variance(outcome: Outcome[Study], signal: Signal, run: Run) -> LineFigure:
     study = outcome.study
-    grown, count = study.grown, RUNS if study.trials is None else study.trials.count
+    grown, count = study.grown, RUN_COUNT if study.trials is None else study.trials.count
     curves, inside = variance_curves(grown, None if study.trials is None else study.trials.square[:, 0], count)
     if study.trials is None:
         said = text("No runs yet: press the button under the knobs.")
@@ -120,4 +122,4 @@ def _variance(outcome: Outcome[Study], signal: Signal, run: Run) -> LineFigure:
         said = text("{count} runs: the variance lies within its 95 % band at {inside:.0f} % of the instants.",
                     count=count, inside=inside)
     return LineFigure("variance", text("variance of the error of {name}", name=signal.name),
-                      run.t[:len(grown)], curves, f"[{squared(signal.unit)}]", caption=said, tab=RUNS_TAB)
+                      run.t[:len(grown)], curves, f"[{squared_unit(signal.unit)}]", caption=said, tab=RUNS_TAB)

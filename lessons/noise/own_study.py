@@ -1,4 +1,4 @@
-"""What the valley computes for a person's own plant: a ladder of beliefs, and the observer of the design on it."""
+"""Compute lesson 8 on an own plant: filters over assumed noise, and the chosen observer."""
 
 from __future__ import annotations
 
@@ -8,25 +8,25 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from app.engine import Plant, Scenario, error_parts, lqe, simulate
-from app.engine.filters import ErrorParts, Ladder, growing_error, noise_ladder
-from app.engine.simulation import Run
-from app.engine.systems import sorted_poles
-from app.lesson.knobs import KnobError
-from app.lesson.later import Later, LaterItems, LaterMap
-from app.lesson.lesson import Board, Check, Design, Formula, Outcome
-from app.plants import Model, Signal
-from app.text import Text, text
+from observer_lab.course.knobs import KnobError
+from observer_lab.course.lazy import LazyMap, LazySequence, LazyValue
+from observer_lab.course.lesson import Board, Check, Design, Formula, Outcome
+from observer_lab.engine import Plant, Scenario, error_parts, lqe, simulate
+from observer_lab.engine.filters import ErrorParts, Ladder, growing_error, noise_ladder
+from observer_lab.engine.simulation import Run
+from observer_lab.engine.systems import sorted_poles
+from observer_lab.plants import Model, Signal
+from observer_lab.text import Text, text
 
 from ..toolkit.boards import bolts, listed, stage
 from ..toolkit.gains import injection, noise_units
 from ..toolkit.knobs import kicks
 from ..toolkit.latex import gain_words
-from .knobs import POLES
+from .knobs import BY_POLES
 from .study import Trials
 
 BELIEF = "belief"
-RUNGS = np.logspace(-3, 3, 11)  # beliefs in the process noise, times the truth
+ASSUMED_NOISE_RATIOS = np.logspace(-3, 3, 11)  # beliefs in the process noise, times the truth
 SAMPLED = 120  # instants at which a peak is looked for
 
 
@@ -98,7 +98,7 @@ def noises(model: Model, design: Design) -> tuple[np.ndarray, np.ndarray, np.nda
 def _ladder(plant: Plant, G: bytes, W: bytes, V: bytes) -> Ladder:
     G_ = np.frombuffer(G).reshape(plant.n, -1)
     q = G_.shape[1]
-    return noise_ladder(plant, G_, np.frombuffer(W).reshape(q, q), np.frombuffer(V).reshape(plant.p, plant.p), RUNGS)
+    return noise_ladder(plant, G_, np.frombuffer(W).reshape(q, q), np.frombuffer(V).reshape(plant.p, plant.p), ASSUMED_NOISE_RATIOS)
 
 
 @lru_cache(maxsize=32)
@@ -138,11 +138,11 @@ def compute(model: Model, design: Design) -> Outcome[Study]:
          else injection(plant, design["observer_poles"], model))
     study = Study(model, design, L, error_parts(plant, L, G, W, V), drawn(scenario_of(model, design, L)))
     poles, kalman = sorted_poles(plant.A - L @ plant.C), np.linalg.eigvals(plant.A - study.kalman @ plant.C)
-    metrics = LaterMap(lambda: _metrics(study))
-    return Outcome(design, {"L": L}, {"observer": poles, "kalman": kalman}, metrics, LaterItems(lambda: _checks(metrics)), study.run,
-                   _boards(model, design, L, poles, kalman), stage(model, study.run), LaterItems(lambda: (
+    metrics = LazyMap(lambda: _metrics(study))
+    return Outcome(design, {"L": L}, {"observer": poles, "kalman": kalman}, metrics, LazySequence(lambda: _checks(metrics)), study.run,
+                   _boards(model, design, L, poles, kalman), stage(model, study.run), LazySequence(lambda: (
                        Formula("lyapunov", r"F P + P F^{\mathsf T} + G W G^{\mathsf T} + L V L^{\mathsf T} = 0,\quad F = A - LC"),
-                       Formula("L", gain_words("L", L)))), Later(lambda: _live(metrics)), study)
+                       Formula("L", gain_words("L", L)))), LazyValue(lambda: _live(metrics)), study)
 
 
 def _metrics(study: Study) -> dict[str, float]:
@@ -160,7 +160,7 @@ def _checks(m: Mapping[str, float]) -> tuple[Check, ...]:
 
 
 def _boards(model: Model, design: Design, L: np.ndarray, poles: np.ndarray, kalman: np.ndarray) -> tuple[Board, Board]:
-    window, plant, by_hand = model.observer_window, model.plant, design["method"] == POLES
+    window, plant, by_hand = model.observer_window, model.plant, design["method"] == BY_POLES
     return (
         Board("kalman", text("poles of the Kalman filter"), listed(np.sort_complex(kalman)), side="left",
               re_low=window.re_low, re_high=window.re_high, im_high=window.im_high),
@@ -168,7 +168,7 @@ def _boards(model: Model, design: Design, L: np.ndarray, poles: np.ndarray, kalm
               design["observer_poles"] if by_hand else listed(poles),
               "observer_poles" if by_hand or len(poles) == len(model.observer_poles) else None,
               bolts(model.observer, window) if by_hand else (), role="estimate", side="right", re_low=window.re_low,
-              re_high=window.re_high, im_high=window.im_high, also=(("method", POLES),), landscape=plant.A - L @ plant.C))
+              re_high=window.re_high, im_high=window.im_high, also=(("method", BY_POLES),), landscape=plant.A - L @ plant.C))
 
 
 def _peaks_along(plant: Plant, ladder: Ladder, start: np.ndarray, row: np.ndarray, dt: float, count: int) -> np.ndarray:

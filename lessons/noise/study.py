@@ -1,4 +1,4 @@
-"""How large the estimation error of the block gets: in the limit, along a ray of observers, from sample to sample."""
+"""Compute the block's error variance: steady, over observer speed, and over time."""
 
 from __future__ import annotations
 
@@ -7,26 +7,26 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.linalg import expm
 
-from app.engine import Plant, Scenario, error_parts, lqe, observer_gain, simulate
-from app.engine.design import Optimal
-from app.engine.filters import ErrorParts
-from app.engine.simulation import Run
-from app.engine.systems import settled_covariance
-from app.lesson.claims import claim
-from app.lesson.knobs import KnobError
-from app.lesson.lesson import Board, Check, Design, Formula, Outcome, Stage
-from app.plants.spring_damper import STAGE
-from app.text import Text, text
+from observer_lab.course.figures.claims import claim
+from observer_lab.course.knobs import KnobError
+from observer_lab.course.lesson import Board, Check, Design, Formula, Outcome, Stage
+from observer_lab.engine import Plant, Scenario, error_parts, lqe, observer_gain, simulate
+from observer_lab.engine.design import Optimal
+from observer_lab.engine.filters import ErrorParts
+from observer_lab.engine.simulation import Run
+from observer_lab.engine.systems import settled_covariance
+from observer_lab.plants.spring_damper import STAGE_SCALE
+from observer_lab.text import Text, text
 
 from ..toolkit.boards import listed
 from ..toolkit.knobs import kicks
 from ..toolkit.latex import matrix, number
-from .knobs import DT, HORIZON, IM_HIGH, MODEL, PLANT, POLES, RE_HIGH, RE_LOW, SPEED, VELOCITY
+from .knobs import BY_POLES, BY_SPEED, DT, HORIZON, IM_HIGH, MODEL, RE_HIGH, RE_LOW, SPRING_PLANT, VELOCITY
 
-SPEEDS = np.logspace(-0.5, 2.5, 61)  # rad/s
+OBSERVER_SPEEDS = np.logspace(-0.5, 2.5, 61)  # rad/s
 
-GAIN = 2.0  # so that noise and its estimate are seen to move
-BODY = replace(MODEL.body, gain=GAIN)
+MOTION_GAIN = 2.0  # so that noise and its estimate are seen to move
+BODY = replace(MODEL.body, gain=MOTION_GAIN)
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,21 +65,21 @@ class Study:
 
 def scenario_of(design: Design, L: np.ndarray) -> Scenario:
     """Plant and observer under both noises, nobody steering."""
-    return Scenario(PLANT, None, L, x0=(design["error0"], 0.0), xhat0=(0.0, 0.0), horizon=HORIZON, dt=DT,
-                    W=[[design["w"]]], V=[[design["v"]]], G=PLANT.B, impulses=kicks(design, MODEL),
+    return Scenario(SPRING_PLANT, None, L, x0=(design["error0"], 0.0), xhat0=(0.0, 0.0), horizon=HORIZON, dt=DT,
+                    W=[[design["w"]]], V=[[design["v"]]], G=SPRING_PLANT.B, impulses=kicks(design, MODEL),
                     seed=int(design["seed"]))
 
 
 def compute(design: Design) -> Outcome[Study]:
     """The observer's error covariance beside the least one, the ray through its poles, and one noisy run."""
     W, V = design["w"], design["v"]
-    kalman = lqe(PLANT.A, PLANT.B, PLANT.C, [[W]], [[V]])
+    kalman = lqe(SPRING_PLANT.A, SPRING_PLANT.B, SPRING_PLANT.C, [[W]], [[V]])
     poles, L = _observer(design, kalman)
-    parts = error_parts(PLANT, L, PLANT.B, [[W]], [[V]])
+    parts = error_parts(SPRING_PLANT, L, SPRING_PLANT.B, [[W]], [[V]])
     scenario = scenario_of(design, L)
     run, quiet = simulate(scenario), simulate(replace(scenario, W=None, V=None))
-    study = Study(parts, kalman, ray_of(PLANT, poles, SPEEDS, W, V), quiet.e,
-                  growing(PLANT, L, parts, V, DT, len(run.t)))
+    study = Study(parts, kalman, ray_of(SPRING_PLANT, poles, OBSERVER_SPEEDS, W, V), quiet.e,
+                  growing(SPRING_PLANT, L, parts, V, DT, len(run.t)))
     metrics = _metrics(design, study, poles, L)
     ratio = metrics["variance_ratio"]
     checks = (
@@ -88,13 +88,13 @@ def compute(design: Design) -> Outcome[Study]:
               metrics["floor"] > -1e-9, metrics["floor"]),
     )
     return Outcome(design, {"L": L, "L_kalman": kalman.gain}, {"observer": np.asarray(poles), "kalman": kalman.poles},
-                   metrics, checks, run, _boards(poles, kalman, PLANT.A - L @ PLANT.C), _stage(run, study),
+                   metrics, checks, run, _boards(poles, kalman, SPRING_PLANT.A - L @ SPRING_PLANT.C), _stage(run, study),
                    _formulas(L, study), _live(design, metrics), study)
 
 
 def _observer(design: Design, kalman: Optimal) -> tuple[tuple[complex, ...], np.ndarray]:
     """Poles and gain. Raises KnobError where the error does not settle."""
-    if design["method"] == SPEED:
+    if design["method"] == BY_SPEED:
         poles = tuple(complex(p) * design["speed"] for p in kalman.poles)
         if design["speed"] == 1.0:
             return poles, kalman.gain
@@ -103,7 +103,7 @@ def _observer(design: Design, kalman: Optimal) -> tuple[tuple[complex, ...], np.
     if max(p.real for p in poles) > -0.02:
         raise KnobError(text("An observer pole is not left of −0.02, so the error has no variance to speak of; "
                              "drag it left."))
-    return poles, observer_gain(PLANT.A, PLANT.C, poles).gain
+    return poles, observer_gain(SPRING_PLANT.A, SPRING_PLANT.C, poles).gain
 
 
 def _metrics(design: Design, study: Study, poles: tuple[complex, ...], L: np.ndarray) -> dict[str, float]:
@@ -129,12 +129,14 @@ def _boards(poles: tuple[complex, ...], kalman: Optimal, error: np.ndarray) -> t
               re_low=RE_LOW, re_high=RE_HIGH, im_high=IM_HIGH),
         Board("observer", text("observer poles  eig(A − LC)"),
               listed(poles), "observer_poles", role="estimate", side="right", re_low=RE_LOW,
-              re_high=RE_HIGH, im_high=IM_HIGH, also=(("method", POLES),), landscape=error),
+              re_high=RE_HIGH, im_high=IM_HIGH, also=(("method", BY_POLES),), landscape=error),
     )
 
 
 def _stage(run: Run, study: Study) -> Stage:
-    return Stage(BODY, run.t, run.x, run.xhat, run.u_applied, 3 * STAGE * GAIN * np.sqrt(np.maximum(study.grown[:, 0, 0], 0.0)))
+    return Stage(
+        BODY, run.t, run.x, run.xhat, run.u_applied, 3 * STAGE_SCALE * MOTION_GAIN * np.sqrt(np.maximum(study.grown[:, 0, 0], 0.0))
+    )
 
 
 def _formulas(L: np.ndarray, study: Study) -> tuple[Formula, ...]:

@@ -1,21 +1,21 @@
-"""Tasks of the lesson: the bottom by hand, the other side of the valley, a quiet start, a bargain, an offset that noise limits."""
+"""Define the tasks of lesson 8."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from app.lesson.lesson import Outcome, Task, Verdict, pencil
-from app.lesson.typed import Typed
-from app.text import text
+from observer_lab.course.exercises.typed_answers import Typed
+from observer_lab.course.lesson import Outcome, Task, Verdict, typed_task
+from observer_lab.text import text
 
 from .knobs import KNOBS
 from .study import Study
 
 GIVEN = tuple(knob.default for name in ("w", "v") for knob in KNOBS if knob.name == name)  # W and V of the start
-WANTED = 1.01  # of the least variances: the bottom of the valley
+MAX_VARIANCE_RATIO = 1.01  # of the least variances: the bottom of the valley
 TWIN_SPEED = 0.3  # times Kalman: the slow observer whose fast twin is asked for
-PEAK, SETTLED = 0.5, 1.4  # m/s and s
-BAND, FLAT = (1.2, 1.3), 1.1  # s to settle in, and of the least variances what may be paid for it
+MAX_PEAK_M_S, MAX_SETTLING_S = 0.5, 1.4  # m/s and s
+SETTLING_BAND_S, FLAT = (1.2, 1.3), 1.1  # s to settle in, and of the least variances what may be paid for it
 
 
 def _by_hand(outcome: Outcome[Study]) -> Verdict:
@@ -26,10 +26,10 @@ def _by_hand(outcome: Outcome[Study]) -> Verdict:
         return Verdict(False, text("Put the noises back to W = {given:g} and V = {given2:g}: the poles are to go "
                                    "to the bottom, not the bottom to the poles.",
                                    given=GIVEN[0], given2=GIVEN[1]))
-    if ratio > WANTED:
+    if ratio > MAX_VARIANCE_RATIO:
         return Verdict(False, text("The worse of the two variances is {ratio:.3f} times the least; at most "
                                    "{wanted} is wanted.",
-                                   ratio=ratio, wanted=WANTED))
+                                   ratio=ratio, wanted=MAX_VARIANCE_RATIO))
     return Verdict(True, text("Both variances are within {ratio:.2f} % of the least possible.",
                               ratio=100 * (ratio - 1)))
 
@@ -63,9 +63,9 @@ def _quiet_start(outcome: Outcome[Study]) -> Verdict:
         return Verdict(False, text("Leave the kick out."))
     numbers = text("Peak {peak:.3g} m/s, settled after {settled_after:.2f} s",
                    peak=m["peak"], settled_after=m["settled_after"])
-    if m["peak"] > PEAK or m["settled_after"] > SETTLED:
+    if m["peak"] > MAX_PEAK_M_S or m["settled_after"] > MAX_SETTLING_S:
         return Verdict(False, text("{numbers}; wanted at most {peak:g} m/s and {settled:g} s.",
-                                   numbers=numbers, peak=PEAK, settled=SETTLED))
+                                   numbers=numbers, peak=MAX_PEAK_M_S, settled=MAX_SETTLING_S))
     return Verdict(True, text("{numbers}: fast enough, and the estimate never leaps.", numbers=numbers))
 
 
@@ -76,9 +76,17 @@ def _bargain(outcome: Outcome[Study]) -> Verdict:
                                    given2=GIVEN[1]))
     found = text("Settled after {settled_after:.2f} s, and the worse of the two variances is {ratio:.3f} times the least",
                  settled_after=m["settled_after"], ratio=m["worst_ratio"])
-    if not BAND[0] <= m["settled_after"] <= BAND[1] or m["worst_ratio"] > FLAT:
-        return Verdict(False, text("{found}; wanted are {low:g} to {high:g} s and at most {most:g} times.", found=found, low=BAND[0],
-                                   high=BAND[1], most=FLAT))
+    if not SETTLING_BAND_S[0] <= m["settled_after"] <= SETTLING_BAND_S[1] or m["worst_ratio"] > FLAT:
+        return Verdict(
+            False,
+            text(
+                "{found}; wanted are {low:g} to {high:g} s and at most {most:g} times.",
+                found=found,
+                low=SETTLING_BAND_S[0],
+                high=SETTLING_BAND_S[1],
+                most=FLAT,
+            ),
+        )
     return Verdict(True, text("{found}.", found=found))
 
 
@@ -94,6 +102,6 @@ TASKS = (
     Task("other-side", _other_side, {"speed": 1.77}),
     Task("quiet-start", _quiet_start, {"method": "poles", "observer_poles": (-4 - 2j, -4 + 2j)}),
     Task("bargain", _bargain, {"method": "poles", "observer_poles": (-3 - 2.3j, -3 + 2.3j)}),
-    pencil("both-in-one-place", BOTH_IN_ONE_PLACE),
-    pencil("offset", OFFSET),
+    typed_task("both-in-one-place", BOTH_IN_ONE_PLACE),
+    typed_task("offset", OFFSET),
 )

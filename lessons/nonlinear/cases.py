@@ -1,4 +1,4 @@
-"""The three cases: the deck on hardening springs, the pole in the fog, and the falling body of the literature."""
+"""Define three cases: deck on hardening springs, cart-pendulum, falling body."""
 
 from __future__ import annotations
 
@@ -7,21 +7,23 @@ from functools import lru_cache
 
 import numpy as np
 
-from app.engine import NonlinearPlant, lqr
-from app.engine.systems import Flow, step_covariance
-from app.plants import cart_pendulum, falling_body, nonlinear_platform, platform
-from app.plants.body import Body
-from app.plants.deck_body import GAIN
-from app.plants.deck_body import STAGE as DECK_STAGE
-from app.plants.model import Signal
-from app.text import text
+from observer_lab.engine import NonlinearPlant, lqr
+from observer_lab.engine.systems import Flow, step_covariance
+from observer_lab.plants import cart_pendulum
+from observer_lab.plants.bodies import falling_body
+from observer_lab.plants.bodies.body import Body
+from observer_lab.plants.bodies.deck_body import MOTION_GAIN
+from observer_lab.plants.bodies.deck_body import STAGE_SCALE as DECK_STAGE
+from observer_lab.plants.model import Signal
+from observer_lab.plants.platform import model, nonlinear
+from observer_lab.text import text
 
-PLATFORM, PENDULUM, FALL = "platform", "pendulum", "fall"
+PLATFORM, PENDULUM_CASE, FALL_CASE = "platform", "pendulum", "fall"
 KF, EKF, UKF = "kf", "ekf", "ukf"
 DEGREE = 180 / np.pi
-GROUND, COUPLE = 4e-10, 3e-4  # m² s of each ground motion, N² s of a draught that tilts the deck
-SINE = 0.16  # Hz, of the known force
-LENGTH = nonlinear_platform.Laws.length
+GROUND_INTENSITY, COUPLE = 4e-10, 3e-4  # m² s of each ground motion, N² s of a draught that tilts the deck
+SINE_HZ = 0.16  # Hz, of the known force
+LENGTH = nonlinear.NonlinearLaws.length
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,42 +70,42 @@ def _unit(n: int, i: int) -> tuple[float, ...]:
 
 
 def _platform() -> Case:
-    deck, step = platform.deck(), 0.025
-    G = np.column_stack([platform.deck_disturbance(), deck.B[:, 1] - deck.B[:, 0]])
+    deck, step = model.deck(), 0.025
+    G = np.column_stack([model.deck_disturbance(), deck.B[:, 1] - deck.B[:, 0]])
     gain = lqr(deck.A, deck.B, 2e4 * deck.C.T @ deck.C, np.eye(3)).gain
     return Case(PLATFORM, step, 1, 27, 100, np.zeros(6), np.array([1.5e-3, 2e-3, 9e-3, 1e-2, 1.4e-2, 7e-2]),
-                step_covariance(deck.A, G @ np.diag([GROUND, GROUND, COUPLE]) @ G.T, step), 1e-6 * np.eye(4),
-                platform.rigid_body(),
+                step_covariance(deck.A, G @ np.diag([GROUND_INTENSITY, GROUND_INTENSITY, COUPLE]) @ G.T, step), 1e-6 * np.eye(4),
+                model.rigid_body(),
                 (Signal(text("height of the deck z"), _unit(6, 1), "mm", 1e3),
                  Signal(text("pitch of the deck θ"), _unit(6, 2), "mrad", 1e3)),
-                np.array(platform.DECK.kick), gain, np.full(3, 10.0), DECK_STAGE * GAIN, 1)
+                np.array(model.DECK_MODEL.kick), gain, np.full(3, 10.0), DECK_STAGE * MOTION_GAIN, 1)
 
 
 def _pendulum() -> Case:
     line, step = cart_pendulum.plant(), 0.05
     noise = line.B @ line.B.T * 1e-3 + np.diag([0.0, 0.0, 0.0, 1e-4])
     gain = lqr(line.A, line.B, np.diag([1.0, 5.0, 1.0, 1.0]), [[0.1]]).gain
-    return Case(PENDULUM, step, 1, 26, 60, np.zeros(4), np.array([0.05, 0.1, 0.05, 0.1]),
+    return Case(PENDULUM_CASE, step, 1, 26, 60, np.zeros(4), np.array([0.05, 0.1, 0.05, 0.1]),
                 step_covariance(line.A, noise, step), np.array([[0.005**2]]), cart_pendulum.MODEL.body,
                 (Signal(text("angle of the pole θ"), _unit(4, 1), "°", DEGREE),
                  Signal(text("position of the cart p"), _unit(4, 0), "m")),
-                np.array(cart_pendulum.MODEL.kick), gain, np.array([30.0]), cart_pendulum.STAGE, 1)
+                np.array(cart_pendulum.MODEL.kick), gain, np.array([30.0]), cart_pendulum.STAGE_SCALE, 1)
 
 
 def _fall() -> Case:
-    return Case(FALL, falling_body.SAMPLE, 2, 31, 31, np.array(falling_body.GUESS), np.array(falling_body.SPREAD),
+    return Case(FALL_CASE, falling_body.SAMPLE_S, 2, 31, 31, np.array(falling_body.GUESS), np.array(falling_body.START_SIGMAS),
                 np.zeros((3, 3)), np.array([[falling_body.NOISE**2]]), falling_body.body(),
                 (Signal(text("altitude h"), _unit(3, 0), "m"),
                  Signal(text("drag coefficient β"), _unit(3, 2), "1/km", 1e3)),
-                np.array([0.0, 300.0, 0.0]), np.zeros((0, 3)), np.zeros(0), falling_body.UNITS, 0, falling_body.ERROR_GAIN)
+                np.array([0.0, 300.0, 0.0]), np.zeros((0, 3)), np.zeros(0), falling_body.STAGE_SCALE, 0, falling_body.ERROR_GAIN)
 
 
 @lru_cache(maxsize=16)
 def plant_of(name: str, hardening: float, weakening: float) -> NonlinearPlant:
     """The equations; hardening and weakening are those of the platform."""
     if name == PLATFORM:
-        return nonlinear_platform.plant(nonlinear_platform.Laws(hardening, weakening))
-    return cart_pendulum.nonlinear_plant() if name == PENDULUM else falling_body.plant()
+        return nonlinear.plant(nonlinear.NonlinearLaws(hardening, weakening))
+    return cart_pendulum.nonlinear_plant() if name == PENDULUM_CASE else falling_body.plant()
 
 
 def flow_of(case: Case, plant: NonlinearPlant) -> Flow:
@@ -114,8 +116,8 @@ def flow_of(case: Case, plant: NonlinearPlant) -> Flow:
 def starts(case: Case, size: float, runs: int, rng: np.random.Generator) -> np.ndarray:
     """True starts (n, runs), drawn from what the filters believe; the falling body's drag alone is that of the papers."""
     x0 = case.guess[:, None] + size * case.spread[:, None] * rng.standard_normal((len(case.guess), runs))
-    if case.id == FALL:
-        x0[2] = falling_body.START[2]
+    if case.id == FALL_CASE:
+        x0[2] = falling_body.TRUE_START[2]
     return x0
 
 
@@ -123,9 +125,9 @@ def inputs_of(case: Case, count: int, force: float) -> np.ndarray:
     """Known inputs (count, m): on the platform a force at 0.16 Hz, a quarter period ahead, half of it across."""
     if case.id != PLATFORM:
         return np.zeros((count, len(case.u_max)))
-    return np.outer(force * np.cos(2 * np.pi * SINE * case.step * np.arange(count)), [1.0, 1.0, 0.5])
+    return np.outer(force * np.cos(2 * np.pi * SINE_HZ * case.step * np.arange(count)), [1.0, 1.0, 0.5])
 
 
 def judged(case: Case) -> int:
     """Which of the watched signals the filters are judged by: of the falling body the drag, elsewhere the first."""
-    return int(case.id == FALL)
+    return int(case.id == FALL_CASE)

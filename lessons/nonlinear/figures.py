@@ -1,4 +1,4 @@
-"""Figures of the nonlinear lesson: one run, consistency over the runs, the laws that bend, the report's Algorithm 3."""
+"""Draw the figures of lesson 14: one run, consistency, nonlinear laws, Algorithm 3."""
 
 from __future__ import annotations
 
@@ -6,24 +6,26 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from app.lesson.figures import Curve, LineFigure, PlaneFigure, Point, TableFigure
-from app.lesson.later import Sheaf, leaf
-from app.lesson.lesson import Outcome
-from app.plants import cart_pendulum, falling_body, platform
-from app.text import NO_WORDS, Text, joined, listed, same, text
+from observer_lab.course.figures.records import Curve, LineFigure, PlaneFigure, Point, TableFigure
+from observer_lab.course.lazy import FigureSet, tab_figures
+from observer_lab.course.lesson import Outcome
+from observer_lab.plants import cart_pendulum
+from observer_lab.plants.bodies import falling_body
+from observer_lab.plants.platform import model
+from observer_lab.text import NO_WORDS, Text, joined, listed, same, text
 
 from ..toolkit.figures import TIME_TAB
-from .bound import words
-from .cases import EKF, FALL, KF, LENGTH, PENDULUM, PLATFORM, UKF, judged
-from .report import LINES, NONE, finding, linear_spreads
+from .cases import EKF, FALL_CASE, KF, LENGTH, PENDULUM_CASE, PLATFORM, UKF, judged
+from .cramer_rao import words
+from .report_algorithms import NONE, REPORT_LINES, finding, linear_spreads
 from .runs import FILTERS, Study
 from .study import band_of, verdict
 
 CONSISTENCY_TAB = text("Consistency")
 LAW_TAB = text("Laws")
 REPORT_TAB = text("Algorithm 3")
-LOOKS = ((KF, "second", "dot"), (EKF, "estimate", "dash"), (UKF, "force", "solid"))
-FLOOR, CEILING = 1e-3, 1e9
+CURVE_STYLES = ((KF, "second", "dot"), (EKF, "estimate", "dash"), (UKF, "force", "solid"))
+LOG_AXIS_FLOOR, LOG_AXIS_CEILING = 1e-3, 1e9
 SHOWN_ERROR = 980.0  # m, largest error of the altitude that is drawn
 
 
@@ -32,18 +34,18 @@ def name_of(filter_: str) -> Text:
     return same(filter_.upper())
 
 
-def figures(outcome: Outcome[Study]) -> Sheaf:
+def figures(outcome: Outcome[Study]) -> FigureSet:
     """Every figure of the lesson."""
-    return Sheaf(leaf(TIME_TAB, lambda: (_state(outcome), _errors(outcome))),
-                 leaf(CONSISTENCY_TAB, lambda: (_nees(outcome), _nis(outcome), _verdicts(outcome))),
-                 leaf(LAW_TAB, lambda: (_law(outcome), _second_law(outcome))),
-                 leaf(REPORT_TAB, lambda: (_algorithm(outcome), _lines(outcome))))
+    return FigureSet(tab_figures(TIME_TAB, lambda: (_state(outcome), _errors(outcome))),
+                 tab_figures(CONSISTENCY_TAB, lambda: (_nees(outcome), _nis(outcome), _verdicts(outcome))),
+                 tab_figures(LAW_TAB, lambda: (_law(outcome), _second_law(outcome))),
+                 tab_figures(REPORT_TAB, lambda: (_algorithm(outcome), _lines(outcome))))
 
 
 # --- one run ---------------------------------------------------------------------------------------------------------
 def _state(outcome: Outcome[Study]) -> LineFigure:
     s, who = outcome.study, outcome.design["filter"]
-    signal, falls = s.case.watched[0], s.case.id == FALL
+    signal, falls = s.case.watched[0], s.case.id == FALL_CASE
     true, mean, sigma = signal.of(s.x), signal.of(s.means[who]), 3 * s.sigmas[who][:, s.case.state] * signal.scale
     inside = 100 * float(np.mean(np.abs(true - mean) <= sigma))
     if falls:  # metres against tens of kilometres: only the error can be seen
@@ -64,11 +66,11 @@ def _errors(outcome: Outcome[Study]) -> LineFigure:
     at = judged(s.case)
     signal = s.case.watched[at]
     state = int(np.argmax(np.abs(signal.weights)))
-    curves = [Curve(name_of(n), np.clip(signal.scale * s.rms[n][:, at], 1e-9, CEILING), role, dash)  # type: ignore[arg-type]
-              for n, role, dash in LOOKS]
-    claimed = np.clip(signal.scale * s.sigmas[who][:, state], 1e-9, CEILING)
+    curves = [Curve(name_of(n), np.clip(signal.scale * s.rms[n][:, at], 1e-9, LOG_AXIS_CEILING), role, dash)  # type: ignore[arg-type]
+              for n, role, dash in CURVE_STYLES]
+    claimed = np.clip(signal.scale * s.sigmas[who][:, state], 1e-9, LOG_AXIS_CEILING)
     curves.append(Curve(text("σ that the {who} claims", who=who.upper()), claimed, "muted", "dot", 1.6))
-    curves.append(Curve(text("Cramér–Rao bound"), np.clip(signal.scale * s.bound.rms, 1e-9, CEILING), "reference", "solid", 1.6))
+    curves.append(Curve(text("Cramér–Rao bound"), np.clip(signal.scale * s.bound.rms, 1e-9, LOG_AXIS_CEILING), "reference", "solid", 1.6))
     kicked = outcome.design["kick"] >= 0 and round(outcome.design["kick"] / s.case.step) < len(s.t)
     last = float(signal.scale * s.rms[who][-1, at] / max(claimed[-1], 1e-12))
     return LineFigure("errors", text("rms error: {name}", name=signal.name), s.t, tuple(curves),
@@ -88,7 +90,7 @@ def shares(values: np.ndarray, band: tuple[float, float]) -> tuple[float, float]
 def _squares(outcome: Outcome[Study], id: str, title: Text, dof: int, values: Mapping[str, np.ndarray]) -> LineFigure:
     s = outcome.study
     band = band_of(dof, s.runs)
-    curves = [Curve(name_of(n), np.clip(values[n], FLOOR, CEILING), role, dash) for n, role, dash in LOOKS]  # type: ignore[arg-type]
+    curves = [Curve(name_of(n), np.clip(values[n], LOG_AXIS_FLOOR, LOG_AXIS_CEILING), role, dash) for n, role, dash in CURVE_STYLES]  # type: ignore[arg-type]
     curves += [Curve(text("95 % band"), np.full(len(s.t), band[1]), "muted", "dot", 1.4),
                Curve(text("lower edge"), np.full(len(s.t), band[0]), "muted", "dot", 1.4)]
     inside = listed(same(f"{n.upper()} {100 * shares(values[n], band)[0]:.0f} %") for n in FILTERS)
@@ -114,7 +116,7 @@ def _verdicts(outcome: Outcome[Study]) -> TableFigure:
     rows = tuple((name_of(f), _short(float(np.mean(s.nees[f]))), _short(float(np.max(s.nees[f]))), f"{100 * s.honest[f]:.0f} %",
                   verdict(s.nees[f], n, s.runs)) for f in FILTERS)
     fell = (text("The pole fell in {fallen} of {runs} runs; they count until then.", fallen=s.fallen, runs=s.runs)
-            if s.case.id == PENDULUM else NO_WORDS)
+            if s.case.id == PENDULUM_CASE else NO_WORDS)
     lost = sum(s.lost.values())
     gone = (text("Filters given up because their covariance broke down: {lost}.", lost=lost)
             if lost else NO_WORDS)
@@ -136,7 +138,7 @@ def _short(value: float) -> str:
 def _law(outcome: Outcome[Study]) -> PlaneFigure:
     s, d = outcome.study, outcome.design
     if s.case.id == PLATFORM:
-        k = platform.Parameters()
+        k = model.Parameters()
         e = np.linspace(-12, 12, 97)
         sigma = 1e3 * d["size"] * float(np.hypot(s.case.spread[1], k.a * s.case.spread[2]))
         bend = 1 + d["hardening"] * (1e-3 * e / LENGTH)**2
@@ -146,7 +148,7 @@ def _law(outcome: Outcome[Study]) -> PlaneFigure:
                       text("Stretched by the start's σ of {sigma:.2g} mm the spring pulls {at:.2f} times as hard as "
                            "the line says.",
                            sigma=sigma, at=at), (-25.0, 25.0))
-    if s.case.id == PENDULUM:
+    if s.case.id == PENDULUM_CASE:
         angle = np.linspace(-90, 90, 91)
         sigma = float(np.degrees(d["size"] * s.case.spread[1]))
         return _plane("law", text("pull of gravity on the pole"), "θ [°]", "m/s²", angle,
@@ -191,7 +193,7 @@ def _second_law(outcome: Outcome[Study]) -> PlaneFigure:
                       text("The coil is as strong at any gap.") if high < 0.5 else
                       text("The gap opening or closing by 2 mm changes the force by −{low:.0f} % or +{high:.0f} %.",
                            low=-low, high=high), (0.0, 3.0))
-    if s.case.id == PENDULUM:
+    if s.case.id == PENDULUM_CASE:
         k, angle = cart_pendulum.Parameters(), np.linspace(-90, 90, 91)
         push = np.cos(np.radians(angle)) / (k.cart + k.ball * np.sin(np.radians(angle))**2)
         return _plane("law2", text("how much a force on the cart turns the pole"), "θ [°]", "rad/s²/N", angle, push,
@@ -212,7 +214,7 @@ def _algorithm(outcome: Outcome[Study]) -> LineFigure:
     worse = float(real[-1] / right[-1] - 1)
     more = float(believed[-1] / right[-1] - 1)
     said = (text("The falling body has no process noise, so there is nothing to redraw for. Choose the platform.")
-            if s.case.id == FALL else
+            if s.case.id == FALL_CASE else
             text("On the plant made linear: Algorithm 3 believes a σ {more:.1f} % above the Kalman filter's and "
                  "really errs {worse:.1f} % more.",
                  more=100 * more, worse=100 * worse))
@@ -226,7 +228,7 @@ def _algorithm(outcome: Outcome[Study]) -> LineFigure:
 def _lines(outcome: Outcome[Study]) -> TableFigure:
     chosen, s = outcome.design["line"], outcome.study
     gap = s.apart[UKF] if not outcome.design["redraw"] else linear_spreads(PLATFORM, 1.0, 1.0)[3]
-    rows = tuple((label, finding(name, gap) if name == chosen else same("?")) for name, label in LINES if name != NONE)
+    rows = tuple((label, finding(name, gap) if name == chosen else same("?")) for name, label in REPORT_LINES if name != NONE)
     return TableFigure("lines", text("lines of the report in doubt"),
                        (text("line"), text("what the engine finds")), rows, tab=REPORT_TAB,
                        caption=text("Choose a line with the knob; one of them makes a wrong filter of a linear "

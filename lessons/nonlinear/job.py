@@ -1,32 +1,32 @@
-"""The longer computation: the whole record, many runs at once."""
+"""Run three filters on the whole record, many runs at once."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
-from app.lesson.lesson import Design, Job, Outcome
-from app.text import text
+from observer_lab.course.lesson import Design, Job, Outcome
+from observer_lab.text import text
 
-from .cases import PENDULUM, PLATFORM
-from .runs import MANY, Study, studies
+from .cases import PENDULUM_CASE, PLATFORM
+from .runs import JOB_RUNS, Study, studies
 from .study import outcome_of
 
-BLOCK = 3  # samples of the job between two looks at the mailbox
+SAMPLES_PER_CHECK = 3  # samples of the job between two looks at the mailbox
 
 
 def try_often(outcome: Outcome[Study]) -> Iterator[tuple[float, Study | None]]:
     """The job: the whole record, many runs at once."""
     design, count = outcome.design, outcome.study.case.full
-    for k, study in enumerate(studies(design, MANY, count, BLOCK), start=1):
+    for k, study in enumerate(studies(design, JOB_RUNS, count, SAMPLES_PER_CHECK), start=1):
         if study is None:
-            yield min(k * BLOCK / count, 0.99), None
+            yield min(k * SAMPLES_PER_CHECK / count, 0.99), None
         else:
             yield 1.0, study
 
 
 def depends(design: Design) -> Design:
     """The design without what only changes what is looked at: the line in doubt, and the ghost where it does not steer."""
-    steered = design["case"] == PENDULUM or (design["case"] == PLATFORM and design["steer"])
+    steered = design["case"] == PENDULUM_CASE or (design["case"] == PLATFORM and design["steer"])
     return design.with_values(line="") if steered else design.with_values(line="", filter="")
 
 
@@ -35,4 +35,4 @@ def shown(outcome: Outcome[Study], found: Study) -> Outcome[Study]:
     return outcome_of(outcome.design, found)
 
 
-JOB = Job(text("Try {many} runs", many=MANY), try_often, depends, shown, figure="nees", follows=True)
+JOB = Job(text("Try {many} runs", many=JOB_RUNS), try_often, depends, shown, figure="nees", follows=True)

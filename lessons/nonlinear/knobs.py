@@ -1,20 +1,20 @@
-"""Knobs of the lesson: the case, its laws and noise, the filters and their sigma points, a line of the report."""
+"""Define the knobs of lesson 14: case, laws, noise, filters, sigma points, report line."""
 
 from __future__ import annotations
 
-from app.lesson.knobs import Choice, Number, Switch
-from app.text import text, text_in
+from observer_lab.course.knobs import Choice, Number, Switch
+from observer_lab.text import text, text_in
 
 from ..toolkit.knobs import run_knobs
-from .cases import EKF, FALL, KF, PENDULUM, PLATFORM, UKF
-from .report import LINES, NONE
+from .cases import EKF, FALL_CASE, KF, PENDULUM_CASE, PLATFORM, UKF
+from .report_algorithms import NONE, REPORT_LINES
 
 HORIZON = 30.0  # s, of the longest record
 KNOBS = (
-    Choice("case", "", text_in("nonlinear", "case"), default=FALL,
+    Choice("case", "", text_in("nonlinear", "case"), default=FALL_CASE,
            options=((PLATFORM, text("platform, hardening springs")),
-                    (PENDULUM, text("pole in the fog")),
-                    (FALL, text("falling body, radar"))),
+                    (PENDULUM_CASE, text("pole in the fog")),
+                    (FALL_CASE, text("falling body, radar"))),
            hint=text("The last one is the classic of Athans, Wishner and Bertolini, and of Julier and Uhlmann.")),
     Choice("filter", "", text("the ghost is the"), default=EKF,
            options=((KF, text("KF, expanded once")),
@@ -31,7 +31,7 @@ KNOBS = (
            hint=text("Standard deviation of the start, and the filters know it: 1 is 2 mm, 5.7° or that of the "
                      "papers.")),
     Number("wind", "q", text("process noise Q, times"), low=0.1, high=10.0, default=1.0, scale="log",
-           when=("case", (PLATFORM, PENDULUM)), hint=text("True and believed alike; the falling body has none.")),
+           when=("case", (PLATFORM, PENDULUM_CASE)), hint=text("True and believed alike; the falling body has none.")),
     Number("sensor", "r", text("sensor noise σ, times"), low=0.1, high=10.0, default=1.0, scale="log",
            hint=text("True and believed alike; every filter is told.")),
     Switch("steer", "", text("LQR on the estimate"), default=False, when=("case", (PLATFORM,)),
@@ -44,7 +44,7 @@ KNOBS = (
            hint=text("Moves the points like α; 3 − n matches one fourth moment.")),
     Switch("redraw", "", text("sigma points drawn anew"), default=True,
            hint=text("Off: Algorithm 3 of the report as printed.")),
-    Choice("line", "", text("line of the report in doubt"), default=NONE, options=LINES,
+    Choice("line", "", text("line of the report in doubt"), default=NONE, options=REPORT_LINES,
            hint=text("The tab Algorithm 3 says what the engine finds.")),
     *run_knobs(HORIZON),
 )

@@ -1,14 +1,14 @@
-"""Nonlinear: extended and unscented filters where the world bends, judged by whether they know how wrong they are."""
+"""Assemble lesson 14: extended and unscented filters, judged by their consistency."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
-from app.lesson.again import Again
-from app.lesson.lesson import Lesson
-from app.lesson.prose import read_prose
+from observer_lab.course.exercises.second_prediction import SecondPrediction
+from observer_lab.course.lesson import Lesson
+from observer_lab.course.prose import read_prose
 
-from ..course import PLACES
+from ..course import COURSE_PLACES
 from .code import code
 from .derive import derived
 from .exams import EXAMS
@@ -22,8 +22,8 @@ LESSON = Lesson(
     "nonlinear", 14, KNOBS, compute, figures, answer=3, answering="errors", tasks=TASKS, exams=EXAMS,
     source="Platform report (003), chapter 4, Algorithms 1–3, and appendix B; Athans, Wishner and Bertolini (1968); Julier, Uhlmann and "
            "Durrant-Whyte (2000); Tichavský, Muravchik and Nehorai (1998)",
-    place=PLACES["nonlinear"],
-    again=Again(("sensor",), 2, {"sensor": 0.1}, ("nees", "nis", "verdicts", "errors")),
+    place=COURSE_PLACES["nonlinear"],
+    again=SecondPrediction(("sensor",), 2, {"sensor": 0.1}, ("nees", "nis", "verdicts", "errors")),
     words=read_prose(Path(__file__).parent), key=("case", "filter", "size"),
     aside=("alpha", "beta", "kappa", "redraw", "line"), job=JOB, code=code,
     derived=derived)

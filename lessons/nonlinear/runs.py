@@ -1,4 +1,4 @@
-"""The runs of a design and how consistent three filters are on them: few while a knob moves, many in the job."""
+"""Compute the runs of a design and the consistency of three filters."""
 
 from __future__ import annotations
 
@@ -7,8 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.engine import EngineError, ExtendedKalmanFilter, NonlinearPlant, UnscentedKalmanFilter, chi2_band
-from app.engine.filters import (
+from observer_lab.course.lazy import LazyValue
+from observer_lab.course.lesson import Design
+from observer_lab.engine import EngineError, ExtendedKalmanFilter, NonlinearPlant, UnscentedKalmanFilter, chi2_band
+from observer_lab.engine.filters import (
     Beliefs,
     Experiment,
     LinearisedFilter,
@@ -19,16 +21,14 @@ from app.engine.filters import (
     errors_squared,
     simulate_filters,
 )
-from app.lesson.later import Later
-from app.lesson.lesson import Design
 
-from .bound import Bound, Slopes
-from .cases import EKF, FALL, KF, PENDULUM, UKF, Case, case_of, flow_of, inputs_of, judged, plant_of, starts
+from .cases import EKF, FALL_CASE, KF, PENDULUM_CASE, UKF, Case, case_of, flow_of, inputs_of, judged, plant_of, starts
+from .cramer_rao import Bound, Slopes
 
 FILTERS = (KF, EKF, UKF)
-FEW, MANY = 8, 200
+DRAFT_RUNS, JOB_RUNS = 8, 200
 FALLEN = np.pi / 2  # rad: a pole past the horizontal has fallen, and its run is left out from there on
-LARGEST = 1e9  # of a mean square that is shown
+MAX_MEAN_SQUARE = 1e9  # of a mean square that is shown
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,8 +61,8 @@ class Study:
     u: np.ndarray
     means: Mapping[str, np.ndarray]
     sigmas: Mapping[str, np.ndarray]
-    judged: Later[Judged]
-    limit: Later[Bound]
+    judged: LazyValue[Judged]
+    limit: LazyValue[Bound]
     rms: Mapping[str, np.ndarray]
     lost: Mapping[str, int]
     fallen: int
@@ -95,7 +95,7 @@ class Study:
 
     def ratio(self, name: str) -> float:
         """NEES of a filter over the record, as a multiple of the number of states; capped where it is beyond all sense."""
-        return float(min(np.mean(self.nees[name]) / self.x.shape[1], LARGEST))
+        return float(min(np.mean(self.nees[name]) / self.x.shape[1], MAX_MEAN_SQUARE))
 
 
 def filters_of(case: Case, plant: NonlinearPlant, design: Design) -> dict[str, NonlinearFilter]:
@@ -117,7 +117,7 @@ def experiment_of(design: Design, runs: int, count: int, rng: np.random.Generato
     filters = filters_of(case, plant, design)
     size, some = design["size"], filters[EKF]
     steering = (Steering(design["filter"], case.gain, case.u_max)
-                if case.id == PENDULUM or (case.id != FALL and design["steer"]) else None)
+                if case.id == PENDULUM_CASE or (case.id != FALL_CASE and design["steer"]) else None)
     at = round(design["kick"] / case.step)
     kicks = ((at, case.kick),) if design["kick"] >= 0 and at < count else ()
     return case, Experiment(some.f, plant.output, some.Q, some.R, starts(case, size, runs, rng),
@@ -128,7 +128,7 @@ def experiment_of(design: Design, runs: int, count: int, rng: np.random.Generato
 def draft(design: Design) -> Study:
     """A few runs over a short record."""
     case = case_of(design["case"])
-    *_, last = studies(design, FEW, case.draft, case.draft)
+    *_, last = studies(design, DRAFT_RUNS, case.draft, case.draft)
     assert last is not None
     return last
 
@@ -176,7 +176,7 @@ class _Tally:
         """Take in a block of samples; how its errors compare with what the filters believe of them is asked by `judge`."""
         x = np.stack([s.x for s in samples])  # (k, n, N)
         down = np.zeros((len(samples), self.runs), dtype=bool)
-        if self.case.id == PENDULUM:
+        if self.case.id == PENDULUM_CASE:
             down = np.logical_or.accumulate(np.vstack([self.down, np.abs(x[:, 1]) > FALLEN]), axis=0)[1:]
             self.down = down[-1]
         self.x.append(x[:, :, 0])
@@ -237,9 +237,21 @@ class _Tally:
             raise EngineError("The plant has left the region where its equations hold; start it nearer to rest.")
         parts = {name: [np.concatenate(p) for p in zip(*self.parts[name], strict=True)] for name in FILTERS}
         mean, sigma, rms = ({name: parts[name][i] for name in FILTERS} for i in range(3))
-        return Study(self.case, self.runs, self.case.step * np.arange(len(x)), x, u, mean, sigma, Later(self.judged), Later(self.bound),
-                     {name: np.stack([_filled(v[:, i]) for i in range(2)], axis=1) for name, v in rms.items()},
-                     {name: int(v.sum()) for name, v in self.lost.items()}, int(self.down.sum()), np.array(self.upright))
+        return Study(
+            self.case,
+            self.runs,
+            self.case.step * np.arange(len(x)),
+            x,
+            u,
+            mean,
+            sigma,
+            LazyValue(self.judged),
+            LazyValue(self.bound),
+            {name: np.stack([_filled(v[:, i]) for i in range(2)], axis=1) for name, v in rms.items()},
+            {name: int(v.sum()) for name, v in self.lost.items()},
+            int(self.down.sum()),
+            np.array(self.upright),
+        )
 
 
 def _out(samples: list[Sample], down: np.ndarray, name: str) -> np.ndarray:
@@ -251,11 +263,11 @@ def _mean(values: np.ndarray, out: np.ndarray) -> np.ndarray:
     """Means over the runs that count (k,); NaN where none does."""
     good = ~out & np.isfinite(values)
     count = good.sum(axis=1)
-    total = np.where(good, np.minimum(np.where(good, values, 0.0), LARGEST), 0.0).sum(axis=1)
+    total = np.where(good, np.minimum(np.where(good, values, 0.0), MAX_MEAN_SQUARE), 0.0).sum(axis=1)
     return np.where(count > 0, total / np.maximum(count, 1), np.nan)
 
 
 def _filled(values: np.ndarray) -> np.ndarray:
     """Gaps carry on the last value that there was."""
     known = np.maximum.accumulate(np.where(np.isfinite(values), np.arange(len(values)), -1))
-    return np.where(known >= 0, values[np.maximum(known, 0)], LARGEST)
+    return np.where(known >= 0, values[np.maximum(known, 0)], MAX_MEAN_SQUARE)

@@ -1,4 +1,4 @@
-"""What a design leads to: runs watched by three filters, and what is said of their consistency."""
+"""Compute a design of lesson 14: runs under three filters and their verdicts."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ from functools import lru_cache
 
 import numpy as np
 
-from app.engine import chi2_band
-from app.lesson.later import Later, LaterItems, LaterMap
-from app.lesson.lesson import Check, Design, Formula, Outcome, Stage
-from app.text import Text, listed, same, text
+from observer_lab.course.lazy import LazyMap, LazySequence, LazyValue
+from observer_lab.course.lesson import Check, Design, Formula, Outcome, Stage
+from observer_lab.engine import chi2_band
+from observer_lab.text import Text, listed, same, text
 
 from ..toolkit.latex import number
-from .cases import EKF, FALL, KF, PENDULUM, PLATFORM, UKF
+from .cases import EKF, FALL_CASE, KF, PENDULUM_CASE, PLATFORM, UKF
 from .runs import FILTERS, Study, draft
 
 
@@ -49,15 +49,15 @@ def compute(design: Design) -> Outcome[Study]:
 def outcome_of(design: Design, study: Study) -> Outcome[Study]:
     """What a study shows."""
     who, case = design["filter"], study.case
-    metrics = LaterMap(lambda: _metrics(study))
+    metrics = LazyMap(lambda: _metrics(study))
     spread = 3 * case.scale * case.error_gain * study.sigmas[who][:, case.state]
     away = np.clip(study.means[who] - study.x, -1e9, 1e9)
     stage = Stage(case.body, study.t, study.x, study.x + case.error_gain * away, study.u if study.u.shape[1] else
                   np.zeros((len(study.t), 1)), spread)
-    if case.id == FALL:
+    if case.id == FALL_CASE:
         stage = _smooth(stage)
-    return Outcome(design, {}, {}, metrics, LaterItems(lambda: _checks(study, metrics)), None, (), stage,
-                   LaterItems(lambda: _formulas(design, study)), Later(lambda: _live(design, study)), study)
+    return Outcome(design, {}, {}, metrics, LazySequence(lambda: _checks(study, metrics)), None, (), stage,
+                   LazySequence(lambda: _formulas(design, study)), LazyValue(lambda: _live(design, study)), study)
 
 
 def _smooth(stage: Stage) -> Stage:
@@ -101,8 +101,8 @@ def _formulas(design: Design, s: Study) -> tuple[Formula, ...]:
     first = 1 - n / reach
     law = {
         PLATFORM: rf"F_k = k e\,(1 + {number(design['hardening'])}\,(e/\ell)^2)",
-        PENDULUM: r"\ell\ddot\theta = g\sin\theta - \ddot p\cos\theta",
-        FALL: r"\dot v = -e^{-\kappa h} v^2 \beta, \quad y = \sqrt{M^2 + (h - H)^2}",
+        PENDULUM_CASE: r"\ell\ddot\theta = g\sin\theta - \ddot p\cos\theta",
+        FALL_CASE: r"\dot v = -e^{-\kappa h} v^2 \beta, \quad y = \sqrt{M^2 + (h - H)^2}",
     }[design["case"]]
     out = [Formula("law", law),
            Formula("weights", rf"W_0^m = {number(first)}, \quad W_0^c = {number(first + 1 - design['alpha']**2 + design['beta'])}, \quad "

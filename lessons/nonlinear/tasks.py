@@ -1,17 +1,17 @@
-"""Tasks of the lesson: back to linear, a start small enough, a filter that deceives itself, the report, two tangents, a bound."""
+"""Define the tasks of lesson 14."""
 
 from __future__ import annotations
 
-from app.lesson.lesson import Outcome, Task, Verdict, pencil
-from app.lesson.typed import Typed
-from app.text import Text, text
+from observer_lab.course.exercises.typed_answers import Typed
+from observer_lab.course.lesson import Outcome, Task, Verdict, typed_task
+from observer_lab.text import Text, text
 
-from .cases import FALL, PLATFORM
-from .report import NONE, REDRAW, SLIPS
+from .cases import FALL_CASE, PLATFORM
+from .report_algorithms import NONE, REDRAW, WRONG_LINES
 from .runs import Study
 
 WELL_KNOWN = 0.6  # times the usual uncertainty: from there on the EKF is consistent on every seed tried
-ROUNDING = 1e-6  # in standard deviations
+DEVIATION_ROUNDING = 1e-6  # in standard deviations
 
 
 def _no(words: Text) -> Verdict:
@@ -24,7 +24,7 @@ def _linear(o: Outcome[Study]) -> Verdict:
         return _no(text("This task is about the platform."))
     said = text("EKF and UKF stay within {apart_ekf:.1e} and {apart_ukf:.1e} σ of the KF",
                 apart_ekf=m["apart_ekf"], apart_ukf=m["apart_ukf"])
-    if max(m["apart_ekf"], m["apart_ukf"]) > ROUNDING:
+    if max(m["apart_ekf"], m["apart_ukf"]) > DEVIATION_ROUNDING:
         return _no(text("{said}: that is more than rounding.", said=said))
     return Verdict(True, text("{said}: three names, one filter.", said=said))
 
@@ -48,7 +48,7 @@ def _deceived(o: Outcome[Study]) -> Verdict:
     m = o.metrics
     said = text("NEES per state: EKF {nees_ekf:.3g}, UKF {nees_ukf:.3g}",
                 nees_ekf=m["nees_ekf"], nees_ukf=m["nees_ukf"])
-    if o.design["case"] != FALL or o.design["size"] > 0.5:
+    if o.design["case"] != FALL_CASE or o.design["size"] > 0.5:
         return _no(text("The falling body is wanted, with at most half the uncertainty of the start."))
     if m["nees_ekf"] < 100:
         return _no(text("{said}; the EKF is not yet wrong by a factor of 100.", said=said))
@@ -61,11 +61,11 @@ def _report(o: Outcome[Study]) -> Verdict:
     line, m = o.design["line"], o.metrics
     if line == NONE:
         return _no(text("Choose a line of the report."))
-    if line not in SLIPS:
+    if line not in WRONG_LINES:
         return _no(text("That line holds."))
     if line != REDRAW:
         return _no(text("Open to objection, but with it a linear plant still gets its Kalman filter."))
-    if m["apart_ekf"] > ROUNDING or o.design["case"] != PLATFORM:
+    if m["apart_ekf"] > DEVIATION_ROUNDING or o.design["case"] != PLATFORM:
         return _no(text("The right line; now show it on the linear platform."))
     if m["apart_ukf"] < 1e-3:
         return _no(text("The right line; now run the algorithm as printed."))
@@ -80,7 +80,7 @@ SQUARE = Typed("2*m*P/(4*m^2*P+R)", ("m", "P", "R"), slips=(
 DRAG = Typed("-c^3*v^2*exp(-k*h)", ("c", "k", "h", "v"), slips=(
     ("c^3*v^2*exp(-k*h)", text("The size is right; the sign follows the order h, v, β of the state.")),
     ("c*v^2*exp(-k*h)", text("That is the last entry alone; the determinant has the two others of the triangle as factors."))))
-LEAST = Typed("P*R/(R+4*N*P*(m^2+P))", ("m", "P", "R", "N"), slips=(
+BOUND_FORMULA = Typed("P*R/(R+4*N*P*(m^2+P))", ("m", "P", "R", "N"), slips=(
     ("P*R/(R+4*N*P*m^2)", text("That is the tangent at m; the bound takes the mean of x² over all truths, m² + P.")),
     ("R/(4*N*(m^2+P))", text("What is known beforehand is information too: 1/P."))))
 
@@ -89,7 +89,7 @@ TASKS = (
     Task("small", _small, {"case": PLATFORM, "hardening": 0.6, "size": 0.3}),
     Task("deceived", _deceived, {"size": 0.5}, easy="the best start that can be had does not help the EKF"),
     Task("report", _report, {"case": PLATFORM, "hardening": 0.0, "weakening": 0.0, "redraw": False, "line": REDRAW}),
-    pencil("square", SQUARE),
-    pencil("drag", DRAG),
-    pencil("least", LEAST),
+    typed_task("square", SQUARE),
+    typed_task("drag", DRAG),
+    typed_task("least", BOUND_FORMULA),
 )

@@ -1,4 +1,4 @@
-"""Bodies whose state holds more than the plant's: where the sensors stand, which are on, and the cloud of states.
+"""Draw plants with their sensors and the ellipsoid of states that fit the data.
 
 The record that the stage plays is (state, sensors, cloud). Of the cloud: middle (3), half axes (3), rotation
 (w, x, y, z), truth (3), in typical sizes; right, away, up.
@@ -12,9 +12,9 @@ from dataclasses import replace
 from functools import lru_cache
 from types import MappingProxyType
 
-from app.plants.body import (
+from observer_lab.plants.bodies.body import (
     METAL,
-    PLANT,
+    PLANT_COLOUR,
     STEEL,
     UNTURNED,
     Arrow,
@@ -25,23 +25,23 @@ from app.plants.body import (
     Pose,
     Rod,
     Vector,
-    between,
-    bounded,
+    bound_displacement,
+    pose_between,
 )
-from app.plants.deck_body import deck_body
-from app.plants.platform import Parameters
-from app.text import Text, text
+from observer_lab.plants.bodies.deck_body import deck_body
+from observer_lab.plants.platform.model import Parameters
+from observer_lab.text import Text, text
 
 CLOUD, MIDDLE = 0.3, (0.0, -0.1, 3.2)  # stage units per typical size, and where the cloud hangs
-LEAST = 0.025  # an ellipsoid is never drawn thinner
-FAR, ARM = 3.4, 3.1  # typical sizes: nothing is drawn farther out; how long the axes and the needle are
+MIN_HALF_AXIS = 0.025  # an ellipsoid is never drawn thinner
+MAX_DRAWN_DISTANCE, ARM = 3.4, 3.1  # typical sizes: nothing is drawn farther out; how long the axes and the needle are
 ORANGE, OFF, ON = "#D55E00", (196, 201, 209), (0, 114, 178)
-DOWN = (0.0, 1.0, 0.0, 0.0)  # half a turn: a rod that hangs instead of standing
-K = Parameters()
+HALF_TURN = (0.0, 1.0, 0.0, 0.0)  # half a turn: a rod that hangs instead of standing
+DECK_PARAMETERS = Parameters()
 
 CLOUD_PARTS = (
     Part("cloud", Ball(1.0), ORANGE, opacity=0.38),
-    Part("truth", Ball(0.055), PLANT),
+    Part("truth", Ball(0.055), PLANT_COLOUR),
     Part("axis right", Rod(0.012), STEEL),
     Part("axis away", Rod(0.012), STEEL),
     Part("axis up", Rod(0.012), STEEL),
@@ -49,7 +49,7 @@ CLOUD_PARTS = (
 
 
 def _hung(point: Sequence[float]) -> Vector:
-    x, y, z = (min(max(float(v), -FAR), FAR) * CLOUD for v in point)
+    x, y, z = (min(max(float(v), -MAX_DRAWN_DISTANCE), MAX_DRAWN_DISTANCE) * CLOUD for v in point)
     return MIDDLE[0] + x, MIDDLE[1] + y, MIDDLE[2] + z
 
 
@@ -57,7 +57,7 @@ def _axis(along: int) -> Pose:
     step = [0.0, 0.0, 0.0]
     step[along] = ARM * CLOUD
     low, high = (tuple(m + sign * d for m, d in zip(MIDDLE, step, strict=True)) for sign in (-1, 1))
-    return between(low, high)  # type: ignore[arg-type]
+    return pose_between(low, high)  # type: ignore[arg-type]
 
 
 AXES = MappingProxyType({"axis right": _axis(0), "axis away": _axis(1), "axis up": _axis(2)})
@@ -65,14 +65,14 @@ AXES = MappingProxyType({"axis right": _axis(0), "axis away": _axis(1), "axis up
 
 def cloud_poses(c: Sequence[float]) -> dict[str, Pose]:
     """The ellipsoid of states that the data so far allow, the true one, and the axes."""
-    half = tuple(max(float(h) * CLOUD, LEAST) for h in c[3:6])
+    half = tuple(max(float(h) * CLOUD, MIN_HALF_AXIS) for h in c[3:6])
     return {**AXES, "cloud": Pose(_hung(c[:3]), (float(c[6]), float(c[7]), float(c[8]), float(c[9])), half),  # type: ignore[arg-type]
             "truth": Pose(_hung(c[10:13]))}
 
 
 @lru_cache(maxsize=128)
 def _deck_with(place: float) -> Body:
-    return deck_body(K.a, K.b, place, K.h)
+    return deck_body(DECK_PARAMETERS.a, DECK_PARAMETERS.b, place, DECK_PARAMETERS.h)
 
 
 def _carried(deck: Pose, across: float, up: float, y: float) -> Vector:
@@ -92,7 +92,7 @@ def _deck_pose(x: Sequence[float], gain: float) -> Mapping[str, Pose]:
         poses[f"{name} right"] = other[f"{name} right"]
     across = Pose(_carried(poses["deck"], -1.45, 0.19, -0.45), poses["deck"].wxyz)
     poses["sensor across"] = across
-    poses["needle across"] = between(across.position, _carried(poses["deck"], -1.05, 0.19, -0.45))
+    poses["needle across"] = pose_between(across.position, _carried(poses["deck"], -1.05, 0.19, -0.45))
     for name, lit in zip(("left", "right", "across"), on, strict=True):
         live = float(lit) > 0.5
         poses[f"sensor {name}"] = replace(poses[f"sensor {name}"], colour=ON if live else OFF)
@@ -103,7 +103,7 @@ def _deck_pose(x: Sequence[float], gain: float) -> Mapping[str, Pose]:
 
 
 def _deck() -> Body:
-    base = _deck_with(K.s)
+    base = _deck_with(DECK_PARAMETERS.s)
     parts = tuple(replace(part, twin=False) if part.name.startswith(("sensor", "test mass")) else part
                   for part in base.parts)
     return Body(
@@ -122,7 +122,7 @@ def columns_body(count: int, label: Text) -> Body:
         return (i - (count - 1) / 2) * min(0.8, 4.8 / count)
 
     def top(x: Sequence[float], i: int) -> Vector:
-        return place(i), 0.0, base + bounded(float(x[i]) * full, 0.95)
+        return place(i), 0.0, base + bound_displacement(float(x[i]) * full, 0.95)
 
     fixed = {"plinth": Pose((0.0, 0.0, 0.06))} | {f"foot {i}": Pose((place(i), 0.0, base)) for i in range(count)}
 
@@ -132,8 +132,8 @@ def columns_body(count: int, label: Text) -> Body:
             head = top(x, i)
             rise = head[2] - base
             poses[f"head {i}"] = Pose(head)
-            poses[f"stem {i}"] = Pose((head[0], 0.0, base), UNTURNED if rise >= 0 else DOWN, (1.0, 1.0, max(abs(rise), 1e-6)))
-        poses["needle"] = between(_hung((0, 0, 0)), _hung([ARM * float(c) for c in x[count:count + 3]]))
+            poses[f"stem {i}"] = Pose((head[0], 0.0, base), UNTURNED if rise >= 0 else HALF_TURN, (1.0, 1.0, max(abs(rise), 1e-6)))
+        poses["needle"] = pose_between(_hung((0, 0, 0)), _hung([ARM * float(c) for c in x[count:count + 3]]))
         return poses | cloud_poses(x[count + 3:])
 
     def arrows(x: Sequence[float], u: Sequence[float], gain: float) -> tuple[Arrow, ...]:
@@ -145,7 +145,7 @@ def columns_body(count: int, label: Text) -> Body:
     parts = [Part("plinth", Box((5.2, 1.2, 0.12)), STEEL), Part("needle", Rod(0.03), METAL), *CLOUD_PARTS]
     for i in range(count):
         parts += [Part(f"foot {i}", Box((width, 0.5, 0.03)), STEEL), Part(f"stem {i}", Rod(0.2 * width), METAL),
-                  Part(f"head {i}", Box((width, 0.4, 0.12)), PLANT, twin=True)]
+                  Part(f"head {i}", Box((width, 0.4, 0.12)), PLANT_COLOUR, twin=True)]
     return Body(tuple(parts), pose, arrows, anchors, 1.0, label)
 
 

@@ -1,4 +1,4 @@
-"""The four plants of the lesson with their sensors, and all that their sensors can tell: rank, distances, Gramian.
+"""Define four plants with their sensors, and compute rank, distances and Gramian.
 
 States and readings are measured in typical sizes (`scale`, `reading`), so that a distance has no unit: z = x/scale.
 The notes' example and the two textbook cases have typical sizes of one.
@@ -14,11 +14,11 @@ from types import MappingProxyType
 import numpy as np
 from scipy.linalg import expm
 
-from app.engine import Plant, observability
-from app.engine.structure import Observability, observability_gramian
-from app.lesson.lesson import Design
-from app.plants.platform import DECK, Parameters
-from app.text import Text, text
+from observer_lab.course.lesson import Design
+from observer_lab.engine import Plant, observability
+from observer_lab.engine.structure import Observability, observability_gramian
+from observer_lab.plants.platform.model import DECK_MODEL, Parameters
+from observer_lab.text import Text, text
 
 NOTES_A = np.array([[1.0, 2.0], [3.0, 4.0]])
 READING = 0.018  # m/s, a typical reading of the deck's sensors
@@ -69,9 +69,9 @@ class Sensed:
 _RATE = 8.0  # rad/s, typical of the deck: turns sizes of positions into those of velocities
 _SIZES = (0.002, 0.002, 0.01)
 _MANY = tuple(f"x{i + 1}" for i in range(20))
-CASES: Mapping[str, Case] = MappingProxyType({case.id: case for case in (
+PLANT_CASES: Mapping[str, Case] = MappingProxyType({case.id: case for case in (
     Case("deck", text("platform deck with sensors to move"), ("x", "z", "θ", "vx", "vz", "ω"),
-         (*_SIZES, *(_RATE * s for s in _SIZES)), (0.75, 0.8, -0.6, 0.0, 0.3, 0.4), DECK.horizon, 120, (0, 2, 1), (2, 1),
+         (*_SIZES, *(_RATE * s for s in _SIZES)), (0.75, 0.8, -0.6, 0.0, 0.3, 0.4), DECK_MODEL.horizon, 120, (0, 2, 1), (2, 1),
          ("mm", "mm", "mrad", "mm/s", "mm/s", "mrad/s"), 1e3),
     Case("notes", text("the notes' A = [1 2; 3 4]"), ("x1", "x2"), (1.0, 1.0), (0.7, -0.5), 1.0,
          120, (0, None, 1), (0, 1), ("", "")),
@@ -107,7 +107,7 @@ def dynamics(case: Case, design: Design) -> np.ndarray:
     """A (n×n) in typical sizes."""
     if case.id == "deck":
         S = np.array(case.scale)
-        return DECK.plant.A * S / S[:, None]
+        return DECK_MODEL.plant.A * S / S[:, None]
     if case.id == "notes":
         return NOTES_A
     return np.diag([-1.0, -1.0 - design["gap"]]) if case.id == "pair" else -np.diag(np.arange(1.0, design["count"] + 1))
@@ -115,7 +115,7 @@ def dynamics(case: Case, design: Design) -> np.ndarray:
 
 def sensed(design: Design) -> Sensed:
     """The plant of a design with its sensors; the same numbers are worked out once."""
-    case = CASES[design["plant"]]
+    case = PLANT_CASES[design["plant"]]
     A, C = dynamics(case, design), rows(case, design)
     return sensed_by(case, A.shape[0], A.tobytes(), C.tobytes())
 

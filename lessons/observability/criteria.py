@@ -1,17 +1,17 @@
-"""Four sentences that claim to decide observability, one of them from the notes and wrong."""
+"""Test four claims about observability, one of them from the notes and wrong."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-from app.text import Text, same, text, written
+from observer_lab.text import Text, format_number, same, text
 
 from .cases import Sensed
 
-DET, GRAMIAN, RANK, PBH = "det", "gramian", "rank", "pbh"
+DET, GRAMIAN, RANK_CRITERION, PBH = "det", "gramian", "rank", "pbh"
 CRITERIA = (
     (DET, text("det(C e^{At}) ≠ 0 at every t")),
-    (RANK, text("rank(O) = n")),
+    (RANK_CRITERION, text("rank(O) = n")),
     (GRAMIAN, same("∫ e^{Aᵀt}CᵀC e^{At} dt > 0")),
     (PBH, text("rank [A − λI; C] = n at every λ")),
 )
@@ -40,9 +40,9 @@ def criteria(s: Sensed, rank: int) -> tuple[Criterion, ...]:
     weakest = min((m.distance for m in s.seen.modes), default=0.0)
     numbers = {
         DET: (f"{p}×{n}", None),
-        RANK: (f"{rank}/{n}", rank == n),
-        GRAMIAN: (f"λ_min = {written(least, '.2g')}", True) if least > s.dust else (
-            f"λ_min < {written(s.dust, '.0e')}", None if s.seen.observable else False),
-        PBH: (f"σ_min = {written(weakest, '.2g')}" if s.seen.observable else "σ_min ≈ 0", s.seen.observable),
+        RANK_CRITERION: (f"{rank}/{n}", rank == n),
+        GRAMIAN: (f"λ_min = {format_number(least, '.2g')}", True) if least > s.dust else (
+            f"λ_min < {format_number(s.dust, '.0e')}", None if s.seen.observable else False),
+        PBH: (f"σ_min = {format_number(weakest, '.2g')}" if s.seen.observable else "σ_min ≈ 0", s.seen.observable),
     }
     return tuple(Criterion(name, text, *numbers[name]) for name, text in CRITERIA)

@@ -1,4 +1,4 @@
-"""The numbers that stand now in the derivation of lesson 3: derivatives of the output, the weakest mode and its distance."""
+"""Compute the numbers in the derivation of lesson 3: output derivatives, weakest mode."""
 
 from __future__ import annotations
 
@@ -6,12 +6,12 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from app.lesson.derivation import Value
-from app.lesson.lesson import Outcome
+from observer_lab.course.exercises.derivation import Value
+from observer_lab.course.lesson import Outcome
 
 from .study import Study
 
-ROUNDING = 1e-12  # of the size of C
+OUTPUT_ROUNDING = 1e-12  # of the size of C
 
 
 def derived(outcome: Outcome[Study]) -> Mapping[str, Value]:
@@ -29,7 +29,7 @@ def derived(outcome: Outcome[Study]) -> Mapping[str, Value]:
     weakest = int(np.argmin(np.abs(values - found.weakest.pole)))
     v = vectors[:, weakest]
     near, far = float(np.linalg.norm(C @ v)), float(np.linalg.norm(C @ np.linalg.matrix_power(A, n) @ v))
-    if near <= ROUNDING * float(np.linalg.norm(C, 2)):  # what is hidden: two roundings would not obey the equation
+    if near <= OUTPUT_ROUNDING * float(np.linalg.norm(C, 2)):  # what is hidden: two roundings would not obey the equation
         near = far = 0.0
     return {
         "p": float(plant.p), "n": float(n), "rows": float(plant.p * n), "normA": float(np.linalg.norm(A, 2)),

@@ -1,29 +1,29 @@
-"""The figures of lesson 3: O and its rank, the rebuilt start, the shrinking ellipse, distances and criteria."""
+"""Draw the figures of lesson 3: O and its rank, rebuilt x(0), ellipse, distances, criteria."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from app.engine.structure import Mode
-from app.lesson.claims import claim
-from app.lesson.figures import Curve, Figure, LineFigure, MatrixFigure, PlaneFigure, Point, TableFigure
-from app.lesson.lesson import Outcome
-from app.text import same, text, written
+from observer_lab.course.figures.claims import claim
+from observer_lab.course.figures.records import Curve, Figure, LineFigure, MatrixFigure, PlaneFigure, Point, TableFigure
+from observer_lab.course.lesson import Outcome
+from observer_lab.engine.structure import Mode
+from observer_lab.text import format_number, same, text
 
 from ..toolkit.latex import pole_words
 from .cases import label, shown, unit
 from .criteria import DET
-from .knowledge import REACH
-from .study import NEAR, Study
-from .sweep import LOWEST, Sweep, decades
+from .initial_state import SIGMAS_FOR_95_PERCENT
+from .knob_sweep import LOWEST, Sweep, decades
+from .study import NEARLY_HIDDEN_DISTANCE, Study
 
 MATRIX_TAB, CLOUD_TAB, MODES_TAB = text("Matrix"), text("Ellipsoid"), text("Modes")
-CIRCLE = np.linspace(0.0, 2 * np.pi, 73)
-DUST = 10 * float(np.finfo(float).eps)  # times n and the largest: a smaller singular value has no right digit
+CIRCLE_ANGLES_RAD = np.linspace(0.0, 2 * np.pi, 73)
+SINGULAR_VALUE_RTOL = 10 * float(np.finfo(float).eps)  # times n and the largest: a smaller singular value has no right digit
 HIDDEN = -10.0  # decades: distances at or below are rounding
 SHARES = (0.0, 0.04, 0.15, 0.4, 1.0)  # of the run: when the ellipse is drawn
-MOST_STATES = 8  # rows of the table of states
-YES, NO, MUTE = text("yes"), text("no"), text("says nothing")
+MAX_TABLE_STATES = 8  # rows of the table of states
+YES, NO, NO_ANSWER = text("yes"), text("no"), text("says nothing")
 
 
 def figures(outcome: Outcome[Study]) -> tuple[Figure, ...]:
@@ -53,7 +53,7 @@ def _sizes(found: Study, rtol: float) -> PlaneFigure:
     line = Curve(text("tolerance τ"), np.full(2, np.log10(rtol)), "reference", "dash", 1.6, np.array([0.5, n + 0.5]))
     lost = len(levels) - built.rank
     told = claim(text("{lost} of {count} count as zero; the smallest is {levels:.1g} times the largest.",
-                      lost=lost, count=len(levels), levels=10 ** levels[-1]), float(10 ** levels[-1]), above=DUST * n,
+                      lost=lost, count=len(levels), levels=10 ** levels[-1]), float(10 ** levels[-1]), above=SINGULAR_VALUE_RTOL * n,
                  otherwise=text("{lost} of {count} count as zero; the smallest is lost in rounding.", lost=lost, count=len(levels)))
     caption = told if built.sizes[0] > 0 else text("No sensor is on: O is zero.")
     return PlaneFigure(
@@ -62,7 +62,7 @@ def _sizes(found: Study, rtol: float) -> PlaneFigure:
 
 
 def _value(value: float) -> str:
-    return written(value, ".4g")
+    return format_number(value, ".4g")
 
 
 def _start(found: Study) -> TableFigure:
@@ -72,7 +72,7 @@ def _start(found: Study) -> TableFigure:
     table = tuple((unit(case, i), _value(true[i]), _value(guess[i]),
                    text("fixed") if built.share[i] > 1 - 1e-6 else
                    text("not yet") if built.share[i] < 1e-6 else text("partly"))
-                  for i in every[:MOST_STATES])
+                  for i in every[:MAX_TABLE_STATES])
     gap = float(np.linalg.norm(built.guess - found.start) / np.linalg.norm(found.start))
     left = n - built.rank
     return TableFigure(
@@ -90,7 +90,11 @@ def _ellipses(found: Study) -> PlaneFigure:
     for share in SHARES:
         k = round(share * last)
         values, axes = np.linalg.eigh(belief.P[k][np.ix_(pair, pair)])
-        ring = REACH[1] * (axes * np.sqrt(np.maximum(values, 0.0))) @ np.array([np.cos(CIRCLE), np.sin(CIRCLE)])
+        ring = (
+            SIGMAS_FOR_95_PERCENT[1]
+            * (axes * np.sqrt(np.maximum(values, 0.0)))
+            @ np.array([np.cos(CIRCLE_ANGLES_RAD), np.sin(CIRCLE_ANGLES_RAD)])
+        )
         drawn = shown(case, ring.T + belief.mean[k, list(pair)], pair)
         final = share == SHARES[-1]
         curves.append(Curve(same(f"t = {s.t[k]:.2g} s"), drawn[:, 1], "estimate" if final else "second",
@@ -137,7 +141,7 @@ def _energy(found: Study) -> LineFigure:
 
 
 def _bar(mode: Mode) -> str:
-    return written(mode.distance, ".2g") + " " + "▮" * max(1, round(6 + 1.5 * np.log10(max(mode.distance, 1e-9))))
+    return format_number(mode.distance, ".2g") + " " + "▮" * max(1, round(6 + 1.5 * np.log10(max(mode.distance, 1e-9))))
 
 
 def _modes(found: Study) -> TableFigure:
@@ -145,10 +149,10 @@ def _modes(found: Study) -> TableFigure:
     for mode in found.sensed.seen.modes:
         if mode.pole.imag < -1e-9:
             continue
-        word = (text("hidden") if not mode.visible else text("nearly hidden") if mode.distance < NEAR
+        word = (text("hidden") if not mode.visible else text("nearly hidden") if mode.distance < NEARLY_HIDDEN_DISTANCE
                 else text("seen"))
         counts["hidden"] += not mode.visible
-        counts["near"] += mode.visible and mode.distance < NEAR
+        counts["near"] += mode.visible and mode.distance < NEARLY_HIDDEN_DISTANCE
         table.append((pole_words([complex(mode.pole.real, abs(mode.pole.imag))]),
                       _bar(mode) if mode.visible else "0", word))
     n = found.sensed.plant.n
@@ -163,7 +167,7 @@ def _sweep(sweep: Sweep, found: Study) -> PlaneFigure:
     now = float(decades(np.array([found.weakest.distance]))[0])
     best = float(sweep.along[np.argmax(sweep.distance)])
     name, _, unit = sweep.label.rstrip("]").partition(" [")
-    number = written(10**best, ".2g") if sweep.log else written(best, ".3g")
+    number = format_number(10**best, ".2g") if sweep.log else format_number(best, ".3g")
     words = f"{name} = {number}{unit if unit == '°' else ' ' + unit if unit else ''}"
     return PlaneFigure(
         "sweep", text("one knob moved, all else kept"),
@@ -180,7 +184,7 @@ def _sweep(sweep: Sweep, found: Study) -> PlaneFigure:
 
 def _criteria(found: Study, chosen: str) -> TableFigure:
     table = tuple((text("▶ {sentence}", sentence=c.text) if c.id == chosen else c.text,
-                   c.number, MUTE if c.says is None else YES if c.says else NO) for c in found.criteria)
+                   c.number, NO_ANSWER if c.says is None else YES if c.says else NO) for c in found.criteria)
     pick = next(c for c in found.criteria if c.id == chosen)
     plant = found.sensed.plant
     caption = (text("C e^(At) is {number} here and has a determinant; a plant may be observable although it is zero.", number=pick.number)

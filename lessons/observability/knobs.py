@@ -1,14 +1,14 @@
-"""The knobs of lesson 3: the deck's sensors, and one for each of the other cases."""
+"""Define the knobs of lesson 3: the deck's sensors, and one knob for each other case."""
 
 from __future__ import annotations
 
-from app.lesson.knobs import Choice, Number, Switch
-from app.text import Text, text
+from observer_lab.course.knobs import Choice, Number, Switch
+from observer_lab.text import Text, text
 
-from .cases import CASES
+from .cases import PLANT_CASES
 from .criteria import CRITERIA
 
-DECK, NOTES, PAIR, MANY = "deck", "notes", "pair", "many"
+DECK_CASE, NOTES, PAIR, MANY_MASSES = "deck", "notes", "pair", "many"
 
 
 def _place(name: str, symbol: str, label: Text, default: float) -> Number:
@@ -18,7 +18,7 @@ def _place(name: str, symbol: str, label: Text, default: float) -> Number:
 
 
 def _on(name: str, label: Text, default: bool) -> Switch:
-    return Switch(name, "", label, default=default, when=("plant", (DECK,)),
+    return Switch(name, "", label, default=default, when=("plant", (DECK_CASE,)),
                   hint=text("On or off. A sensor that is off turns grey on the deck."))
 
 
@@ -29,7 +29,7 @@ def _rows(name: str, plants: tuple[str, ...], high: int) -> Number:
 
 
 KNOBS = (
-    Choice("plant", "", text("case"), default=DECK, options=tuple((c.id, c.label) for c in CASES.values()),
+    Choice("plant", "", text("case"), default=DECK_CASE, options=tuple((c.id, c.label) for c in PLANT_CASES.values()),
            hint=text("The platform's deck, the example of the notes, and two plants that are hard to judge.")),
     _on("left_on", text("left sensor, vertical"), True),
     _place("left", "p_1", text("place of the left sensor"), 0.0),
@@ -42,10 +42,10 @@ KNOBS = (
            when=("plant", (PAIR,)), hint=text("A = diag(−1, −1−ε), C = [1 1]: with ε = 0 the modes cannot be told "
                                               "apart.")),
     Number("count", "n", text("number of modes"), low=2, high=20, default=20, scale="integer",
-           when=("plant", (MANY,)), hint=text("A = diag(−1, …, −n), and one sensor that adds all states up.")),
-    _rows("rows_deck", (DECK,), 6),
+           when=("plant", (MANY_MASSES,)), hint=text("A = diag(−1, …, −n), and one sensor that adds all states up.")),
+    _rows("rows_deck", (DECK_CASE,), 6),
     _rows("rows_two", (NOTES, PAIR), 2),
-    _rows("rows_many", (MANY,), 20),
+    _rows("rows_many", (MANY_MASSES,), 20),
     Number("tolerance", r"\tau", text("tolerance of the rank"), low=1e-16, high=0.1, default=5e-15, scale="log",
            hint=text("Singular values of O at or below τ times the largest count as zero.")),
     Number("reading", r"\delta", text("error of each derivative"), low=1e-12, high=0.1, default=1e-3,

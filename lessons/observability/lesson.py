@@ -1,14 +1,14 @@
-"""Observability: which sensor sees everything? Rows of O, distances, and the states that the data so far allow."""
+"""Assemble lesson 3: which sensors determine the state, by O, distances and data."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
-from app.lesson.again import Again
-from app.lesson.lesson import Lesson
-from app.lesson.prose import read_prose
+from observer_lab.course.exercises.second_prediction import SecondPrediction
+from observer_lab.course.lesson import Lesson
+from observer_lab.course.prose import read_prose
 
-from ..course import PLACES
+from ..course import COURSE_PLACES
 from .code import code
 from .derive import derived
 from .exams import EXAMS
@@ -21,8 +21,8 @@ from .tasks import TASKS
 LESSON = Lesson(
     "observability", 3, KNOBS, compute, figures, answer=3, answering="modes", tasks=TASKS, exams=EXAMS, kick=False,
     source="Observer notes (001), section 2: observability matrix, rank criterion; PBH test; Gramian",
-    place=PLACES["observability"],
-    again=Again(("noise",), 0, {"noise": 0.003}, ("ellipses", "halves", "energy")),
+    place=COURSE_PLACES["observability"],
+    again=SecondPrediction(("noise",), 0, {"noise": 0.003}, ("ellipses", "halves", "energy")),
     words=read_prose(Path(__file__).parent), key=("plant", "left", "right_on", "angle", "gap", "count"),
     aside=("tolerance", "reading", "noise"), adapt=adapted, code=code,
     derived=derived)

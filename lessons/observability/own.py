@@ -1,4 +1,4 @@
-"""Observability of a person's own plant: its outputs switched on and off, in sizes typical of its start."""
+"""Fit lesson 3 to the user's own plant: outputs on and off, states in typical sizes."""
 
 from __future__ import annotations
 
@@ -7,24 +7,24 @@ from functools import partial
 
 import numpy as np
 
-from app.lesson.knobs import Knob, KnobError, Number, Switch
-from app.lesson.lesson import Design, Lesson, Outcome, Stage
-from app.plants import Model
-from app.plants.names import called
-from app.text import text
+from observer_lab.course.knobs import Knob, KnobError, Number, Switch
+from observer_lab.course.lesson import Design, Lesson, Outcome, Stage
+from observer_lab.plants import Model
+from observer_lab.plants.signal_names import signal_name
+from observer_lab.text import text
 
 from ..toolkit.gains import sizes
 from .bodies import body_of
 from .cases import Case, sensed_by
 from .criteria import criteria
 from .derive import derived
+from .initial_state import learn, rebuild
 from .knobs import KNOBS
-from .knowledge import learn, rebuild
 from .study import Study, checks_of, cloud_of, formulas_of, live_of, metrics_of
 
 SWITCHES = 6  # outputs with a switch; what a plant has beyond these stays on
-STEPS, FEW = 120, 50  # instants, for few states and for many
-GROWTH = 5.0  # how many times e a run may grow
+OBSERVED_INSTANTS, FEW_INSTANTS = 120, 50  # instants, for few states and for many
+MAX_GROWTH_EXPONENT = 5.0  # how many times e a run may grow
 SHARED = ("tolerance", "reading", "noise", "criterion", "seed")  # knobs taken from the lesson as they are
 
 
@@ -35,19 +35,29 @@ def case_of(model: Model) -> Case:
         raise KnobError(text("With a single state there is nothing to tell apart; this lesson needs two states at "
                              "least."))
     fastest = float(np.real(plant.poles).max())
-    horizon = min(model.horizon, GROWTH / fastest) if fastest > 0 else model.horizon
+    horizon = min(model.horizon, MAX_GROWTH_EXPONENT / fastest) if fastest > 0 else model.horizon
     scale = tuple(abs(v) or 1.0 for v in model.x0)
     start = tuple((0.75, -0.6, 0.5, -0.4, 0.7)[i % 5] for i in range(n))
-    return Case("own", model.label, plant.state_names, scale, start, horizon, STEPS if n <= 12 else FEW, (0, 2 if n > 2 else None, 1),
-                (0, 1), tuple(plant.unit(name) for name in plant.state_names),
-                labels=tuple(called(plant, name) for name in plant.state_names))
+    return Case(
+        "own",
+        model.label,
+        plant.state_names,
+        scale,
+        start,
+        horizon,
+        OBSERVED_INSTANTS if n <= 12 else FEW_INSTANTS,
+        (0, 2 if n > 2 else None, 1),
+        (0, 1),
+        tuple(plant.unit(name) for name in plant.state_names),
+        labels=tuple(signal_name(plant, name) for name in plant.state_names),
+    )
 
 
 def own_knobs(model: Model) -> tuple[Knob, ...]:
     """A switch for each output, rows of O, and what the lesson asks everywhere."""
     names = model.plant.output_names[:SWITCHES]
     return (
-        *(Switch(f"on{i}", "", text("sensor {name}", name=called(model.plant, name)), default=True,
+        *(Switch(f"on{i}", "", text("sensor {name}", name=signal_name(model.plant, name)), default=True,
                  hint=text("On or off.")) for i, name in enumerate(names)),
         Number("rows", "k", text("block rows of O"), low=1, high=model.plant.n, default=1, scale="integer",
                hint=text("One step adds the next row C Aᵏ, that is, one more derivative of y.")),

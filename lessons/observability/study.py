@@ -1,4 +1,4 @@
-"""What a design of lesson 3 leads to, and what may honestly be said of it: never "rank n" alone."""
+"""Compute a design of lesson 3, with ranks reported together with distances."""
 
 from __future__ import annotations
 
@@ -7,19 +7,19 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from app.engine.structure import Mode
-from app.lesson.lesson import Check, Design, Formula, Outcome, Stage
-from app.text import Text, text, written
+from observer_lab.course.lesson import Check, Design, Formula, Outcome, Stage
+from observer_lab.engine.structure import Mode
+from observer_lab.text import Text, format_number, text
 
 from ..toolkit.latex import matrix, number, pole_words
 from .bodies import body_of
-from .cases import CASES, Case, Sensed, sensed
+from .cases import PLANT_CASES, Case, Sensed, sensed
 from .criteria import Criterion, criteria
-from .knobs import DECK, MANY
-from .knowledge import REACH, Belief, Rebuilt, learn, rebuild
-from .sweep import Sweep, sweep
+from .initial_state import SIGMAS_FOR_95_PERCENT, Belief, Rebuilt, learn, rebuild
+from .knob_sweep import Sweep, sweep
+from .knobs import DECK_CASE, MANY_MASSES
 
-NEAR = 0.02  # a mode nearer than this to being hidden (in typical sizes) is called nearly hidden
+NEARLY_HIDDEN_DISTANCE = 0.02  # a mode nearer than this to being hidden (in typical sizes) is called nearly hidden
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,19 +41,19 @@ def judged(found: Study) -> str:
     """hidden, near, unresolved or clear."""
     if not found.sensed.seen.observable:
         return "hidden"
-    if found.weakest.distance < NEAR:
+    if found.weakest.distance < NEARLY_HIDDEN_DISTANCE:
         return "near"
     return "clear" if found.belief.known == found.sensed.plant.n else "unresolved"
 
 
 def _blocks(design: Design, n: int) -> int:
-    name = {DECK: "rows_deck", MANY: "rows_many"}.get(design["plant"], "rows_two")
+    name = {DECK_CASE: "rows_deck", MANY_MASSES: "rows_many"}.get(design["plant"], "rows_two")
     return min(int(design[name]), n)
 
 
 def compute(design: Design) -> Outcome[Study]:
     """O and its rank, every mode's distance, x(0) from derivatives, and x(0) from noisy y over a growing window."""
-    case, s = CASES[design["plant"]], sensed(design)
+    case, s = PLANT_CASES[design["plant"]], sensed(design)
     n, seed = s.plant.n, int(design["seed"])
     start = np.array(case.start[:n])
     built = rebuild(s, start, _blocks(design, n), design["reading"], design["tolerance"], seed)
@@ -79,14 +79,14 @@ def cloud_of(found: Study) -> np.ndarray:
     values, vectors = np.linalg.eigh(cov)
     vectors = vectors * np.where(np.linalg.det(vectors) < 0, -1.0, 1.0)[:, None, None]
     turns = Rotation.from_matrix(vectors).as_quat()[:, [3, 0, 1, 2]]
-    return np.hstack([mean, REACH[len(axes) - 1] * np.sqrt(np.maximum(values, 0.0)), turns, np.tile(truth, (count, 1))])
+    return np.hstack([mean, SIGMAS_FOR_95_PERCENT[len(axes) - 1] * np.sqrt(np.maximum(values, 0.0)), turns, np.tile(truth, (count, 1))])
 
 
 def _stage(design: Design, found: Study) -> Stage:
     """The plant along its free motion, its ghost along the estimate from the data so far, sensors, and the cloud."""
     s, case = found.sensed, found.case
     n = s.plant.n
-    if case.id == DECK:
+    if case.id == DECK_CASE:
         extra = [design["left"], design["right"], *(float(design[f"{k}_on"]) for k in ("left", "right", "across"))]
     else:
         row = s.plant.C[0] / np.linalg.norm(s.plant.C[0])
@@ -115,7 +115,7 @@ def checks_of(m: dict[str, float]) -> tuple[Check, ...]:
     return (
         Check("rank", text("rank(O) = n at this tolerance"), m["rank"] == m["states"], m["rank"]),
         Check("seen", text("every mode leaves a trace"), m["hidden"] == 0, m["weakest"]),
-        Check("clear", text("no mode is nearly hidden"), m["weakest"] >= NEAR, m["weakest"]),
+        Check("clear", text("no mode is nearly hidden"), m["weakest"] >= NEARLY_HIDDEN_DISTANCE, m["weakest"]),
         Check("known", text("every direction of x(0) known to a tenth"),
               m["known"] == m["states"], m["known"]),
     )
@@ -138,7 +138,7 @@ def formulas_of(found: Study) -> tuple[Formula, ...]:
 def live_of(found: Study, m: dict[str, float]) -> Text:
     """One sentence on what is seen now."""
     n, rank, known = int(m["states"]), int(m["rank"]), int(m["known"])
-    verdict, d = judged(found), written(m["weakest"], ".2g")
+    verdict, d = judged(found), format_number(m["weakest"], ".2g")
     if verdict == "hidden":
         poles = pole_words([p for p in found.sensed.seen.unobservable if p.imag >= 0])
         return text("Not observable: {poles} leave no trace in y. Known to a tenth: {known} of {n} directions.",

@@ -1,29 +1,29 @@
-"""The tasks of lesson 3: one sensor for all, two that differ, a wrong sentence, full rank nearly hidden and what it costs, low rank."""
+"""Define the tasks of lesson 3."""
 
 from __future__ import annotations
 
-from app.lesson.lesson import Outcome, Task, Verdict, pencil
-from app.lesson.typed import Typed
-from app.text import text
+from observer_lab.course.exercises.typed_answers import Typed
+from observer_lab.course.lesson import Outcome, Task, Verdict, typed_task
+from observer_lab.text import text
 
 from .criteria import DET, GRAMIAN
 from .study import Study
 
-CLEARLY, MOST = 0.05, 0.053  # distance of the weakest mode asked of one sensor
-WIDEST, NOISY = (0.09, 0.1), 0.03  # half axis of the cloud that two sensors are to leave, and the least noise they have
-BLIND = 0.002  # distance below which a direction of the notes' sensor counts as blind
-FINE = 1e-12  # tolerance above which a rank is cut by choice and not by rounding
-PAPER = 1e-5  # distance at which full rank is only on paper
+CLEARLY, MAX_WEAKEST_DISTANCE = 0.05, 0.053  # distance of the weakest mode asked of one sensor
+HALF_AXIS_BAND, MIN_NOISE = (0.09, 0.1), 0.03  # half axis of the cloud that two sensors are to leave, and the least noise they have
+BLIND_DISTANCE = 0.002  # distance below which a direction of the notes' sensor counts as blind
+MIN_TOLERANCE = 1e-12  # tolerance above which a rank is cut by choice and not by rounding
+PAPER_RANK_DISTANCE = 1e-5  # distance at which full rank is only on paper
 
 
-SENSORS = ("left", "right", "across")
+SENSOR_KNOBS = ("left", "right", "across")
 
 
 def _one_sensor(outcome: Outcome[Study]) -> Verdict:
     design, d = outcome.design, outcome.metrics["weakest"]
     if design["plant"] != "deck":
         return Verdict(False, text("This task is about the deck; choose it as the plant."))
-    count = sum(design[f"{k}_on"] for k in SENSORS)
+    count = sum(design[f"{k}_on"] for k in SENSOR_KNOBS)
     if count != 1:
         return Verdict(False, text("Sensors on: {count}; the task wants exactly one.", count=count))
     if outcome.metrics["hidden"] > 0:
@@ -33,9 +33,9 @@ def _one_sensor(outcome: Outcome[Study]) -> Verdict:
         return Verdict(False, text("Every mode is seen, but the weakest is only {d:.2g} from hidden; reach "
                                    "{clearly:g}.",
                                    d=d, clearly=CLEARLY))
-    if d > MOST:
+    if d > MAX_WEAKEST_DISTANCE:
         return Verdict(False, text("The weakest mode is {d:.3g} from hidden, more than is wanted: {clearly:g} to {most:g}.", d=d,
-                                   clearly=CLEARLY, most=MOST))
+                                   clearly=CLEARLY, most=MAX_WEAKEST_DISTANCE))
     return Verdict(True, text("One sensor sees all three modes; the weakest is {d:.2g} from hidden.", d=d))
 
 
@@ -44,14 +44,14 @@ def _two_sensors(outcome: Outcome[Study]) -> Verdict:
     design, m = outcome.design, outcome.metrics
     if design["plant"] != "deck":
         return Verdict(False, text("This task is about the deck; choose it as the plant."))
-    count = sum(design[f"{k}_on"] for k in SENSORS)
-    if count != 2 or design["noise"] < NOISY:
+    count = sum(design[f"{k}_on"] for k in SENSOR_KNOBS)
+    if count != 2 or design["noise"] < MIN_NOISE:
         return Verdict(False, text("Sensors on: {count}, with the noise {noise:.3g}; the task wants two, and a noise of {least:g} or "
-                                   "more.", count=count, noise=design["noise"], least=NOISY))
+                                   "more.", count=count, noise=design["noise"], least=MIN_NOISE))
     found = text("Known to a tenth are {known:.0f} of 6 directions, and the ellipsoid's longest half axis is {longest:.4f}",
                  known=m["known"], longest=m["longest"])
-    if not WIDEST[0] <= m["longest"] <= WIDEST[1]:
-        return Verdict(False, text("{found}; wanted are {low:g} to {high:g}.", found=found, low=WIDEST[0], high=WIDEST[1]))
+    if not HALF_AXIS_BAND[0] <= m["longest"] <= HALF_AXIS_BAND[1]:
+        return Verdict(False, text("{found}; wanted are {low:g} to {high:g}.", found=found, low=HALF_AXIS_BAND[0], high=HALF_AXIS_BAND[1]))
     return Verdict(True, text("{found}.", found=found))
 
 
@@ -65,7 +65,7 @@ def _wrong_sentence(outcome: Outcome[Study]) -> Verdict:
         return Verdict(False, text("That sentence is right, but it does not speak of C e^{At} over time; one of "
                                    "them does."))
     d = found.weakest.distance
-    if d > BLIND:
+    if d > BLIND_DISTANCE:
         return Verdict(False, text("The sentence is right. Now turn the sensor until it all but fails: the "
                                    "nearest mode is still {d:.2g} from hidden.",
                                    d=d))
@@ -79,9 +79,9 @@ def _on_paper(outcome: Outcome[Study]) -> Verdict:
     if rank < n:
         return Verdict(False, text("rank(O) = {rank} of {n}; the task wants full rank at this tolerance.",
                                    rank=rank, n=n))
-    if m["hidden"] > 0 or not 0.9 * PAPER <= d <= 1.1 * PAPER:
+    if m["hidden"] > 0 or not 0.9 * PAPER_RANK_DISTANCE <= d <= 1.1 * PAPER_RANK_DISTANCE:
         return Verdict(False, text("Full rank, and the weakest mode is {d:.2g} from hidden; bring it to {paper:g} within 10 %.",
-                                   d=d, paper=PAPER))
+                                   d=d, paper=PAPER_RANK_DISTANCE))
     return Verdict(True, text("rank(O) = {n}, and a change of {d:.1g} in the plant would hide a mode.", n=n, d=d))
 
 
@@ -92,9 +92,9 @@ def _low_rank(outcome: Outcome[Study]) -> Verdict:
         return Verdict(False, text("The weakest mode is {d:.2g} from hidden; the task wants every mode beyond 0.4.",
                                    d=d))
     tolerance = outcome.design["tolerance"]
-    if tolerance > FINE:
+    if tolerance > MIN_TOLERANCE:
         return Verdict(False, text("A tolerance of {tolerance:.2g} cuts the rank by choice, not by rounding; take {fine:.0g} or less.",
-                                   tolerance=tolerance, fine=FINE))
+                                   tolerance=tolerance, fine=MIN_TOLERANCE))
     if 2 * rank >= n:
         return Verdict(False, text("rank(O) = {rank} of {n}; the task wants less than half of n.", rank=rank, n=n))
     return Verdict(True, text("rank(O) = {rank} of {n}, yet every mode is at least {d:.2g} from hidden: the "
@@ -115,7 +115,7 @@ TASKS = (
     Task("two-sensors", _two_sensors, {"across_on": True, "left": -0.106}),
     Task("find-the-error", _wrong_sentence, {"plant": "notes", "criterion": GRAMIAN, "angle": 55.5}),
     Task("on-paper", _on_paper, {"plant": "pair", "gap": 1.41e-5}),
-    pencil("toll", TOLL),
+    typed_task("toll", TOLL),
     Task("low-rank", _low_rank, {"plant": "many", "count": 20}, Typed(lambda o: o.design["count"] ** (o.design["count"] - 1))),
-    pencil("blind-angle", BLIND_ANGLE),
+    typed_task("blind-angle", BLIND_ANGLE),
 )

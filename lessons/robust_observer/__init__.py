@@ -1,0 +1,1 @@
+"""Hold the modules of lesson 15, robust Luenberger observer."""

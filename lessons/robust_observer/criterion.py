@@ -1,12 +1,12 @@
-"""J and N of the examples in closed form, over whole axes of poles at once: what the figures of the criterion are drawn from."""
+"""Compute J and N of the examples in closed form over whole axes of poles."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from app.lesson.lesson import Design
+from observer_lab.course.lesson import Design
 
-from .knobs import THREE
+from .knobs import EXAMPLE_THREE
 from .study import EXAMPLE_1, norm_of, turn
 
 
@@ -48,7 +48,7 @@ def criterion_3(s1: np.ndarray, s2: np.ndarray, design: Design) -> np.ndarray:
 
 def of_two(s1: np.ndarray, s2: np.ndarray, design: Design) -> np.ndarray:
     """The three parts of J over two poles, of the example with two of them that the design shows."""
-    return (criterion_3 if design["example"] == THREE else criterion_2)(s1, s2, design)
+    return (criterion_3 if design["example"] == EXAMPLE_THREE else criterion_2)(s1, s2, design)
 
 
 def steering(s1: np.ndarray, s2: np.ndarray) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""The numbers that stand now in the derivation of lesson 15: both conditions, one row t = g H(s), the parts of J."""
+"""Compute the numbers in the derivation of lesson 15: both conditions, t = g H(s), J."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from app.lesson.derivation import Value
-from app.lesson.lesson import Outcome
+from observer_lab.course.exercises.derivation import Value
+from observer_lab.course.lesson import Outcome
 
 from .own_loop import Story as OwnStory
 from .study import Story

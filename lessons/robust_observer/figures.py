@@ -1,50 +1,50 @@
-"""Figures of the lesson, from an outcome and nothing else."""
+"""Draw the figures of lesson 15 from an outcome."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from app.lesson.claims import claim
-from app.lesson.figures import (
+from observer_lab.course.figures.claims import claim
+from observer_lab.course.figures.records import (
     Curve,
     LineFigure,
     MapFigure,
     PlaneFigure,
     Point,
     TableFigure,
-    nice,
     over_frequency,
+    round_up_nicely,
 )
-from app.lesson.later import Sheaf, leaf
-from app.lesson.lesson import Design, Outcome
-from app.text import Text, same, text, text_in, written
+from observer_lab.course.lazy import FigureSet, tab_figures
+from observer_lab.course.lesson import Design, Outcome
+from observer_lab.text import Text, format_number, same, text, text_in
 
 from .criterion import criterion_1, of_two, steering, steering_3
-from .knobs import COLUMNS, LINES, NORMS, ONE, REMARKS, THREE
-from .paper import PRINTED_SIZES, claimed_columns, free_columns, remark_3, true_size
-from .ranks import paper_ranks
-from .study import CASES, FREQUENCIES, MOST, Search, Story
+from .knobs import COLUMNS, EXAMPLE_ONE, EXAMPLE_THREE, NORMS, REMARKS, SENSITIVITY_LINES
+from .paper_slips import PRINTED_SIZES, claimed_columns, free_columns, remark_3, true_size
+from .rank_conditions import paper_ranks
+from .study import DISPLAY_LIMIT, EXAMPLE_CASES, FREQUENCIES, Search, Story
 
 TIME_TAB, J_TAB = text("Time"), text("Criterion J")
 WORST_TAB, PAPER_TAB = text("Worst case"), text("Paper")
 AXIS = np.linspace(-12.0, -0.05, 160)
-GRID = np.linspace(-12.0, -0.2, 48)
-WEIGHTS = np.linspace(0.0, 3.0, 31)
+POLE_GRID = np.linspace(-12.0, -0.2, 48)
+NORM_WEIGHTS = np.linspace(0.0, 3.0, 31)
 LARGE_N = 20.0
-EDGE = 200.0  # signals beyond are drawn at the edge
-NONE = same("–")
+SIGNAL_LIMIT = 200.0  # signals beyond are drawn at the edge
+NO_VALUE = same("–")
 
 
-def all_figures(outcome: Outcome[Story]) -> Sheaf:
+def all_figures(outcome: Outcome[Story]) -> FigureSet:
     """Time, criterion, worst case, paper: at most three in a tab."""
-    return Sheaf(leaf(TIME_TAB, lambda: (_error(outcome), _input(outcome), _output(outcome))),
-                 leaf(J_TAB, lambda: (_criterion(outcome), _map(outcome), _found(outcome))),
-                 leaf(WORST_TAB, lambda: (_frequency(outcome), _sweep(outcome))),
-                 leaf(PAPER_TAB, lambda: (_numbers(outcome), paper_ranks(outcome, PAPER_TAB), _slips(outcome))))
+    return FigureSet(tab_figures(TIME_TAB, lambda: (_error(outcome), _input(outcome), _output(outcome))),
+                 tab_figures(J_TAB, lambda: (_criterion(outcome), _map(outcome), _found(outcome))),
+                 tab_figures(WORST_TAB, lambda: (_frequency(outcome), _sweep(outcome))),
+                 tab_figures(PAPER_TAB, lambda: (_numbers(outcome), paper_ranks(outcome, PAPER_TAB), _slips(outcome))))
 
 
 def _edge(values: np.ndarray) -> np.ndarray:
-    return np.clip(values, -EDGE, EDGE)
+    return np.clip(values, -SIGNAL_LIMIT, SIGNAL_LIMIT)
 
 
 def _error(outcome: Outcome[Story]) -> LineFigure:
@@ -68,7 +68,7 @@ def _error(outcome: Outcome[Story]) -> LineFigure:
 def _input(outcome: Outcome[Story]) -> LineFigure:
     run = outcome.study.true
     given = run.u[:, 0]
-    peak = min(float(np.max(np.abs(given))), MOST)
+    peak = min(float(np.max(np.abs(given))), DISPLAY_LIMIT)
     return LineFigure("input", text("input wanted and given"), run.t,
                       (Curve(text("wanted, −Kx + v"), _edge(given - run.e_u[:, 0]), "plant"),
                        Curve(text("given"), _edge(given), "estimate", "dash"),
@@ -78,7 +78,7 @@ def _input(outcome: Outcome[Story]) -> LineFigure:
 
 def _output(outcome: Outcome[Story]) -> LineFigure:
     story = outcome.study
-    gap = min(float(np.max(np.abs(story.true.y - story.model.y))), MOST)
+    gap = min(float(np.max(np.abs(story.true.y - story.model.y))), DISPLAY_LIMIT)
     return LineFigure("output", text("measured output y"), story.true.t,
                       (Curve(text("true plant"), _edge(story.true.y[:, 0]), "plant"),
                        Curve(text("model"), _edge(story.model.y[:, 0]), "reference", "dash", 1.6)), "y",
@@ -88,13 +88,13 @@ def _output(outcome: Outcome[Story]) -> LineFigure:
 
 # --- the criterion ---------------------------------------------------------------------------------------------------
 def _poles(design: Design) -> tuple[complex, ...]:
-    return design[CASES[design["example"]].poles]
+    return design[EXAMPLE_CASES[design["example"]].poles]
 
 
 def _criterion(outcome: Outcome[Story]) -> PlaneFigure:
     design, J = outcome.design, outcome.metrics["J"]
     poles, search = _poles(design), outcome.study.search
-    if design["example"] == ONE:
+    if design["example"] == EXAMPLE_ONE:
         known, seen, output = criterion_1(AXIS, design)
         curves = [Curve(same("J"), known + seen + output, "plant", width=2.4, x=AXIS),
                   Curve(same("2α|s|"), known, "muted", "dot", 1.4, AXIS),
@@ -116,7 +116,7 @@ def _criterion(outcome: Outcome[Story]) -> PlaneFigure:
         title = text("J while one pole moves")
         words = text("J = {j:.4g} in the norm {design}; J does not see that N grows where the poles meet.",
                      j=J, design=_norm(design))
-    top = nice(2.2 * max(J, 4.0))
+    top = round_up_nicely(2.2 * max(J, 4.0))
     curves = [Curve(c.name, np.minimum(c.y, 1.5 * top), c.role, c.dash, c.width, c.x) for c in curves]
     for end in ("region_low", "region_high"):
         curves.append(Curve(text("region"), np.array([0.0, 1.5 * top]), "reference", "dot", 1.2,
@@ -143,17 +143,17 @@ def _map(outcome: Outcome[Story]) -> MapFigure:
     """Where J would be less than now: over (s, γ) in example 1, over (s₁, s₂) in example 2."""
     design, now = outcome.design, outcome.metrics["J"]
     poles = _poles(design)
-    if design["example"] == ONE:
-        unit = criterion_1(GRID, design.with_values(gamma=1.0))
-        J = (unit[0] + unit[1])[None] + WEIGHTS[:, None] * unit[2][None]
+    if design["example"] == EXAMPLE_ONE:
+        unit = criterion_1(POLE_GRID, design.with_values(gamma=1.0))
+        J = (unit[0] + unit[1])[None] + NORM_WEIGHTS[:, None] * unit[2][None]
         N = np.zeros(J.shape)  # N = −30 for every s
-        x, y, labels, mark = GRID, WEIGHTS, ("s [rad/s]", "γ"), (poles[0].real, design["gamma"])
+        x, y, labels, mark = POLE_GRID, NORM_WEIGHTS, ("s [rad/s]", "γ"), (poles[0].real, design["gamma"])
         title = text("J over s and γ, against J now")
     else:
-        s1, s2 = np.meshgrid(GRID, GRID)
+        s1, s2 = np.meshgrid(POLE_GRID, POLE_GRID)
         J = of_two(s1, s2, design).sum(axis=0)
-        N = steering(s1, s2) if design["example"] != THREE else steering_3(s1, s2, design["free"])
-        x = y = GRID
+        N = steering(s1, s2) if design["example"] != EXAMPLE_THREE else steering_3(s1, s2, design["free"])
+        x = y = POLE_GRID
         labels, mark = ("s₁ [rad/s]", "s₂ [rad/s]"), None if poles[0].imag else (poles[0].real, poles[1].real)
         title = text("J over s₁ and s₂, against J now")
     values = np.where(now * 2 < J, 2, np.where(now * (1 + 1e-9) < J, 1, 0))
@@ -177,10 +177,10 @@ def _found(outcome: Outcome[Story]) -> TableFigure:
         found = next((f for key, f in search.found if key == name), None) if search is not None else None
         shown = "∞" if name == "inf" else name
         if found is None:
-            rows.append((shown, NONE, NONE, NONE, NONE))
+            rows.append((shown, NO_VALUE, NO_VALUE, NO_VALUE, NO_VALUE))
             continue
         tried = ", ".join(f"{a.order}: {'✓' if a.feasible else f'✗ {a.gap:.2g}'}" for a in found.attempts)
-        poles = ", ".join(written(p.real, ".5g") for p in found.observer.poles)
+        poles = ", ".join(format_number(p.real, ".5g") for p in found.observer.poles)
         rows.append((shown, str(found.observer.order), poles, f"{found.value:.6g}", tried))
     caption = (text("Not run yet: press the button “Run algorithm RLO”.")
                if search is None or not search.found else
@@ -193,7 +193,7 @@ def _found(outcome: Outcome[Story]) -> TableFigure:
 def _frequency(outcome: Outcome[Story]) -> LineFigure:
     story, peak = outcome.study, outcome.study.peak
     floor = 1e-6
-    caption = (text("At some sign pattern of the δ the loop is unstable.") if peak >= MOST else
+    caption = (text("At some sign pattern of the δ the loop is unstable.") if peak >= DISPLAY_LIMIT else
                text("Worst of the eight sign patterns: {peak:.3g} times v.", peak=peak))
     return over_frequency("gain", text("from v to the error of the input"), FREQUENCIES,
                            (Curve(text("these δ"), np.maximum(story.now, floor), "error"),
@@ -204,7 +204,7 @@ def _frequency(outcome: Outcome[Story]) -> LineFigure:
 def _sweep(outcome: Outcome[Story]) -> PlaneFigure:
     """The worst case along the axis, as far as the job has come; now is the dotted line."""
     design, search, now = outcome.design, outcome.study.search, outcome.study.peak
-    top = nice(1.6 * min(max(now, 1.0), 50.0))
+    top = round_up_nicely(1.6 * min(max(now, 1.0), 50.0))
     curves = [Curve(text("now"), np.full(2, min(now, top)), "error", "dot", 1.6, np.array([-12.0, 0.0]))]
     points: tuple[Point, ...] = ()
     caption = text("Run algorithm RLO to draw the worst case along the axis.")
@@ -214,7 +214,7 @@ def _sweep(outcome: Outcome[Story]) -> PlaneFigure:
         points = (Point(float(search.s[k]), min(float(search.worst[k]), top), "force", "circle"),)
         found = {"worst": search.worst[k], "s": search.s[k]}
         caption = (text("Least worst case so far: {worst:.3g} at s = {s:.3g}; J is least elsewhere.", **found)
-                   if design["example"] == ONE else
+                   if design["example"] == EXAMPLE_ONE else
                    text("Least worst case so far: {worst:.3g} at s = {s:.3g} (poles s and s − 1).", **found))
     return PlaneFigure("sweep", text("largest |e_u/v| over the eight sign patterns"),
                        tuple(curves), points, "s [rad/s]", "max |e_u/v|", (-12.0, 0.0), (0.0, top), caption=caption,
@@ -253,7 +253,7 @@ def _slips(outcome: Outcome[Story]) -> TableFigure:
     rows: tuple[tuple[Text | str, ...], ...] = (
         (text("remark 3: (2b) missed by"), REMARKS[d["remark"]], _share(gaps.dynamics)),
         (text("remark 3: (2c) missed by"), REMARKS[d["remark"]], _share(gaps.output)),
-        (text("{lines}: size", lines=LINES[d["line"]]), f"{printed[0]}×{printed[1]}", f"{true[0]}×{true[1]}"),
+        (text("{lines}: size", lines=SENSITIVITY_LINES[d["line"]]), f"{printed[0]}×{printed[1]}", f"{true[0]}×{true[1]}"),
         (text("M′: columns"), f"{COLUMNS[d['columns']]} = {claimed}", str(free_columns())),
     )
     wrong = (not gaps.met) + (printed != true) + (claimed != free_columns())

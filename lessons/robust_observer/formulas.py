@@ -1,20 +1,20 @@
-"""The live formulas of the examples, in the sign of the house and in that of the paper."""
+"""Write the live formulas of the examples, in our sign and in the paper's."""
 
 from __future__ import annotations
 
 from types import MappingProxyType
 
-from app.engine.observers import FunctionalObserver
-from app.lesson.lesson import Design, Formula
-from app.text import text
+from observer_lab.course.lesson import Design, Formula
+from observer_lab.engine.observers import FunctionalObserver
+from observer_lab.text import text
 
 from ..toolkit.latex import matrix, number
-from .knobs import ONE, THREE, TWO
+from .knobs import EXAMPLE_ONE, EXAMPLE_THREE, EXAMPLE_TWO
 
 LAWS = MappingProxyType({
-    ONE: r"F = s,\; T = [1 \;\; s],\; L = -s^2-4s-3",
-    TWO: r"F = W\,\mathrm{diag}(s_1, s_2)\,W^{-1}",
-    THREE: r"F = \mathrm{diag}(s_1, s_2),\; N = (K - M'C)\,T^{-1},\; M = M'",
+    EXAMPLE_ONE: r"F = s,\; T = [1 \;\; s],\; L = -s^2-4s-3",
+    EXAMPLE_TWO: r"F = W\,\mathrm{diag}(s_1, s_2)\,W^{-1}",
+    EXAMPLE_THREE: r"F = \mathrm{diag}(s_1, s_2),\; N = (K - M'C)\,T^{-1},\; M = M'",
 })
 
 

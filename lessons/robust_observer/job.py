@@ -1,4 +1,4 @@
-"""The job: algorithm RLO in each norm inside the region, then the worst of the eight vertices along the axis."""
+"""Run algorithm RLO in each norm, then the worst of eight vertices along the axis."""
 
 from __future__ import annotations
 
@@ -7,23 +7,23 @@ from dataclasses import replace
 
 import numpy as np
 
-from app.engine import functional_observer
-from app.engine.observers import FunctionalObserver, Region, RobustObserver, rlo_steps, vertices, worst_error_gain
-from app.lesson.later import with_more
-from app.lesson.lesson import Design, Job, Outcome
-from app.text import text
+from observer_lab.course.lazy import merge_lazily
+from observer_lab.course.lesson import Design, Job, Outcome
+from observer_lab.engine import functional_observer
+from observer_lab.engine.observers import FunctionalObserver, Region, RobustObserver, rlo_steps, vertices, worst_error_gain
+from observer_lab.text import text
 
-from .knobs import NORMS, ONE, THREE
-from .study import CASES, MOST, Search, Story, deltas, observer_of, weighted
+from .knobs import EXAMPLE_ONE, EXAMPLE_THREE, NORMS
+from .study import DISPLAY_LIMIT, EXAMPLE_CASES, Search, Story, deltas, observer_of, weighted
 
 WORST_CONDITION = 50.0  # of [T; C]: J does not see N, so RLO must be told how large it may grow
 SWEEP = 33  # poles along the axis
-SHARE = 0.25  # of the progress bar, for each norm
+NORM_PROGRESS_SHARE = 0.25  # of the progress bar, for each norm
 
 
 def key(design: Design) -> Hashable:
     """What the search rests on; poles, norm, W and the start are not among it."""
-    names = ("example", "free", "alpha", "second", "beta", "gamma", "region_low", "region_high", *CASES[design["example"]].deltas)
+    names = ("example", "free", "alpha", "second", "beta", "gamma", "region_low", "region_high", *EXAMPLE_CASES[design["example"]].deltas)
     return tuple(design[name] for name in names)
 
 
@@ -31,22 +31,22 @@ def search(outcome: Outcome[Story]) -> Iterator[tuple[float, Search | None]]:
     """RLO for the norms 1, 2 and ∞, then the sweep; every yield is a place to stop."""
     design = outcome.design
     result, before = Search(), 0.0
-    example, wrong = CASES[design["example"]].example, weighted(design)
+    example, wrong = EXAMPLE_CASES[design["example"]].example, weighted(design)
     region = Region(design["region_low"], design["region_high"])
     for name, norm in NORMS.items():
         best: RobustObserver | None = None
         for part, found in rlo_steps(example.plant, example.K, wrong=wrong, norm=norm, region=region,
                                      worst_condition=WORST_CONDITION):
             best = found
-            yield before + SHARE * part, None
+            yield before + NORM_PROGRESS_SHARE * part, None
         assert best is not None
-        before += SHARE
+        before += NORM_PROGRESS_SHARE
         result = replace(result, found=(*result.found, (name, best)), done=before)
         yield before, result
     axis = -np.geomspace(-design["region_low"], -design["region_high"], SWEEP)
     errors = vertices(example.wrong, *deltas(design))
     for k, s in enumerate(axis):
-        worst = min(worst_error_gain(swept(design, float(s)), errors), MOST)
+        worst = min(worst_error_gain(swept(design, float(s)), errors), DISPLAY_LIMIT)
         result = replace(result, s=np.append(result.s, s), worst=np.append(result.worst, worst),
                          done=before + (1 - before) * (k + 1) / SWEEP)
         yield result.done, result if k % 8 == 7 or k == SWEEP - 1 else None
@@ -54,9 +54,9 @@ def search(outcome: Outcome[Story]) -> Iterator[tuple[float, Search | None]]:
 
 def swept(design: Design, s: float) -> FunctionalObserver:
     """The observer with its pole at s, or its poles at s and s − 1."""
-    case = CASES[design["example"]]
-    poles = (complex(s),) if design["example"] == ONE else (complex(s), complex(s - 1))
-    if design["example"] == THREE:
+    case = EXAMPLE_CASES[design["example"]]
+    poles = (complex(s),) if design["example"] == EXAMPLE_ONE else (complex(s), complex(s - 1))
+    if design["example"] == EXAMPLE_THREE:
         return observer_of(design.with_values(**{case.poles: poles}))
     return functional_observer(case.example.plant, case.example.K, len(poles), poles=poles, wrong=weighted(design))
 
@@ -68,7 +68,7 @@ def shown(outcome: Outcome[Story], result: Search) -> Outcome[Story]:
     if len(result.s):
         more |= {"least_worst": float(np.min(result.worst)), "s_least_worst": float(result.s[np.argmin(result.worst)])}
     more["search_done"] = result.done
-    return replace(outcome, study=replace(outcome.study, search=result), metrics=with_more(outcome.metrics, more))
+    return replace(outcome, study=replace(outcome.study, search=result), metrics=merge_lazily(outcome.metrics, more))
 
 
 JOB = Job(text("Run algorithm RLO"), search, key, shown, figure="found")

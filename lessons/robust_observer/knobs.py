@@ -1,14 +1,14 @@
-"""The knobs of the robust observer: its poles, how wrong the model is, what J and RLO are told, the slips to find."""
+"""Define the knobs of lesson 15: poles, model error, weights of J, slips to find."""
 
 from __future__ import annotations
 
 from types import MappingProxyType
 
-from app.engine.observers import Norm
-from app.lesson.knobs import Choice, Number, Poles, Switch
-from app.text import Text, same, text
+from observer_lab.course.knobs import Choice, Number, Poles, Switch
+from observer_lab.engine.observers import Norm
+from observer_lab.text import Text, same, text
 
-ONE, TWO, THREE = "1", "2", "3"
+EXAMPLE_ONE, EXAMPLE_TWO, EXAMPLE_THREE = "1", "2", "3"
 NORMS: MappingProxyType[str, Norm] = MappingProxyType({"1": 1, "2": 2, "inf": "inf"})
 REMARKS = MappingProxyType({
     "printed": "(F, ΛF, ΛL, ΛNΛ⁻¹, M)",
@@ -16,16 +16,16 @@ REMARKS = MappingProxyType({
     "forward": "(ΛFΛ⁻¹, ΛT, ΛL, NΛ, M)",
     "similar": "(ΛFΛ⁻¹, ΛT, ΛL, NΛ⁻¹, M)",
 })
-LINES = MappingProxyType({"TA": "TΔA", "LC": "LΔC", "MC": "MΔC", "N": "N"})
+SENSITIVITY_LINES = MappingProxyType({"TA": "TΔA", "LC": "LΔC", "MC": "MΔC", "N": "N"})
 COLUMNS = MappingProxyType({"np": "n + p − r*", "nm": "n + m − r*", "mp": "m + p − r*"})
 RE_LOW, RE_HIGH, IM_HIGH = -12.0, 1.0, 6.0  # of the observer's board
-SLIPS = text("Find the slips")
-ERRORS = text("The plant is not the model")
+SLIPS_GROUP = text("Find the slips")
+ERRORS_GROUP = text("The plant is not the model")
 SEARCH = text("Criterion and region")
 
 
 def _delta(name: str, symbol: str, examples: tuple[str, ...], label: Text, high: float, default: float) -> Number:
-    return Number(name, symbol, label, low=-high, high=high, default=default, step=high / 50, group=ERRORS,
+    return Number(name, symbol, label, low=-high, high=high, default=default, step=high / 50, group=ERRORS_GROUP,
                   when=("example", examples),
                   hint=text("How far the true plant is from the model the observer was designed for; 0: no error."))
 
@@ -41,33 +41,33 @@ def weight_knobs() -> tuple[Number, ...]:
 
 
 KNOBS = (
-    Choice("example", "", text("example"), default=ONE,
-           options=((ONE, text("Example 1: two states")), (TWO, text(
-               "Example 2: three states")), (THREE, text("Example 1 with one observer state more"))),
+    Choice("example", "", text("example"), default=EXAMPLE_ONE,
+           options=((EXAMPLE_ONE, text("Example 1: two states")), (EXAMPLE_TWO, text(
+               "Example 2: three states")), (EXAMPLE_THREE, text("Example 1 with one observer state more"))),
            hint=text("The two plants of the paper, each with its gain K; the third choice leaves M′ free.")),
     Poles("pole", "s", text("Observer pole"), "rad/s", default=(-5 + 0j,), re_low=RE_LOW, re_high=RE_HIGH,
-          im_high=IM_HIGH, role="estimate", when=("example", (ONE,)),
+          im_high=IM_HIGH, role="estimate", when=("example", (EXAMPLE_ONE,)),
           hint=text("Drag s along its axis and watch J.")),
     Poles("pair", r"s_1, s_2", text("Observer poles"), "rad/s", default=(-4 + 0j, -2.5 + 0j), re_low=RE_LOW,
-          re_high=RE_HIGH, im_high=IM_HIGH, role="estimate", when=("example", (TWO, THREE)),
+          re_high=RE_HIGH, im_high=IM_HIGH, role="estimate", when=("example", (EXAMPLE_TWO, EXAMPLE_THREE)),
           hint=text("Drag s₁ and s₂; they must differ, and may be a pair.")),
-    Number("free", "M'", text("free number M′"), low=-100.0, high=100.0, default=0.0, step=1.0, when=("example", (THREE,)),
+    Number("free", "M'", text("free number M′"), low=-100.0, high=100.0, default=0.0, step=1.0, when=("example", (EXAMPLE_THREE,)),
            hint=text("What the conditions leave open: M = M′, and N = (K − M′C)T⁻¹ follows.")),
-    _delta("a1", r"\delta_a^1", (ONE, THREE), text("δ of a₂₁"), 0.5, 0.1),
-    _delta("a2", r"\delta_a^2", (ONE, THREE), text("δ of a₂₂"), 0.5, -0.4),
-    _delta("c", r"\delta_c", (ONE, THREE), text("δ of the sensor"), 0.1, 0.05),
-    _delta("b1", r"\delta_a^1", (TWO,), text("δ of a₁"), 0.5, 0.01),
-    _delta("b2", r"\delta_a^2", (TWO,), text("δ of a₂"), 0.5, 0.05),
-    _delta("d", r"\delta_c", (TWO,), text("δ of the sensor"), 0.1, 0.03),
-    Number("input", r"\delta_b", text("δ of the input"), low=-0.5, high=0.5, default=0.0, step=0.01, group=ERRORS,
+    _delta("a1", r"\delta_a^1", (EXAMPLE_ONE, EXAMPLE_THREE), text("δ of a₂₁"), 0.5, 0.1),
+    _delta("a2", r"\delta_a^2", (EXAMPLE_ONE, EXAMPLE_THREE), text("δ of a₂₂"), 0.5, -0.4),
+    _delta("c", r"\delta_c", (EXAMPLE_ONE, EXAMPLE_THREE), text("δ of the sensor"), 0.1, 0.05),
+    _delta("b1", r"\delta_a^1", (EXAMPLE_TWO,), text("δ of a₁"), 0.5, 0.01),
+    _delta("b2", r"\delta_a^2", (EXAMPLE_TWO,), text("δ of a₂"), 0.5, 0.05),
+    _delta("d", r"\delta_c", (EXAMPLE_TWO,), text("δ of the sensor"), 0.1, 0.03),
+    Number("input", r"\delta_b", text("δ of the input"), low=-0.5, high=0.5, default=0.0, step=0.01, group=ERRORS_GROUP,
            hint=text("By what share the input acts more strongly on the true plant than on the model. J does not see it, and no sign "
                      "pattern has it.")),
     Number("w12", r"w_{12}", text("coordinates W = [1 w; 0 1]"), low=-2.0, high=2.0, default=1.2,
-           step=0.1, when=("example", (TWO,)),
+           step=0.1, when=("example", (EXAMPLE_TWO,)),
            hint=text("The observer's coordinates: F = W diag(s₁, s₂) W⁻¹.")),
-    Switch("carried", "", text("carry z(0) along with W"), when=("example", (TWO,)),
+    Switch("carried", "", text("carry z(0) along with W"), when=("example", (EXAMPLE_TWO,)),
            hint=text("On: z(0) becomes W z(0). Off: the same numbers whatever W is, as in the paper.")),
-    Choice("norm", "", text("norm in J"), default="2", group=SEARCH, when=("example", (TWO, THREE)),
+    Choice("norm", "", text("norm in J"), default="2", group=SEARCH, when=("example", (EXAMPLE_TWO, EXAMPLE_THREE)),
            options=tuple((name, same("∞" if name == "inf" else name)) for name in NORMS),
            hint=text("Column sum, spectral or row sum norm; in Example 1 all three agree.")),
     *weight_knobs(),
@@ -77,13 +77,13 @@ KNOBS = (
            step=0.5, group=SEARCH, hint=text("RLO keeps every pole right of this.")),
     Number("region_high", "b", text("region for RLO, right end"), "rad/s", low=-3.5, high=-0.2, default=-0.5,
            step=0.1, group=SEARCH, hint=text("RLO keeps every pole left of this.")),
-    Choice("remark", "", text("remark 3 should read"), default="printed", group=SLIPS, when=("example", (TWO,)),
+    Choice("remark", "", text("remark 3 should read"), default="printed", group=SLIPS_GROUP, when=("example", (EXAMPLE_TWO,)),
            options=tuple((name, same(words)) for name, words in REMARKS.items()),
            hint=text("Five matrices that are to meet the observer conditions again; Λ is any regular matrix.")),
-    Choice("line", "", text("line of example 2 with a wrong size"), default="TA", group=SLIPS,
-           when=("example", (TWO,)), options=tuple((name, same(words)) for name, words in LINES.items()),
+    Choice("line", "", text("line of example 2 with a wrong size"), default="TA", group=SLIPS_GROUP,
+           when=("example", (EXAMPLE_TWO,)), options=tuple((name, same(words)) for name, words in SENSITIVITY_LINES.items()),
            hint=text("The table sets the printed size beside the size of the product.")),
-    Choice("columns", "", text("columns of the free M′"), default="np", group=SLIPS,
-           when=("example", (TWO,)), options=tuple((name, same(words)) for name, words in COLUMNS.items()),
+    Choice("columns", "", text("columns of the free M′"), default="np", group=SLIPS_GROUP,
+           when=("example", (EXAMPLE_TWO,)), options=tuple((name, same(words)) for name, words in COLUMNS.items()),
            hint=text("In the paper's letters: n states, m outputs, p observer states, r* the rank of [T; C].")),
 )

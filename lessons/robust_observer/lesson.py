@@ -1,14 +1,14 @@
-"""Robust observer: u = K x estimated directly by one or two states, and what it forgives when the model is wrong."""
+"""Assemble lesson 15: estimate K x with one or two states, tolerant of model errors."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
-from app.lesson.again import Again
-from app.lesson.lesson import Lesson
-from app.lesson.prose import read_prose
+from observer_lab.course.exercises.second_prediction import SecondPrediction
+from observer_lab.course.lesson import Lesson
+from observer_lab.course.prose import read_prose
 
-from ..course import PLACES
+from ..course import COURSE_PLACES
 from .code import code
 from .derive import derived
 from .exams import EXAMS
@@ -21,8 +21,8 @@ from .tasks import TASKS
 
 LESSON = Lesson("robust-observer", 15, KNOBS, compute, all_figures, answer=2, answering="criterion", tasks=TASKS, exams=EXAMS,
                 source="Duan, Li, Zhou (002): robust Luenberger observer design, 1993; there u = +K x",
-                place=PLACES["robust-observer"],
-                again=Again(("c",), 0, {"c": 0.0}, ("e_u", "gain", "sweep")),
+                place=COURSE_PLACES["robust-observer"],
+                again=SecondPrediction(("c",), 0, {"c": 0.0}, ("e_u", "gain", "sweep")),
     words=read_prose(Path(__file__).parent), key=("example", "a1", "a2", "b1", "w12"),
     aside=("norm", "alpha", "second", "beta", "gamma", "region_low", "region_high", "remark", "line", "columns"), kick=False,
                 job=JOB, adapt=adapted, code=code,

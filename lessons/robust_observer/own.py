@@ -1,4 +1,4 @@
-"""The robust observer on a person's own plant: one wanted combination of its states, chosen poles, algorithm RLO beside."""
+"""Compute lesson 15 on the user's own plant: observer, conditions, J, two runs."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from functools import partial
 
 import numpy as np
 
-from app.engine.observers import FunctionalObserver
-from app.lesson.code import Code
-from app.lesson.later import Later, LaterItems, LaterMap
-from app.lesson.lesson import Board, Check, Design, Formula, Job, Lesson, Outcome, Stage
-from app.plants import Model
-from app.text import Text, joined, same, text
+from observer_lab.course.lazy import LazyMap, LazySequence, LazyValue
+from observer_lab.course.lesson import Board, Check, Design, Formula, Job, Lesson, Outcome, Stage
+from observer_lab.course.script_record import Code
+from observer_lab.engine.observers import FunctionalObserver
+from observer_lab.plants import Model
+from observer_lab.text import Text, joined, same, text
 
 from ..toolkit.boards import bolts
 from ..toolkit.latex import gain_words, number, pole_words
@@ -24,32 +24,32 @@ from .own_job import key, search, shown
 from .own_knobs import own_knobs
 from .own_loop import Run, Story, errors, lengths, observer_of, run_of, wanted_of
 from .own_plant import Here, fitted
-from .study import MET
+from .study import CONDITION_RTOL
 
-WHOLE = 1e8  # condition of [T; C] up to which the observer's state and y are taken for the whole state
+MAX_CONDITION = 1e8  # condition of [T; C] up to which the observer's state and y are taken for the whole state
 
 
 def compute(here: Here, design: Design) -> Outcome[Story]:
     """The observer, its conditions and J, and one run each on the model and on the true plant. Raises KnobError, EngineError."""
     o = observer_of(here, design)
     dA, dC = errors(here, design)
-    model, true = Later(lambda: run_of(here, design, o, 0 * dA, 0 * dC)), run_of(here, design, o, dA, dC)
+    model, true = LazyValue(lambda: run_of(here, design, o, 0 * dA, 0 * dC)), run_of(here, design, o, dA, dC)
     story = Story(o, model, true, design["wanted"][0] == "u", dict(here.wanted)[design["wanted"]], here.model.observer_window,
                   _unit(here, design))
     poles = np.array(design[f"poles_{o.order}"])
     known = {"J": o.J, "order": float(o.order), "slowest_loop": float(true.poles.real.max()), "error_start": float(true.e[0]),
              "late_error": true.late(true.e), "late_wanted": true.late(true.wanted)}
-    metrics = LaterMap(lambda: {**known, "dynamics_residual": o.dynamics_residual, "output_residual": o.output_residual,
+    metrics = LazyMap(lambda: {**known, "dynamics_residual": o.dynamics_residual, "output_residual": o.output_residual,
                                 "condition": float(min(o.condition, 1e15))}, known)
     return Outcome(design, {"F": o.F, "T": o.T, "L": o.L, "N": o.N, "M": o.M, "K": o.K}, {"observer": poles, "loop": true.poles}, metrics,
-                   LaterItems(lambda: _checks(metrics)), None, _boards(here, design, o.order), _stage(here, o, true, dC),
-                   LaterItems(lambda: _formulas(o)), Later(lambda: _live(metrics, poles)), story)
+                   LazySequence(lambda: _checks(metrics)), None, _boards(here, design, o.order), _stage(here, o, true, dC),
+                   LazySequence(lambda: _formulas(o)), LazyValue(lambda: _live(metrics, poles)), story)
 
 
 def _checks(m: Mapping[str, float]) -> tuple[Check, ...]:
     return (
-        Check("dynamics", same("T A − F T = L C"), m["dynamics_residual"] < MET, m["dynamics_residual"]),
-        Check("output", same("K = N T + M C"), m["output_residual"] < MET, m["output_residual"]),
+        Check("dynamics", same("T A − F T = L C"), m["dynamics_residual"] < CONDITION_RTOL, m["dynamics_residual"]),
+        Check("output", same("K = N T + M C"), m["output_residual"] < CONDITION_RTOL, m["output_residual"]),
         Check("stable", text("the loop with the true plant is stable"), m["slowest_loop"] < 0, m["slowest_loop"]),
     )
 
@@ -74,7 +74,7 @@ def _stage(here: Here, o: FunctionalObserver, run: Run, dC: np.ndarray) -> Stage
     """The ghost is the state that z and y give together, where there are enough of them."""
     plant, d = here.plant, here.scaled.unit
     ghost = None
-    if o.order == here.highest and o.condition < WHOLE:
+    if o.order == here.highest and o.condition < MAX_CONDITION:
         rows = np.vstack([o.T / lengths(o.T * d)[:, None], plant.C]) * d
         length = lengths(rows)
         known = np.hstack([run.z, run.x @ (plant.C + dC).T]) / length

@@ -1,33 +1,35 @@
-"""Figures of the lesson on a person's own plant."""
+"""Draw the figures of lesson 15 for an own plant."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from app.engine.observers import FunctionalObserver, criterion
-from app.lesson.figures import Curve, LineFigure, PlaneFigure, Point, TableFigure, over_frequency
-from app.lesson.later import Sheaf, leaf
-from app.lesson.lesson import Design, Outcome
-from app.text import NO_WORDS, Text, same, text, written
+from observer_lab.course.figures.records import Curve, LineFigure, PlaneFigure, Point, TableFigure, over_frequency
+from observer_lab.course.lazy import FigureSet, tab_figures
+from observer_lab.course.lesson import Design, Outcome
+from observer_lab.engine.observers import FunctionalObserver, criterion
+from observer_lab.text import NO_WORDS, Text, format_number, same, text
 
 from ..toolkit.latex import pole_words
-from .figures import J_TAB, NONE, TIME_TAB
+from .figures import J_TAB, NO_VALUE, TIME_TAB
 from .own_job import inside
 from .own_loop import Run, Story
 from .own_plant import Here
-from .ranks import own_ranks
+from .rank_conditions import own_ranks
 
 LOOP_TAB = text("Loop")
 CHOSEN, RLO, MODEL = text("true plant"), text("true plant, RLO"), text(
     "model")
 
 
-def all_figures(here: Here, outcome: Outcome[Story]) -> Sheaf:
+def all_figures(here: Here, outcome: Outcome[Story]) -> FigureSet:
     """Time, criterion, loop: at most three in a tab."""
     story = outcome.study
-    return Sheaf(leaf(TIME_TAB, lambda: (_error(outcome, story), _signal(story))),
-                 leaf(J_TAB, lambda: (_compared(outcome, story), own_ranks(here, outcome, story.observer.order, J_TAB), _attempts(story))),
-                 leaf(LOOP_TAB, lambda: (_gain(story), _plane(outcome.design, story))))
+    return FigureSet(
+        tab_figures(TIME_TAB, lambda: (_error(outcome, story), _signal(story))),
+        tab_figures(J_TAB, lambda: (_compared(outcome, story), own_ranks(here, outcome, story.observer.order, J_TAB), _attempts(story))),
+        tab_figures(LOOP_TAB, lambda: (_gain(story), _plane(outcome.design, story))),
+    )
 
 
 def _error(outcome: Outcome[Story], story: Story) -> LineFigure:
@@ -70,11 +72,11 @@ def _compared(outcome: Outcome[Story], story: Story) -> TableFigure:
         within = text("yes") if inside(o.poles, outcome.design) else text("no")
         return (str(o.order), pole_words(list(o.poles)), within, f"{o.J:.5g}", *_parts(o), f"{o.condition:.3g}", f"{o.output_residual:.1e}",
                 f"{run.late(run.e):.3g}",
-                written(run.poles.real.max(), ".3g"))
+                format_number(run.poles.real.max(), ".3g"))
     ours = column(story.observer, story.true)
     found = story.found
     theirs = (column(found.observer, story.found_run) if found is not None and story.found_run is not None
-              else (NONE,) * len(ours))
+              else (NO_VALUE,) * len(ours))
     names = (text("order"), text("poles"), text("in the region"), same("J"),
              same("α Σ‖TAᵢ‖"), same("β Σ‖LCᵢ‖"),
              same("γ Σ‖MCᵢ‖"), text("condition of [T; C]"), text(
@@ -94,9 +96,9 @@ def _compared(outcome: Outcome[Story], story: Story) -> TableFigure:
 
 def _attempts(story: Story) -> TableFigure:
     """What RLO tried on its way."""
-    rows: tuple[tuple[Text | str, ...], ...] = ((NONE, NONE, NONE, NONE),)
+    rows: tuple[tuple[Text | str, ...], ...] = ((NO_VALUE, NO_VALUE, NO_VALUE, NO_VALUE),)
     if story.found is not None:
-        rows = tuple((str(a.order), "✓" if a.feasible else "✗", f"{a.gap:.2g}", f"{a.J:.5g}" if np.isfinite(a.J) else NONE)
+        rows = tuple((str(a.order), "✓" if a.feasible else "✗", f"{a.gap:.2g}", f"{a.J:.5g}" if np.isfinite(a.J) else NO_VALUE)
                      for a in story.found.attempts)
     said = (text("Algorithm RLO raises the order until the conditions can be met; it has not run yet.") if story.found is None else
             text("Share of K that is missed at best: where it is not zero the order is raised."))

@@ -1,4 +1,4 @@
-"""The job on a person's own plant: algorithm RLO inside the region, beside the observer that was chosen."""
+"""Run algorithm RLO on an own plant and compare with the chosen observer."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from app.engine import EngineError
-from app.engine.observers import Region, RobustObserver, rlo_steps
-from app.engine.systems import Poles
-from app.lesson.knobs import KnobError
-from app.lesson.later import with_more
-from app.lesson.lesson import Design, Outcome
-from app.text import text
+from observer_lab.course.knobs import KnobError
+from observer_lab.course.lazy import merge_lazily
+from observer_lab.course.lesson import Design, Outcome
+from observer_lab.engine import EngineError
+from observer_lab.engine.observers import Region, RobustObserver, rlo_steps
+from observer_lab.engine.systems import Poles
+from observer_lab.text import text
 
 from .knobs import NORMS
 from .own_loop import errors, run_of, wanted_of, weighted
@@ -81,4 +81,4 @@ def shown(here: Here, outcome: Outcome[Story], result: RobustObserver) -> Outcom
     run = run_of(here, outcome.design, result.observer, *errors(here, outcome.design))
     more = {"J_rlo": float(result.value), "order_rlo": float(result.observer.order),
             "late_error_rlo": run.late(run.e)}
-    return replace(outcome, study=replace(outcome.study, found=result, found_run=run), metrics=with_more(outcome.metrics, more))
+    return replace(outcome, study=replace(outcome.study, found=result, found_run=run), metrics=merge_lazily(outcome.metrics, more))

@@ -1,14 +1,14 @@
-"""Knobs of the robust observer on a person's own plant."""
+"""Define the knobs of lesson 15 for an own plant."""
 
 from __future__ import annotations
 
-from app.lesson.knobs import Choice, Knob, Number, Poles
-from app.text import same, text
+from observer_lab.course.knobs import Choice, Knob, Number, Poles
+from observer_lab.text import same, text
 
-from .knobs import ERRORS, NORMS, SEARCH, weight_knobs
+from .knobs import ERRORS_GROUP, NORMS, SEARCH, weight_knobs
 from .own_plant import Here
 
-WANTED = text("What is wanted")
+WANTED_GROUP = text("What is wanted")
 
 
 def own_knobs(here: Here) -> tuple[Knob, ...]:
@@ -17,26 +17,26 @@ def own_knobs(here: Here) -> tuple[Knob, ...]:
     c, o = model.controller_window, model.observer_window
     speed = -o.re_low
     return (
-        Choice("wanted", "", text("the observer is to give"), default=here.wanted[0][0], options=here.wanted, group=WANTED,
+        Choice("wanted", "", text("the observer is to give"), default=here.wanted[0][0], options=here.wanted, group=WANTED_GROUP,
                hint=text("A row of K is fed back through the observer, all other inputs from the true state; a "
                          "state is only watched.")),
         Poles("controller_poles", "p", text("Controller poles, which give K"), "rad/s",
-              default=model.controller_poles, re_low=c.re_low, re_high=c.re_high, im_high=c.im_high, role="plant", group=WANTED,
+              default=model.controller_poles, re_low=c.re_low, re_high=c.re_high, im_high=c.im_high, role="plant", group=WANTED_GROUP,
               hidden=not model.controller_poles, hint=text("eig(A − BK): dragging them changes K.")),
-        Choice("order", "q", text("order of the observer"), default=str(orders[0]), group=WANTED, hidden=len(orders) == 1,
+        Choice("order", "q", text("order of the observer"), default=str(orders[0]), group=WANTED_GROUP, hidden=len(orders) == 1,
                options=tuple((str(q), same(str(q))) for q in orders),
                hint=text("From the lowest order that these poles allow up to n less the rank of C.")),
         *(Poles(f"poles_{q}", "s", text("Observer poles"), "rad/s", default=poles, re_low=o.re_low, re_high=o.re_high,
-                im_high=o.im_high, role="estimate", when=("order", (str(q),)), group=WANTED,
+                im_high=o.im_high, role="estimate", when=("order", (str(q),)), group=WANTED_GROUP,
                 hint=text("Drag them and watch J and the error.")) for q, poles in here.starts),
         Number("delta_a", r"\delta_a", text("error of every entry of A"), "%", low=0.0, high=50.0, default=5.0, step=0.5,
-               group=ERRORS, hint=text("Every entry of the true A is this much larger or smaller.")),
+               group=ERRORS_GROUP, hint=text("Every entry of the true A is this much larger or smaller.")),
         Number("delta_c", r"\delta_c", text("error of every entry of C"), "%", low=0.0, high=20.0, default=2.0, step=0.5,
-               group=ERRORS, hint=text("Every entry of the true C is this much larger or smaller.")),
-        Number("signs", "", text("signs of the errors"), low=0, high=20, default=1, scale="integer", group=ERRORS,
+               group=ERRORS_GROUP, hint=text("Every entry of the true C is this much larger or smaller.")),
+        Number("signs", "", text("signs of the errors"), low=0, high=20, default=1, scale="integer", group=ERRORS_GROUP,
                hint=text("0: every entry is larger; 1 to 20: signs drawn at random.")),
         Number("push", "v", text("amplitude of v"), model.input_unit, low=0.0, high=5 * model.u_max, default=model.u_max,
-               group=ERRORS, hint=text("v = a sin ωt with three periods in the run.")),
+               group=ERRORS_GROUP, hint=text("v = a sin ωt with three periods in the run.")),
         Choice("norm", "", text("norm in J"), default="2", group=SEARCH,
                when=("order", tuple(str(q) for q in orders if q > 1)),
                options=tuple((name, same("∞" if name == "inf" else name)) for name in NORMS),

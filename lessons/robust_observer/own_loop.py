@@ -1,4 +1,4 @@
-"""The loop of the true plant, a person's own, with its observer: gains, one exact run, and how much of v is misjudged."""
+"""Compute the loop of an own plant with its observer: gains, one exact run, error index."""
 
 from __future__ import annotations
 
@@ -7,14 +7,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.linalg import expm
 
-from app.engine import EngineError
-from app.engine.observers import FunctionalObserver, Perturbations, RobustObserver
-from app.engine.systems import Poles
-from app.lesson.knobs import KnobError
-from app.lesson.later import Later
-from app.lesson.lesson import Design
-from app.plants import Window
-from app.text import Text, text
+from observer_lab.course.knobs import KnobError
+from observer_lab.course.lazy import LazyValue
+from observer_lab.course.lesson import Design
+from observer_lab.engine import EngineError
+from observer_lab.engine.observers import FunctionalObserver, Perturbations, RobustObserver
+from observer_lab.engine.systems import Poles
+from observer_lab.plants import Window
+from observer_lab.text import Text, text
 
 from ..toolkit.gains import feedback
 from .knobs import NORMS
@@ -22,7 +22,7 @@ from .own_plant import Here, coincide, met, row_of
 
 WAVES = 3.0  # periods of v within the run
 FREQUENCIES = 50
-DIVERGED = 1e9  # times the start: where a run that grows is held
+DIVERGENCE_FACTOR = 1e9  # times the start: where a run that grows is held
 
 
 # --- the observer ---------------------------------------------------------------------------------------------------
@@ -119,7 +119,7 @@ class Run:
     v: np.ndarray
     e: np.ndarray
     wanted: np.ndarray
-    response: Later[tuple[np.ndarray, np.ndarray]]
+    response: LazyValue[tuple[np.ndarray, np.ndarray]]
     poles: Poles
 
     @property
@@ -154,15 +154,15 @@ def run_of(here: Here, design: Design, o: FunctionalObserver, dA: np.ndarray, dC
             more = min(done, count - done)
             states[done:done + more] = states[:more] @ step.T
             step, done = step @ step, done + more
-        states = np.nan_to_num(states, nan=DIVERGED, posinf=DIVERGED, neginf=-DIVERGED)
-        bound = DIVERGED * max(float(np.abs(states[0]).max()), 1.0)
+        states = np.nan_to_num(states, nan=DIVERGENCE_FACTOR, posinf=DIVERGENCE_FACTOR, neginf=-DIVERGENCE_FACTOR)
+        bound = DIVERGENCE_FACTOR * max(float(np.abs(states[0]).max()), 1.0)
         states = np.clip(states, -bound, bound)
     v, states = design["push"] * states[:, size], states[:, :size]
     j = int(design["wanted"][1:]) - 1 if design["wanted"][0] == "u" else 0
     u = states @ loop.inputs.T
     u[:, j] += v
     return Run(np.arange(count) * model.dt, states[:, :here.plant.n], states[:, here.plant.n:], u, v, states @ loop.error[0],
-               states @ loop.wanted[0], Later(lambda: _gain(here, loop)), np.linalg.eigvals(loop.A).astype(complex))
+               states @ loop.wanted[0], LazyValue(lambda: _gain(here, loop)), np.linalg.eigvals(loop.A).astype(complex))
 
 
 def _gain(here: Here, loop: Loop) -> tuple[np.ndarray, np.ndarray]:
@@ -173,8 +173,8 @@ def _gain(here: Here, loop: Loop) -> tuple[np.ndarray, np.ndarray]:
     try:
         solved = np.linalg.solve(s[:, None, None] * np.eye(len(loop.A)) - loop.A, loop.b[:, None] + 0j)[..., 0]
     except np.linalg.LinAlgError:
-        return f, np.full(f.shape, DIVERGED)
-    return f, np.nan_to_num(np.abs(solved @ loop.error[0]), nan=DIVERGED, posinf=DIVERGED)
+        return f, np.full(f.shape, DIVERGENCE_FACTOR)
+    return f, np.nan_to_num(np.abs(solved @ loop.error[0]), nan=DIVERGENCE_FACTOR, posinf=DIVERGENCE_FACTOR)
 
 
 @dataclass(frozen=True, eq=False)
@@ -182,7 +182,7 @@ class Story:
     """The observer, its runs on the model and on the true plant, what is wanted, and what RLO found if it has run."""
 
     observer: FunctionalObserver
-    alone: Later[Run]
+    alone: LazyValue[Run]
     true: Run
     fed: bool
     name: Text

@@ -1,4 +1,4 @@
-"""A person's own plant for the robust observer: does it fit, what may be wanted of it, and the poles to start from."""
+"""Check an own plant, list what can be estimated, and choose starting poles."""
 
 from __future__ import annotations
 
@@ -6,18 +6,18 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from app.engine import EngineError, Plant, functional_observer, observability
-from app.engine.design import typical_rate
-from app.engine.observers import FunctionalObserver, Norm, Perturbations, every_entry, perturbations
-from app.lesson.knobs import KnobError, Poles
-from app.plants import Model
-from app.plants.names import called
-from app.text import Text, same, text
+from observer_lab.course.knobs import KnobError, Poles
+from observer_lab.engine import EngineError, Plant, functional_observer, observability
+from observer_lab.engine.design import typical_rate
+from observer_lab.engine.observers import FunctionalObserver, Norm, Perturbations, every_entry, perturbations
+from observer_lab.plants import Model
+from observer_lab.plants.signal_names import signal_name
+from observer_lab.text import Text, same, text
 
-from .study import MET
+from .study import CONDITION_RTOL
 
-FEW = 3  # orders offered from the lowest on; the highest comes with them
-NEAR = 1e-6  # poles nearer to each other than this, relative, coincide
+MAX_LOW_ORDERS = 3  # orders offered from the lowest on; the highest comes with them
+COINCIDENT_POLES_RTOL = 1e-6  # poles nearer to each other than this, relative, coincide
 WORST_CONDITION = 1e4  # of [T; C]
 
 
@@ -86,15 +86,15 @@ def fitted(model: Model) -> Here:
         raise KnobError(text("The outputs of this plant give its whole state at once, so u = −Kx needs no "
                              "observer; leave out an output, or take a plant with more states."))
     K = np.zeros((plant.m, plant.n)) if model.controller is None else model.controller.gain
-    wanted = tuple((f"u{i + 1}", text("input {name}: its row of K", name=called(plant, name)))
+    wanted = tuple((f"u{i + 1}", text("input {name}: its row of K", name=signal_name(plant, name)))
                    for i, name in enumerate(plant.input_names) if np.any(K[i]))
-    wanted += tuple((f"x{i + 1}", text("state {name}", name=called(plant, name)))
+    wanted += tuple((f"x{i + 1}", text("state {name}", name=signal_name(plant, name)))
                     for i, name in enumerate(plant.state_names))
     row = row_of(plant, K, wanted[0][0])
     found = [(order, *starting_poles(model, units, row, order)) for order in range(1, highest + 1)]
     limit = max(WORST_CONDITION, min(condition for _, _, condition in found))
     starts = [(order, poles) for order, poles, condition in found if poles and condition <= limit]
-    starts = starts[:FEW] + starts[FEW:][-1:]
+    starts = starts[:MAX_LOW_ORDERS] + starts[MAX_LOW_ORDERS:][-1:]
     if not starts:
         raise KnobError(text("No observer of order 1 to {highest} is within the reach of double precision for "
                              "this plant: its polynomials spread over too many powers of ten.",
@@ -150,9 +150,9 @@ def coincide(poles: tuple[complex, ...]) -> bool:
     """Whether two of the poles are one."""
     p = np.array(poles)
     gaps = np.abs(p[:, None] - p[None, :]) + np.diag(np.full(p.size, np.inf))
-    return bool(gaps.min() < NEAR * max(float(np.abs(p).max()), 1e-300))
+    return bool(gaps.min() < COINCIDENT_POLES_RTOL * max(float(np.abs(p).max()), 1e-300))
 
 
 def met(o: FunctionalObserver, share: float = 1.0) -> bool:
     """Both conditions hold to 1e-9, or to a share of it."""
-    return o.dynamics_residual < share * MET and o.output_residual < share * MET
+    return o.dynamics_residual < share * CONDITION_RTOL and o.output_residual < share * CONDITION_RTOL

@@ -1,4 +1,4 @@
-"""The examples as the lesson uses them: observers, loops, runs, worst cases.
+"""Compute a design of lesson 15: observers, loops, runs, worst cases.
 
 House sign u = −K x̂ throughout; the source has u = +K x̂, so its K, N and M are minus ours, F, T and L the same.
 """
@@ -12,8 +12,12 @@ from types import MappingProxyType
 
 import numpy as np
 
-from app.engine import Plant, functional_observer, simulate_functional
-from app.engine.observers import (
+from observer_lab.course.figures.claims import claim
+from observer_lab.course.knobs import KnobError
+from observer_lab.course.lazy import LazyMap, LazySequence, LazyValue
+from observer_lab.course.lesson import Board, Check, Design, Outcome, Stage
+from observer_lab.engine import Plant, functional_observer, simulate_functional
+from observer_lab.engine.observers import (
     FunctionalObserver,
     FunctionalRun,
     Norm,
@@ -24,27 +28,23 @@ from app.engine.observers import (
     perturbed_loop,
     vertices,
 )
-from app.lesson.claims import claim
-from app.lesson.knobs import KnobError
-from app.lesson.later import Later, LaterItems, LaterMap
-from app.lesson.lesson import Board, Check, Design, Outcome, Stage
-from app.plants.body import Body
-from app.plants.duan import EXAMPLE_1, EXAMPLE_2, Example, push
-from app.plants.duan_body import rack_body
-from app.text import Text, joined, text
+from observer_lab.plants.bodies.body import Body
+from observer_lab.plants.bodies.duan_body import rack_body
+from observer_lab.plants.duan import EXAMPLE_1, EXAMPLE_2, Example, outer_input
+from observer_lab.text import Text, joined, text
 
 from ..toolkit.boards import listed
 from ..toolkit.latex import pole_words
 from .formulas import formulas_of
-from .knobs import IM_HIGH, NORMS, ONE, RE_HIGH, RE_LOW, THREE, TWO
+from .knobs import EXAMPLE_ONE, EXAMPLE_THREE, EXAMPLE_TWO, IM_HIGH, NORMS, RE_HIGH, RE_LOW
 
 HORIZON, DT = 6.0, 0.015
-BEST = -5 / 3  # least J of example 1 with unit weights
+BEST_POLE = -5 / 3  # least J of example 1 with unit weights
 FREQUENCIES = np.geomspace(0.02, 20.0, 120)  # Hz
-PUSH, TURN = 4.0, 5.0  # amplitude and rad/s of the paper's v
-MOST = 1e3  # gains and signals beyond are drawn at the edge
-SLOWEST = -0.01  # rad/s: an observer pole nearer to the imaginary axis is refused
-NEAR = 1e-3  # two real poles of example 2 must be farther apart than this
+V_AMPLITUDE, V_RATE_RAD_S = 4.0, 5.0  # amplitude and rad/s of the paper's v
+DISPLAY_LIMIT = 1e3  # gains and signals beyond are drawn at the edge
+SLOWEST_POLE_RAD_S = -0.01  # rad/s: an observer pole nearer to the imaginary axis is refused
+MIN_POLE_GAP = 1e-3  # two real poles of example 2 must be farther apart than this
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,40 +57,44 @@ class Case:
     deltas: tuple[str, str, str]
 
 
-CASES: MappingProxyType[str, Case] = MappingProxyType({
-    ONE: Case(EXAMPLE_1, rack_body(2, 1, (3.0, 3.0, 3.0, 20.0)), "pole", ("a1", "a2", "c")),
-    TWO: Case(EXAMPLE_2, rack_body(3, 2, (0.6, 0.6, 0.6, 3.0, 3.0, 5.0)), "pair", ("b1", "b2", "d")),
-    THREE: Case(replace(EXAMPLE_1, z0=(-0.3, -0.3)), rack_body(2, 2, (3.0, 3.0, 3.0, 3.0, 20.0)), "pair", ("a1", "a2", "c")),
+EXAMPLE_CASES: MappingProxyType[str, Case] = MappingProxyType({
+    EXAMPLE_ONE: Case(EXAMPLE_1, rack_body(2, 1, (3.0, 3.0, 3.0, 20.0)), "pole", ("a1", "a2", "c")),
+    EXAMPLE_TWO: Case(EXAMPLE_2, rack_body(3, 2, (0.6, 0.6, 0.6, 3.0, 3.0, 5.0)), "pair", ("b1", "b2", "d")),
+    EXAMPLE_THREE: Case(replace(EXAMPLE_1, z0=(-0.3, -0.3)), rack_body(2, 2, (3.0, 3.0, 3.0, 3.0, 20.0)), "pair", ("a1", "a2", "c")),
 })
 
 
 def weighted(design: Design) -> Perturbations:
     """The directions of the model error with the design's weights: α₁ and α₂ of A, one β and one γ of C."""
-    w = CASES[design["example"]].example.wrong
+    w = EXAMPLE_CASES[design["example"]].example.wrong
     return replace(w, alpha=design["alpha"] * np.array([1.0, design["second"]]), beta=np.full(len(w.C), design["beta"]),
                    gamma=np.full(len(w.C), design["gamma"]))
 
 
 def deltas(design: Design) -> tuple[np.ndarray, np.ndarray]:
     """(δ of A, δ of C) that the plant really has."""
-    a1, a2, c = (design[name] for name in CASES[design["example"]].deltas)
+    a1, a2, c = (design[name] for name in EXAMPLE_CASES[design["example"]].deltas)
     return np.array([a1, a2]), np.array([c])
 
 
 def errors(design: Design) -> tuple[np.ndarray, np.ndarray]:
     """ΔA, ΔC of the true plant."""
-    w, (a, c) = CASES[design["example"]].example.wrong, deltas(design)
+    w, (a, c) = EXAMPLE_CASES[design["example"]].example.wrong, deltas(design)
     return np.tensordot(a, w.A, 1), np.tensordot(c, w.C, 1)
 
 
 def input_error(design: Design) -> np.ndarray:
     """ΔB = δ_b B of the true plant."""
-    return design["input"] * CASES[design["example"]].example.plant.B
+    return design["input"] * EXAMPLE_CASES[design["example"]].example.plant.B
 
 
 def turn(design: Design) -> np.ndarray:
     """W: [1 w; 0 1] for the second example, I for the others."""
-    return np.array([[1.0, design["w12"]], [0.0, 1.0]]) if design["example"] == TWO else np.eye(len(design[CASES[design["example"]].poles]))
+    return (
+        np.array([[1.0, design["w12"]], [0.0, 1.0]])
+        if design["example"] == EXAMPLE_TWO
+        else np.eye(len(design[EXAMPLE_CASES[design["example"]].poles]))
+    )
 
 
 def norm_of(design: Design) -> Norm:
@@ -100,18 +104,18 @@ def norm_of(design: Design) -> Norm:
 
 def observer_of(design: Design, W: np.ndarray | None = None) -> FunctionalObserver:
     """The observer of the design, in other coordinates W if given. Raises KnobError for poles that give none."""
-    case = CASES[design["example"]]
+    case = EXAMPLE_CASES[design["example"]]
     poles = design[case.poles]
-    if max(p.real for p in poles) > SLOWEST:
+    if max(p.real for p in poles) > SLOWEST_POLE_RAD_S:
         raise KnobError(text("An observer pole is not in the left half plane (Re s ≤ −0.01), so its error would "
                              "not decay; drag it left."))
-    if len(poles) == 2 and abs(poles[0] - poles[1]) < NEAR:
+    if len(poles) == 2 and abs(poles[0] - poles[1]) < MIN_POLE_GAP:
         raise KnobError(text("The two poles coincide, so [T; C] is singular and K cannot be reached; move them "
-                             "apart.") if design["example"] == TWO else
+                             "apart.") if design["example"] == EXAMPLE_TWO else
                         text("The two poles coincide, and with them both rows of T, so the second state adds nothing; move them apart."))
     found = partial(functional_observer, case.example.plant, case.example.K, len(poles), poles=poles,
                     W=turn(design) if W is None else W, wrong=weighted(design), norm=norm_of(design))
-    if design["example"] != THREE:
+    if design["example"] != EXAMPLE_THREE:
         return found()
     plain, moved = (float(found(free=[[step]]).M[0, 0]) for step in (0.0, 1.0))  # M follows the engine's free number in a line
     return replace(found(free=[[(design["free"] - plain) / (moved - plain)]]), M=np.array([[float(design["free"])]]))
@@ -119,8 +123,8 @@ def observer_of(design: Design, W: np.ndarray | None = None) -> FunctionalObserv
 
 def start_of(design: Design) -> np.ndarray:
     """z(0): as published, or carried along into the coordinates W."""
-    z0 = np.array(CASES[design["example"]].example.z0)
-    return turn(design) @ z0 if design["example"] == TWO and design["carried"] else z0
+    z0 = np.array(EXAMPLE_CASES[design["example"]].example.z0)
+    return turn(design) @ z0 if design["example"] == EXAMPLE_TWO and design["carried"] else z0
 
 
 def shown(run: FunctionalRun) -> FunctionalRun:
@@ -147,26 +151,26 @@ def gains_over_frequency(observer: FunctionalObserver, dB: np.ndarray,
     solved = np.linalg.solve(s[None, :, None, None] * np.eye(A.shape[1]) - A[:, None], B[:, None] + 0j)
     gain = np.abs((C[:, None] @ solved)[..., 0, 0])
     unstable = np.max(np.real(np.linalg.eigvals(A)), axis=1) >= 0
-    gain[unstable] = MOST
+    gain[unstable] = DISPLAY_LIMIT
     k = 1 + int(np.argmax(gain[1:].max(axis=1)))
     peak = np.inf if unstable[1:].any() else peak_gain(A[k], B[k], C[k], np.zeros((1, 1)))[0]
-    return np.minimum(gain[:, :-1], MOST), float(min(peak, MOST))
+    return np.minimum(gain[:, :-1], DISPLAY_LIMIT), float(min(peak, DISPLAY_LIMIT))
 
 
 def steady_error(loop: Plant) -> float:
-    """Amplitude of e_u once the start has died out, under v = `PUSH` sin(`TURN` t + φ): PUSH·|C (jω − A)⁻¹ B|."""
+    """Amplitude of e_u once the start has died out, under v = `V_AMPLITUDE` sin(`V_RATE_RAD_S` t + φ): PUSH·|C (jω − A)⁻¹ B|."""
     if np.max(np.real(loop.poles)) >= 0:
         return np.inf
-    return PUSH * float(abs((loop.C @ np.linalg.solve(1j * TURN * np.eye(len(loop.A)) - loop.A, loop.B + 0j))[0, 0]))
+    return V_AMPLITUDE * float(abs((loop.C @ np.linalg.solve(1j * V_RATE_RAD_S * np.eye(len(loop.A)) - loop.A, loop.B + 0j))[0, 0]))
 
 
 def vertices_of(design: Design) -> tuple[tuple[np.ndarray, np.ndarray], ...]:
     """(ΔA, ΔC) at the eight sign patterns of the design's |δ|."""
-    return vertices(CASES[design["example"]].example.wrong, *deltas(design))
+    return vertices(EXAMPLE_CASES[design["example"]].example.wrong, *deltas(design))
 
 
 LOOP_LOW, LOOP_HIGH, LOOP_IM = -20.0, 4.0, 8.0  # of the loop's
-MET = 1e-9
+CONDITION_RTOL = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -187,9 +191,9 @@ class Story:
     """
 
     observer: FunctionalObserver
-    alone: Later[FunctionalRun]
+    alone: LazyValue[FunctionalRun]
     true: FunctionalRun
-    gains: Later[tuple[np.ndarray, float]]
+    gains: LazyValue[tuple[np.ndarray, float]]
     steady: float
     search: Search | None = None
 
@@ -216,43 +220,43 @@ class Story:
 
 def compute(design: Design) -> Outcome[Story]:
     """The observer in house sign, one run on the model and one on the true plant, the worst of eight vertices."""
-    case = CASES[design["example"]]
+    case = EXAMPLE_CASES[design["example"]]
     example, observer, (dA, dC), dB = case.example, observer_of(design), errors(design), input_error(design)
     z0 = start_of(design)
-    model = Later(lambda: simulate_functional(observer, push, x0=example.x0, z0=z0, horizon=HORIZON, dt=DT))
-    true = shown(simulate_functional(observer, push, x0=example.x0, z0=z0, horizon=HORIZON, dt=DT, dA=dA, dB=dB, dC=dC))
-    gains = Later(lambda: gains_over_frequency(observer, dB, ((dA, dC), *vertices_of(design))))
+    model = LazyValue(lambda: simulate_functional(observer, outer_input, x0=example.x0, z0=z0, horizon=HORIZON, dt=DT))
+    true = shown(simulate_functional(observer, outer_input, x0=example.x0, z0=z0, horizon=HORIZON, dt=DT, dA=dA, dB=dB, dC=dC))
+    gains = LazyValue(lambda: gains_over_frequency(observer, dB, ((dA, dC), *vertices_of(design))))
     loop = perturbed_loop(observer, dA=dA, dB=dB, dC=dC)
     story = Story(observer, model, true, gains, steady_error(loop))
     late = true.t > 0.75 * HORIZON
     known = {"J": observer.J, "order": float(observer.order), "slowest_loop": float(np.max(np.real(loop.poles))),
-             "error_start": float(true.e_u[0, 0]), "late_error": float(min(np.abs(true.e_u[late]).max(), MOST))}
-    metrics = LaterMap(lambda: {
+             "error_start": float(true.e_u[0, 0]), "late_error": float(min(np.abs(true.e_u[late]).max(), DISPLAY_LIMIT))}
+    metrics = LazyMap(lambda: {
         **known, "error_index": min(error_index(observer), 1e9), "dynamics_residual": observer.dynamics_residual,
         "output_residual": observer.output_residual, "worst_gain": story.peak,
         "largest_N": float(np.abs(observer.N).max()), "coordinate_gap": _coordinate_gap(design, story.model),
     }, known)
     o = observer
     return Outcome(design, {"F": o.F, "T": o.T, "L": o.L, "N": o.N, "M": o.M, "K": o.K},
-                   {"observer": np.array(design[case.poles]), "loop": loop.poles}, metrics, LaterItems(lambda: _checks(metrics)), None,
-                   _boards(design, case.poles, loop.poles), _stage(case.body, true), LaterItems(lambda: formulas_of(o, design)),
-                   Later(lambda: _live(design, metrics)), story)
+                   {"observer": np.array(design[case.poles]), "loop": loop.poles}, metrics, LazySequence(lambda: _checks(metrics)), None,
+                   _boards(design, case.poles, loop.poles), _stage(case.body, true), LazySequence(lambda: formulas_of(o, design)),
+                   LazyValue(lambda: _live(design, metrics)), story)
 
 
 def _checks(metrics: Mapping[str, float]) -> tuple[Check, Check]:
     kept = max(metrics["dynamics_residual"], metrics["output_residual"])
     return (
-        Check("conditions", text("T A − F T = L C and K = N T + M C"), kept < MET, kept),
+        Check("conditions", text("T A − F T = L C and K = N T + M C"), kept < CONDITION_RTOL, kept),
         Check("stable", text("the loop with the true plant is stable"), metrics["slowest_loop"] < 0, metrics["slowest_loop"]),
     )
 
 
 def _coordinate_gap(design: Design, model: FunctionalRun) -> float:
     """How far e_u on the model is from that of W = I started at the published z(0)."""
-    if design["example"] != TWO:
+    if design["example"] != EXAMPLE_TWO:
         return 0.0
-    example = CASES[TWO].example
-    plain = simulate_functional(observer_of(design, np.eye(2)), push, x0=example.x0, z0=example.z0, horizon=HORIZON,
+    example = EXAMPLE_CASES[EXAMPLE_TWO].example
+    plain = simulate_functional(observer_of(design, np.eye(2)), outer_input, x0=example.x0, z0=example.z0, horizon=HORIZON,
                                 dt=DT)
     return float(np.abs(plain.e_u - model.e_u).max())
 
@@ -269,13 +273,13 @@ def _boards(design: Design, knob: str, loop: np.ndarray) -> tuple[Board, Board]:
 
 def _stage(body: Body, run: FunctionalRun) -> Stage:
     given, wanted = run.u, run.u - run.e_u
-    states = np.clip(np.hstack([run.x, run.z]), -MOST, MOST)
-    true, ghost = (np.hstack([states, np.clip(u, -MOST, MOST)]) for u in (wanted, given))
-    return Stage(body, run.t, true, ghost, np.clip(given, -MOST, MOST))
+    states = np.clip(np.hstack([run.x, run.z]), -DISPLAY_LIMIT, DISPLAY_LIMIT)
+    true, ghost = (np.hstack([states, np.clip(u, -DISPLAY_LIMIT, DISPLAY_LIMIT)]) for u in (wanted, given))
+    return Stage(body, run.t, true, ghost, np.clip(given, -DISPLAY_LIMIT, DISPLAY_LIMIT))
 
 
 def _live(design: Design, metrics: Mapping[str, float]) -> Text:
-    poles = pole_words([complex(p.real, abs(p.imag)) for p in design[CASES[design["example"]].poles]][:2])
+    poles = pole_words([complex(p.real, abs(p.imag)) for p in design[EXAMPLE_CASES[design["example"]].poles]][:2])
     start = text("Observer at {poles}: J = {j:.3g}.", poles=poles, j=metrics["J"])
     end = claim(text("On the true plant û misses the wanted input by up to {late_error:.2g} at the end.",
                      late_error=metrics["late_error"]), metrics["slowest_loop"], below=0.0,

@@ -1,25 +1,25 @@
-"""Tasks of the lesson: the kink of J, two observers that are one, the slips of the printed paper, a state without a say, a wrong sensor."""
+"""Define the tasks of lesson 15."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from app.lesson.lesson import Outcome, Task, Verdict, pencil
-from app.lesson.typed import Typed
-from app.text import text
+from observer_lab.course.exercises.typed_answers import Typed
+from observer_lab.course.lesson import Outcome, Task, Verdict, typed_task
+from observer_lab.text import text
 
-from .knobs import COLUMNS, LINES, ONE, REMARKS, THREE, TWO
-from .paper import PRINTED_SIZES, claimed_columns, free_columns, remark_3, true_size
-from .study import BEST, Story, turn
+from .knobs import COLUMNS, EXAMPLE_ONE, EXAMPLE_THREE, EXAMPLE_TWO, REMARKS, SENSITIVITY_LINES
+from .paper_slips import PRINTED_SIZES, claimed_columns, free_columns, remark_3, true_size
+from .study import BEST_POLE, Story, turn
 
 FLOOR_J = 38 / 9
-SILENT = 0.01  # of the larger entry of N: a state that has no say
-SLOWEST, DIRECT, NEAR, STEERS = -1.1, 3.5, 0.2, 2.2  # of the two roads: Re s, |M| and how near, entries of N
+NO_EFFECT_SHARE = 0.01  # of the larger entry of N: a state that has no say
+SLOWEST_POLE_RAD_S, DIRECT, DIRECT_TOLERANCE, STEERS = -1.1, 3.5, 0.2, 2.2  # of the two roads: Re s, |M| and how near, entries of N
 
 
 def _kink(outcome: Outcome[Story]) -> Verdict:
     d, J = outcome.design, outcome.metrics["J"]
-    if d["example"] != ONE or any(d[name] != 1.0 for name in ("alpha", "second", "beta", "gamma")):
+    if d["example"] != EXAMPLE_ONE or any(d[name] != 1.0 for name in ("alpha", "second", "beta", "gamma")):
         return Verdict(False, text("This task is about Example 1 with all weights at 1."))
     if J > FLOOR_J + 0.05:
         return Verdict(False, text("J is {j:.3g}; it can be brought below {floor_j:.3g}.",
@@ -30,7 +30,7 @@ def _kink(outcome: Outcome[Story]) -> Verdict:
 
 def _one_observer(outcome: Outcome[Story]) -> Verdict:
     d, gap = outcome.design, outcome.metrics["coordinate_gap"]
-    if d["example"] != TWO or abs(d["w12"]) < 1:
+    if d["example"] != EXAMPLE_TWO or abs(d["w12"]) < 1:
         return Verdict(False, text("Take Example 2 and keep |w| at 1 or more."))
     if gap > 1e-6:
         return Verdict(False, text("On the model e_u still differs from that of W = I by up to {gap:.3g}.", gap=gap))
@@ -40,7 +40,7 @@ def _one_observer(outcome: Outcome[Story]) -> Verdict:
 
 def _remark(outcome: Outcome[Story]) -> Verdict:
     d = outcome.design
-    if d["example"] != TWO:
+    if d["example"] != EXAMPLE_TWO:
         return Verdict(False, text("Take Example 2, where Λ is a matrix and the order of factors matters."))
     gaps = remark_3(d["remark"])
     if gaps.dynamics is None or gaps.output is None:
@@ -55,30 +55,32 @@ def _remark(outcome: Outcome[Story]) -> Verdict:
 
 def _sizes(outcome: Outcome[Story]) -> Verdict:
     d = outcome.design
-    if d["example"] != TWO:
+    if d["example"] != EXAMPLE_TWO:
         return Verdict(False, text("Take Example 2: its lines are the ones to check."))
     printed, true = PRINTED_SIZES[d["line"]], true_size(d["line"])
     if printed == true:
         return Verdict(False, text("{lines} is printed {true}×{true2}, and that is right; look at another line.",
-                                   lines=LINES[d["line"]], true=true[0], true2=true[1]))
+                                   lines=SENSITIVITY_LINES[d["line"]], true=true[0], true2=true[1]))
     claimed, right = claimed_columns(d["columns"]), free_columns()
     if claimed != right:
         return Verdict(False, text("The line is found. {columns} gives M′ {claimed} columns here; it has {right}.",
                                    columns=COLUMNS[d["columns"]], claimed=claimed, right=right))
     return Verdict(True, text("{lines} is {true}×{true2}, printed {printed}×{printed2}; M′ has {columns} = "
                               "{right} columns here.",
-                              lines=LINES[d["line"]], true=true[0], true2=true[1], printed=printed[0],
+                              lines=SENSITIVITY_LINES[d["line"]], true=true[0], true2=true[1], printed=printed[0],
                               printed2=printed[1], columns=COLUMNS[d["columns"]], right=right))
 
 
 def _two_roads(outcome: Outcome[Story]) -> Verdict:
     d, g = outcome.design, outcome.gains
     slowest = max(p.real for p in outcome.poles["observer"])
-    if d["example"] != TWO or slowest > SLOWEST + 1e-9:
+    if d["example"] != EXAMPLE_TWO or slowest > SLOWEST_POLE_RAD_S + 1e-9:
         return Verdict(False, text("Take Example 2, with both poles at Re s ≤ −1.1; the slower one is at {slowest:.3g}.", slowest=slowest))
     direct, size = float(np.abs(g["M"]).max()), float(np.abs(g["N"] @ turn(d)).max())
-    if abs(direct - DIRECT) > NEAR:
-        return Verdict(False, text("|M| = {direct:.3g}; wanted are {wanted:g} within {near:g}.", direct=direct, wanted=DIRECT, near=NEAR))
+    if abs(direct - DIRECT) > DIRECT_TOLERANCE:
+        return Verdict(
+            False, text("|M| = {direct:.3g}; wanted are {wanted:g} within {near:g}.", direct=direct, wanted=DIRECT, near=DIRECT_TOLERANCE)
+        )
     if size > STEERS:
         return Verdict(False, text("|M| = {direct:.3g} is right, but N has an entry of {size:.3g}; at most {most:g} is wanted.",
                                    direct=direct, size=size, most=STEERS))
@@ -87,11 +89,11 @@ def _two_roads(outcome: Outcome[Story]) -> Verdict:
 
 def _no_say(outcome: Outcome[Story]) -> Verdict:
     d = outcome.design
-    if d["example"] != THREE or any(p.imag for p in outcome.poles["observer"]):
+    if d["example"] != EXAMPLE_THREE or any(p.imag for p in outcome.poles["observer"]):
         return Verdict(False, text("Take Example 1 with one observer state more, and keep both poles real."))
     N = outcome.gains["N"][0]
     silent = int(np.argmin(np.abs(N)))
-    if abs(N[silent]) > SILENT * np.abs(N).max():
+    if abs(N[silent]) > NO_EFFECT_SHARE * np.abs(N).max():
         return Verdict(False, text("N = ({first:.3g}, {second:.3g}): both states still speak.", first=N[0], second=N[1]))
     left = d["pair"][1 - silent].real
     return Verdict(True, text("N = ({first:.3g}, {second:.3g}): what is left is the first-order observer with its pole at {left:.3g}.",
@@ -103,15 +105,15 @@ WRONG_SENSOR = Typed("(k-a)*(l-a)/(k*l)", ("a", "k", "l"), slips=(
     ("1-(k-a)*(l-a)/(k*l)", text("That is the share that must still be read; d is what may be missing."))))
 
 TASKS = (
-    Task("kink", _kink, {"pole": (complex(BEST),)}),
-    Task("one-observer", _one_observer, {"example": TWO, "w12": 1.2, "carried": True},
+    Task("kink", _kink, {"pole": (complex(BEST_POLE),)}),
+    Task("one-observer", _one_observer, {"example": EXAMPLE_TWO, "w12": 1.2, "carried": True},
          Typed("a + w*b", ("a", "b", "w"), (("a", text("That is the old start; W moves the first entry too.")),))),
-    Task("remark-3", _remark, {"example": TWO, "remark": "similar"}, Typed("n/r", ("n", "r"), (
+    Task("remark-3", _remark, {"example": EXAMPLE_TWO, "remark": "similar"}, Typed("n/r", ("n", "r"), (
         ("n*r", text("With that, N′T′ is r² N T; the product is to stay.")),))),
-    Task("sizes", _sizes, {"example": TWO, "line": "LC", "columns": "mp"},
+    Task("sizes", _sizes, {"example": EXAMPLE_TWO, "line": "LC", "columns": "mp"},
          Typed("m + p - r", ("m", "p", "r"))),
-    Task("no-say", _no_say, {"example": THREE, "free": 25.0}, Typed("-50 - 30*s", ("s",), (
+    Task("no-say", _no_say, {"example": EXAMPLE_THREE, "free": 25.0}, Typed("-50 - 30*s", ("s",), (
         ("50 + 30*s", text("That is M in the paper's sign, u = +K x; the page has u = −K x̂.")),))),
-    pencil("wrong-sensor", WRONG_SENSOR),
-    Task("two-roads", _two_roads, {"example": TWO, "pair": (-1.1 - 1.05j, -1.1 + 1.05j)}),
+    typed_task("wrong-sensor", WRONG_SENSOR),
+    Task("two-roads", _two_roads, {"example": EXAMPLE_TWO, "pair": (-1.1 - 1.05j, -1.1 + 1.05j)}),
 )

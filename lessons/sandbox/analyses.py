@@ -1,4 +1,4 @@
-"""What can be asked about a plant: each analysis by itself, so that one that fails takes no other with it."""
+"""Compute each analysis of a plant by itself, so that one failure affects no other."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ from typing import TypeVar
 
 import numpy as np
 
-from app.engine import (
+from observer_lab.course.knobs import KnobError
+from observer_lab.engine import (
     EngineError,
     Plant,
     compensator,
@@ -22,22 +23,21 @@ from app.engine import (
     observability,
     sensitivity,
 )
-from app.engine.design import in_natural_units
-from app.engine.feedback import ChannelMargins, ClosedLoop, Sensitivity
-from app.engine.filters import ErrorParts, Ladder, SquaredError, noise_ladder, simulate_filter
-from app.engine.structure import Controllability, KalmanDecomposition, Observability, StableSplit, split_stable
-from app.lesson.knobs import KnobError
-from app.plants import Model
-from app.text import Text, text, told
+from observer_lab.engine.design import in_natural_units
+from observer_lab.engine.feedback import ChannelMargins, ClosedLoop, Sensitivity
+from observer_lab.engine.filters import ErrorParts, Ladder, SquaredError, noise_ladder, simulate_filter
+from observer_lab.engine.structure import Controllability, KalmanDecomposition, Observability, StableSplit, split_stable
+from observer_lab.plants import Model
+from observer_lab.text import Text, error_words, text
 
 from ..toolkit.gains import noise_units
 
 T = TypeVar("T")
-QUICK = 8  # states up to which margins are found while a knob moves, whatever the eigenvectors
+MAX_LIVE_STATES = 8  # states up to which margins are found while a knob moves, whatever the eigenvectors
 LATER = text("The margins of this loop take a while: the button under the knobs works them out.")
-RUNGS = np.logspace(-3, 3, 5)  # beliefs on the ladder, times the true process noise
-SAMPLES = 160  # of the Kalman filter's record
-SKIP = 20  # samples that its test does not look at
+ASSUMED_NOISE_RATIOS = np.logspace(-3, 3, 5)  # beliefs on the ladder, times the true process noise
+RECORD_SAMPLES = 160  # of the Kalman filter's record
+UNTESTED_SAMPLES = 20  # samples that its test does not look at
 PROCESS = 0.1  # size of the process noise, as a share of the natural input
 
 
@@ -53,7 +53,7 @@ def attempt(analysis: Callable[[], T]) -> T | Refusal:
     try:
         return analysis()
     except (EngineError, KnobError) as problem:
-        return Refusal(told(problem))
+        return Refusal(error_words(problem))
     except (np.linalg.LinAlgError, FloatingPointError, ZeroDivisionError):
         return Refusal(text("Rounding defeats this analysis; choose other units for states or time."))
 
@@ -116,7 +116,7 @@ def margins(plant: Plant, K: np.ndarray, L: np.ndarray, patient: bool) -> Margin
 
     A large loop whose eigenvectors are poor takes seconds: whoever is not `patient` is told to press the button.
     """
-    if not patient and plant.n > QUICK and sensitivity(plant, compensator(plant, K, L)).modal is None:
+    if not patient and plant.n > MAX_LIVE_STATES and sensitivity(plant, compensator(plant, K, L)).modal is None:
         raise KnobError(LATER)
     return _margins(plant, np.ascontiguousarray(K).tobytes(), np.ascontiguousarray(L).tobytes())
 
@@ -156,7 +156,7 @@ def noises(model: Model, sensor: float) -> tuple[np.ndarray, np.ndarray, np.ndar
 def _ladder(plant: Plant, G: bytes, W: bytes, V: bytes) -> Ladder:
     G_ = np.frombuffer(G).reshape(plant.n, -1)
     q = G_.shape[1]
-    return noise_ladder(plant, G_, np.frombuffer(W).reshape(q, q), np.frombuffer(V).reshape(plant.p, plant.p), RUNGS)
+    return noise_ladder(plant, G_, np.frombuffer(W).reshape(q, q), np.frombuffer(V).reshape(plant.p, plant.p), ASSUMED_NOISE_RATIOS)
 
 
 def noise(model: Model, L: np.ndarray, sensor: float) -> Noise:
@@ -184,7 +184,7 @@ class Trial:
 def trial(model: Model, sensor: float, belief: float, seed: int) -> Trial:
     """The sampled plant held by its own filter's estimate, watched by a filter that believes `belief` times the noise."""
     G, W, V = (np.ascontiguousarray(M).tobytes() for M in noises(model, sensor))
-    return _trial(model.plant, G, W, V, model.plant.dt or model.horizon / SAMPLES, belief, seed)
+    return _trial(model.plant, G, W, V, model.plant.dt or model.horizon / RECORD_SAMPLES, belief, seed)
 
 
 @lru_cache(maxsize=64)
@@ -192,10 +192,13 @@ def _trial(plant: Plant, G: bytes, W: bytes, V: bytes, step: float, belief: floa
     G_ = np.frombuffer(G).reshape(plant.n, -1)
     q = G_.shape[1]
     found = simulate_filter(plant, G_, np.frombuffer(W).reshape(q, q), np.frombuffer(V).reshape(plant.p, plant.p),
-                            step, SAMPLES,
+                            step, RECORD_SAMPLES,
                          believed=(belief, 1.0), seed=seed)
     track = found.track
-    if len(found.run.t) <= 2 * SKIP:
+    if len(found.run.t) <= 2 * UNTESTED_SAMPLES:
         raise KnobError(text("The plant runs away before the filter can be judged."))
-    early, test = nis(track.innovations[:SKIP], track.S[:SKIP]), nis(track.innovations[SKIP:], track.S[SKIP:])
+    early, test = (
+        nis(track.innovations[:UNTESTED_SAMPLES], track.S[:UNTESTED_SAMPLES]),
+        nis(track.innovations[UNTESTED_SAMPLES:], track.S[UNTESTED_SAMPLES:]),
+    )
     return Trial(found.run.t, found.distance, np.concatenate([early.values, test.values]), test, found.expected)

@@ -1,4 +1,4 @@
-"""The numbers that stand now in the derivation of lesson 19: the mode nearest to being hidden, and the gain that moving it takes."""
+"""Compute the numbers in the derivation of lesson 19: weakest mode and the gain to move it."""
 
 from __future__ import annotations
 
@@ -6,12 +6,12 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from app.lesson.derivation import Value
-from app.lesson.lesson import Outcome
+from observer_lab.course.exercises.derivation import Value
+from observer_lab.course.lesson import Outcome
 
 from .study import Study
 
-ROUNDING = 1e-12  # of the largest singular value: below it a mode counts as hidden and has no price
+HIDDEN_MODE_RTOL = 1e-12  # of the largest singular value: below it a mode counts as hidden and has no price
 
 
 def derived(outcome: Outcome[Study]) -> Mapping[str, Value]:
@@ -32,4 +32,4 @@ def derived(outcome: Outcome[Study]) -> Mapping[str, Value]:
         "up": float(np.linalg.norm(parts[:len(A)])), "down": float(np.linalg.norm(parts[len(A):])), "d": d,
         "moved": float(np.linalg.norm(moved @ v)), "factor": float(np.linalg.norm(left, 2)), "normL": normL,
         "most": d * float(np.linalg.norm(left, 2)), "delta": delta}
-    return known | {"ratio": delta / d} if d > ROUNDING * values[0] else known
+    return known | {"ratio": delta / d} if d > HIDDEN_MODE_RTOL * values[0] else known

@@ -1,4 +1,4 @@
-"""The exams of lesson 19."""
+"""Define the exams of lesson 19."""
 
 from __future__ import annotations
 
@@ -6,22 +6,22 @@ import math
 
 import numpy as np
 
-from app.lesson.exam import Exam, ExamItem, Lot, decimals, significant
+from observer_lab.course.exercises.exam import Exam, ExamItem, SeededDraws, decimals, significant
 
 
-def _silent(lot: Lot) -> ExamItem:
+def _silent(lot: SeededDraws) -> ExamItem:
     """A = [a 1; 0 b], C = [1 c]: the mode at b has the direction (1, b − a) and is hidden where 1 + c (b − a) = 0."""
     a, b = (lot.part(-90, -1) for _ in range(2))
     return ExamItem({"a": a, "b": b}, 1.0 / (a - b) if a != b else math.inf, {"gap": b - a})
 
 
-def _zero(lot: Lot) -> ExamItem:
+def _zero(lot: SeededDraws) -> ExamItem:
     """The numerator (s + b) b₁ + b₂ vanishes at −b − b₂/b₁."""
     k, b, b1, b2 = float(lot.whole(2, 9)), lot.part(2, 15, 2), float(lot.whole(2, 6)), float(lot.whole(-20, 20))
     return ExamItem({"k": k, "b": b, "B": np.array([[b1], [b2]])}, -b - b2 / b1, {"b1": b1, "b2": b2})
 
 
-def _static(lot: Lot) -> ExamItem | None:
+def _static(lot: SeededDraws) -> ExamItem | None:
     """−C A⁻¹ B of a stable plant of two states."""
     A = np.array([[lot.whole(-6, 2), lot.whole(-5, 5)], [lot.whole(-5, 5), lot.whole(-6, -1)]], float)
     B = np.array([[float(lot.whole(-5, 5))], [float(lot.whole(2, 6))]])
@@ -33,7 +33,7 @@ def _static(lot: Lot) -> ExamItem | None:
     return ExamItem({"A": A, "B": B}, -(a22 * B[0, 0] - a12 * B[1, 0]) / det, left)
 
 
-def _held(lot: Lot) -> ExamItem:
+def _held(lot: SeededDraws) -> ExamItem:
     """λ = ln z/h."""
     z, h = lot.part(15, 140, 100), float(lot.whole(5, 200))
     return ExamItem({"z": z, "h": h}, 1000 * math.log(z) / h, {"seconds": h / 1000})

@@ -1,4 +1,4 @@
-"""Figures of the sandbox; where an analysis does not apply, its figure stays, empty, with the sentence why."""
+"""Draw the figures of lesson 19; an analysis that does not apply shows its reason."""
 
 from __future__ import annotations
 
@@ -7,15 +7,15 @@ from typing import TypeVar
 
 import numpy as np
 
-from app.engine import autonomous_error
-from app.engine.design import typical_rate
-from app.engine.simulation import Run
-from app.engine.structure import Controllability, Mode, Observability
-from app.lesson.figures import Curve, LineFigure, MatrixFigure, PlaneFigure, Point, TableFigure
-from app.lesson.later import Sheaf, leaf
-from app.lesson.lesson import Outcome
-from app.plants import Model
-from app.text import NO_WORDS, Text, joined, same, text, written
+from observer_lab.course.figures.records import Curve, LineFigure, MatrixFigure, PlaneFigure, Point, TableFigure
+from observer_lab.course.lazy import FigureSet, tab_figures
+from observer_lab.course.lesson import Outcome
+from observer_lab.engine import autonomous_error
+from observer_lab.engine.design import typical_rate
+from observer_lab.engine.simulation import Run
+from observer_lab.engine.structure import Controllability, Mode, Observability
+from observer_lab.plants import Model
+from observer_lab.text import NO_WORDS, Text, format_number, joined, same, text
 
 from ..toolkit.figures import ERROR_TAB, TIME_TAB, error_figure, input_figure, state_figures
 from ..toolkit.latex import pole_words
@@ -40,29 +40,29 @@ from .loop_figures import (
     valley,
     why,
 )
-from .study import STEPS, Study, frequencies
+from .study import RECOVERY_LEVELS, Study, frequencies
 
 
-def figures(model: Model, outcome: Outcome[Study]) -> Sheaf:
+def figures(model: Model, outcome: Outcome[Study]) -> FigureSet:
     """Verdicts; structure; the run; loop; noise; robustness."""
     study, run, design, plant = outcome.study, outcome.run, outcome.design, model.plant
     assert run is not None
     limit = design["u_max"] if design["limited"] else None
-    return Sheaf(
-        leaf(VERDICT_TAB, lambda: (lights(study.rows),), "late"), leaf(VERDICT_TAB, lambda: (modes_table(study.structure),)),
-        leaf(TIME_TAB, lambda: state_figures(model, run)), leaf(ERROR_TAB, lambda: error_figures(model, run, limit)),
-        leaf(STRUCTURE_TAB, lambda: (sizes_plane(study.structure, design["tolerance"]), decomposition_map(study.structure, plant.n),
+    return FigureSet(
+        tab_figures(VERDICT_TAB, lambda: (lights(study.rows),), "late"), tab_figures(VERDICT_TAB, lambda: (modes_table(study.structure),)),
+        tab_figures(TIME_TAB, lambda: state_figures(model, run)), tab_figures(ERROR_TAB, lambda: error_figures(model, run, limit)),
+        tab_figures(STRUCTURE_TAB, lambda: (sizes_plane(study.structure, design["tolerance"]), decomposition_map(study.structure, plant.n),
                                      hankel_plane(study.structure))),
-        leaf(LOOP_TAB, lambda: (spectrum(study.loop, plant.dt), blocks(study.loop, plant, study.meter),
+        tab_figures(LOOP_TAB, lambda: (spectrum(study.loop, plant.dt), blocks(study.loop, plant, study.meter),
                                 certificate_table(study.certificates))),
-        leaf(NOISE_TAB, lambda: (valley(study.noise, design["belief"]), nis_figure(study.trial, plant.p), gain_figure(study.trial))),
-        leaf(ROBUST_TAB, lambda: (
+        tab_figures(NOISE_TAB, lambda: (valley(study.noise, design["belief"]), nis_figure(study.trial, plant.p), gain_figure(study.trial))),
+        tab_figures(ROBUST_TAB, lambda: (
             sensitivity_figure(study.margins, study.recovered, frequencies(plant_rate=typical_rate(plant), dt=plant.dt)),
-            margin_table(study.margins, plant), recovery_plane(study.steps, len(STEPS), study.refused))))
+            margin_table(study.margins, plant), recovery_plane(study.steps, len(RECOVERY_LEVELS), study.refused))))
 
 
 MOST_MODES = 10  # rows of the table of modes
-YES, NO, MUTE = text("● yes"), text("○ no"), text("— not here")
+YES, NO, NOT_APPLICABLE = text("● yes"), text("○ no"), text("— not here")
 T = TypeVar("T")
 
 
@@ -73,7 +73,7 @@ def lights(rows: tuple[tuple[Text, bool | None, Text], ...]) -> TableFigure:
     return TableFigure(
         "lights", text("what can be said of this plant and loop"),
         (text("question"), text("verdict"), text("rests on")),
-        tuple((name, MUTE if holds is None else YES if holds else NO, said) for name, holds, said in rows), tab=VERDICT_TAB,
+        tuple((name, NOT_APPLICABLE if holds is None else YES if holds else NO, said) for name, holds, said in rows), tab=VERDICT_TAB,
         caption=text("{lit} yes, {dark} no, {count} without an answer here.",
                      lit=lit, dark=dark, count=len(rows) - lit - dark))
 
@@ -112,7 +112,7 @@ def _paired(seen: tuple[Mode, ...], reached: tuple[Mode, ...]) -> list[tuple[Mod
 def _bar(mode: Mode) -> str:
     if not mode.visible:
         return "0"
-    return written(mode.distance, ".2g") + " " + "▮" * max(1, round(6 + np.log10(max(mode.margin, 1e-6))))
+    return format_number(mode.distance, ".2g") + " " + "▮" * max(1, round(6 + np.log10(max(mode.margin, 1e-6))))
 
 
 # --- structure ---------------------------------------------------------------------------------------------------------

@@ -1,4 +1,4 @@
-"""The job: the loop recovered step by step towards what state feedback has."""
+"""Recover the loop step by step towards state feedback (LTR)."""
 
 from __future__ import annotations
 
@@ -8,17 +8,17 @@ from functools import partial
 
 import numpy as np
 
-from app.engine import loop_margins, recover
-from app.engine.design import typical_rate
-from app.engine.feedback import state_feedback_margins
-from app.lesson.knobs import KnobError
-from app.lesson.lesson import Design, Job, Outcome
-from app.plants import Model
-from app.text import text
+from observer_lab.course.knobs import KnobError
+from observer_lab.course.lesson import Design, Job, Outcome
+from observer_lab.engine import loop_margins, recover
+from observer_lab.engine.design import typical_rate
+from observer_lab.engine.feedback import state_feedback_margins
+from observer_lab.plants import Model
+from observer_lab.text import text
 
 from ..toolkit.gains import by_hand
 from .analyses import Margins, Refusal, attempt, margins, noises
-from .study import SAMPLED, STEPS, Study, frequencies, largest
+from .study import RECOVERY_LEVELS, SAMPLED, Study, frequencies, largest
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,11 +44,11 @@ def try_recovery(model: Model, outcome: Outcome[Study]) -> Iterator[tuple[float,
     target = aim.input_disk.alpha
     own = attempt(lambda: margins(plant, K, L, True))
     grid, steps = frequencies(plant_rate=typical_rate(plant), dt=plant.dt), ()
-    for k, q in enumerate(STEPS, start=1):
+    for k, q in enumerate(RECOVERY_LEVELS, start=1):
         found = recover(plant, K, W, V, float(q) * size, G=G)
         built = loop_margins(plant, found.compensator)
         steps = (*steps, (float(q), float(built.input_disk.alpha), float(target)))
-        yield k / len(STEPS), Recovery(steps, largest(built.loop, grid), L, own)
+        yield k / len(RECOVERY_LEVELS), Recovery(steps, largest(built.loop, grid), L, own)
 
 
 def key(design: Design) -> Hashable:

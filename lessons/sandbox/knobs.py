@@ -1,10 +1,10 @@
-"""Knobs of the sandbox: gains, limit, noise and tolerance, in the plant's own measures."""
+"""Define the knobs of lesson 19: gains, limit, noise, tolerance, in the plant's measures."""
 
 from __future__ import annotations
 
-from app.lesson.knobs import Choice, Knob, Number, Switch
-from app.plants import Model
-from app.text import text
+from observer_lab.course.knobs import Choice, Knob, Number, Switch
+from observer_lab.plants import Model
+from observer_lab.text import text
 
 from ..toolkit.knobs import method_knobs, pole_knobs, run_knobs
 

@@ -1,15 +1,24 @@
-"""Figures of the loop, its noise and its robustness; where an analysis does not apply, the sentence why."""
+"""Draw the figures of the loop, its noise and its robustness, or the reason why not."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from app.engine import Plant, chi2_band
-from app.engine.feedback import ClosedLoop
-from app.lesson.claims import claim
-from app.lesson.figures import Curve, LineFigure, MatrixFigure, PlaneFigure, Point, TableFigure, nice, over_frequency
-from app.plants.names import called
-from app.text import NO_WORDS, Text, joined, same, text, text_in
+from observer_lab.course.figures.claims import claim
+from observer_lab.course.figures.records import (
+    Curve,
+    LineFigure,
+    MatrixFigure,
+    PlaneFigure,
+    Point,
+    TableFigure,
+    over_frequency,
+    round_up_nicely,
+)
+from observer_lab.engine import Plant, chi2_band
+from observer_lab.engine.feedback import ClosedLoop
+from observer_lab.plants.signal_names import signal_name
+from observer_lab.text import NO_WORDS, Text, joined, same, text, text_in
 
 from ..toolkit.latex import tiny
 from .analyses import Margins, Noise, Refusal, Trial
@@ -18,9 +27,9 @@ from .study import largest
 VERDICT_TAB, STRUCTURE_TAB, LOOP_TAB = text("Verdicts"), text("Structure"), text("Loop")
 NOISE_TAB, ROBUST_TAB = text("Noise"), text("Robustness")
 LOWEST = -17.0  # decades: what is smaller is drawn here
-RIGHT = 0.05  # a filter whose NIS is this near to its due on average is right, whatever one record says
+NIS_TOLERANCE = 0.05  # a filter whose NIS is this near to its due on average is right, whatever one record says
 ALONE = 1e-8  # separation meter below which the error lives by itself
-CIRCLE = np.linspace(0.0, 2 * np.pi, 121)
+CIRCLE_ANGLES_RAD = np.linspace(0.0, 2 * np.pi, 121)
 
 
 def decades(values: np.ndarray) -> np.ndarray:
@@ -49,8 +58,8 @@ def spectrum(loop: ClosedLoop, dt: float) -> PlaneFigure:
               (loop.compensator_poles, "force", "dot"))
     points = tuple(Point(float(p.real), float(p.imag), role, mark) for poles, role, mark in groups for p in poles)  # type: ignore[arg-type]
     near = np.abs(np.concatenate([loop.controller_poles, loop.observer_poles]))
-    size = nice(1.1 * float(max(np.quantile(near, 0.8), 1e-12))) if not dt else max(1.2, min(float(near.max()), 2.5))
-    circle = (Curve(text("unit circle"), np.sin(CIRCLE), "reference", "solid", 1.2, np.cos(CIRCLE)),) if dt else ()
+    size = round_up_nicely(1.1 * float(max(np.quantile(near, 0.8), 1e-12))) if not dt else max(1.2, min(float(near.max()), 2.5))
+    circle = (Curve(text("unit circle"), np.sin(CIRCLE_ANGLES_RAD), "reference", "solid", 1.2, np.cos(CIRCLE_ANGLES_RAD)),) if dt else ()
     low, high = (-size, size) if dt else (-1.2 * size, 0.4 * size)
     own = loop.compensator_stable
     said = (text("The compensator is stable by itself.") if own else
@@ -66,7 +75,7 @@ def spectrum(loop: ClosedLoop, dt: float) -> PlaneFigure:
 def blocks(loop: ClosedLoop, plant: Plant, meter: float) -> MatrixFigure:
     """The loop in (x, e); the run may leave it, where an input is clipped and the observer does not know."""
     n = plant.n
-    names = (*(called(plant, name) for name in plant.state_names), *(f"e{i + 1}" for i in range(n)))
+    names = (*(signal_name(plant, name) for name in plant.state_names), *(f"e{i + 1}" for i in range(n)))
     return MatrixFigure("blocks", text("the loop in (x, e) coordinates"), loop.A_xe, names, names, (n,),
                         tab=LOOP_TAB, caption=claim(
                             text("White is zero: the error drives the state, never the other way round."), meter, below=ALONE,
@@ -127,7 +136,7 @@ def nis_figure(found: Trial | Refusal, outputs: int) -> LineFigure:
     said = {"consistent": text("as it should be"),
             "overconfident": text("above it, as with a filter that trusts its model too much"),
             "cautious": text("below it, as with a filter that doubts too much")}[test.verdict]
-    if test.verdict != "consistent" and abs(found.expected / outputs - 1) < RIGHT:
+    if test.verdict != "consistent" and abs(found.expected / outputs - 1) < NIS_TOLERANCE:
         said = text("outside it by chance, as one record in twenty is")
     return LineFigure("nis", title, found.t, (Curve(same("NIS"), np.maximum(found.values, 1e-4), "error", width=1.4),
                                               Curve(text("expected, {outputs}", outputs=outputs), np.full(n, float(outputs)),
@@ -177,7 +186,7 @@ def margin_table(found: Margins | Refusal, plant: Plant) -> TableFigure:
     heads = (text("input"), text("gain between"), text("phase"), text("disk α"))
     if isinstance(found, Refusal):
         return TableFigure("margins", title, heads, ((same("—"),) * 4,), why(found), ROBUST_TAB)
-    rows = tuple((called(plant, c.name), f"{c.gain[0]:.2g} … " + ("∞" if np.isinf(c.gain[1]) else f"{c.gain[1]:.3g}"),
+    rows = tuple((signal_name(plant, c.name), f"{c.gain[0]:.2g} … " + ("∞" if np.isinf(c.gain[1]) else f"{c.gain[1]:.3g}"),
                   f"{np.degrees(c.phase):.0f}°", f"{c.disk.alpha:.3g}") for c in found.channels)
     return TableFigure("margins", title, heads, rows, tab=ROBUST_TAB, caption=text(
         "All inputs at once: disk margin α = {together:.3g}, so gains may change by a factor of {together2:.2g} "
@@ -193,7 +202,7 @@ def recovery_plane(steps: tuple[tuple[float, float, float], ...], total: int, re
         return empty_plane("recovery", title, ROBUST_TAB, said)
     q, alpha, target = (np.array(v) for v in zip(*steps, strict=True))
     x = np.log10(q)
-    top = nice(1.1 * float(max(alpha.max(), target.max(), 0.1)))
+    top = round_up_nicely(1.1 * float(max(alpha.max(), target.max(), 0.1)))
     done = NO_WORDS if len(steps) == total else text(
         "{count} of {total} steps so far.",
         count=len(steps), total=total)

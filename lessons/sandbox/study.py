@@ -1,4 +1,4 @@
-"""All that is asked of a plant and a design, and one line for each answer: a light and the number it rests on."""
+"""Compute all analyses of a plant and a design, with one status line for each."""
 
 from __future__ import annotations
 
@@ -8,39 +8,26 @@ from typing import Literal, cast
 
 import numpy as np
 
-from app.engine import Scenario, closed_loop, simulate
-from app.engine.feedback import ClosedLoop, Sensitivity
-from app.engine.simulation import Run, separation_meter
-from app.engine.structure import Mode
-from app.lesson.later import Later, LaterItems, LaterMap
-from app.lesson.lesson import Check, Design, Formula, Outcome
-from app.plants import Model
-from app.text import Text, listed, text, written
+from observer_lab.course.lazy import LazyMap, LazySequence, LazyValue
+from observer_lab.course.lesson import Check, Design, Formula, Outcome
+from observer_lab.engine import Scenario, closed_loop, simulate
+from observer_lab.engine.feedback import ClosedLoop, Sensitivity
+from observer_lab.engine.simulation import Run, separation_meter
+from observer_lab.engine.structure import Mode
+from observer_lab.plants import Model
+from observer_lab.text import Text, format_number, listed, text
 
 from ..toolkit.boards import pole_boards, stage
 from ..toolkit.gains import gains
 from ..toolkit.knobs import kicks
 from ..toolkit.latex import gain_words, pole_words, tiny
-from .analyses import (
-    Margins,
-    Noise,
-    Refusal,
-    Structure,
-    Trial,
-    attempt,
-    certificates,
-    margins,
-    noise,
-    noises,
-    structure,
-    trial,
-)
+from .analyses import Margins, Noise, Refusal, Structure, Trial, attempt, certificates, margins, noise, noises, structure, trial
 
-STEPS = np.logspace(-3, 3, 9)  # of the recovery knob q, in natural units
+RECOVERY_LEVELS = np.logspace(-3, 3, 9)  # of the recovery knob q, in natural units
 POINTS = 140  # of the sensitivity over frequency
 SAMPLED = text("Recovery is for continuous plants: a sampled loop keeps the delay of a step.")
 Row = tuple[Text, bool | None, Text]
-EXACT = 1e-6
+UNION_RTOL = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,10 +98,10 @@ def compute(model: Model, design: Design) -> Outcome[Study]:
         design, {"K": K, "L": L},
         {"controller": loop.controller_poles, "observer": loop.observer_poles, "loop": loop.poles, "compensator": loop.compensator_poles,
          "plant": plant.poles},
-        LaterMap(lambda: _metrics(study, limit)), LaterItems(lambda: _checks(study.rows)), run,
+        LazyMap(lambda: _metrics(study, limit)), LazySequence(lambda: _checks(study.rows)), run,
         pole_boards(model, design, loop.controller_poles, loop.observer_poles, plant.A - L @ plant.C),
         stage(model, run), (Formula("K", gain_words("K", K)), Formula("L", gain_words(r"L^{\mathsf T}", L.T))),
-        Later(lambda: _live(study.rows)), study)
+        LazyValue(lambda: _live(study.rows)), study)
 
 
 def _metrics(study: Study, limit: float | None) -> dict[str, float]:
@@ -202,13 +189,13 @@ def _structure(found: Structure) -> tuple[Row, ...]:
 
 def _loop(loop: ClosedLoop, meter: float, limited: bool) -> tuple[Row, ...]:
     error = min(loop.union_error, loop.polynomial_error)
-    meter_now = "0" if meter < 1e-8 else written(meter, ".2g")
+    meter_now = "0" if meter < 1e-8 else format_number(meter, ".2g")
     said = text("meter {meter} with the limit on", meter=meter_now) if limited else text("meter {meter}", meter=meter_now)
     return (
         (text("loop stable"), loop.stable, text("{count} poles", count=len(loop.poles))),
-        (text("separation of the poles"), error < EXACT, text(
+        (text("separation of the poles"), error < UNION_RTOL, text(
             "off the union by {error}", error=tiny(error))),
-        (text("error lives by itself"), meter < EXACT, said),
+        (text("error lives by itself"), meter < UNION_RTOL, said),
         (text("compensator stable by itself"), loop.compensator_stable,
          text("{count} poles of its own", count=len(loop.compensator_poles))),
     )

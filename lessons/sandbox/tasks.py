@@ -1,28 +1,28 @@
-"""Tasks of the sandbox, for any plant on which they can be done."""
+"""Define the tasks of lesson 19, for any plant on which they can be solved."""
 
 from __future__ import annotations
 
-from app.lesson.lesson import Outcome, Task, Verdict, pencil
-from app.lesson.typed import Typed
-from app.text import text
+from observer_lab.course.exercises.typed_answers import Typed
+from observer_lab.course.lesson import Outcome, Task, Verdict, typed_task
+from observer_lab.text import text
 
 from .analyses import Refusal
 from .knobs import APPLIED
 from .study import Study, times_the_least
 
-EXACT = 1e-8
+UNION_TOLERANCE = 1e-8
 FOUND_OUT = 1.5  # times the expected NIS
-LEAST, MOST = 0.05, 0.07  # share of the run for which the inputs are to be clipped
-SPENT, NEAR, ERROR = 1.0, 0.05, 1.1  # disk margin and how near; times the least error
+MIN_CLIPPED_SHARE, MAX_CLIPPED_SHARE = 0.05, 0.07  # share of the run for which the inputs are to be clipped
+SPENT, DISK_MARGIN_TOLERANCE, ERROR = 1.0, 0.05, 1.1  # disk margin and how near; times the least error
 
 
 def _through_the_limit(outcome: Outcome[Study]) -> Verdict:
     """Inputs clipped, and the error lives by itself all the same."""
     share, meter = outcome.metrics["clipped_share"], outcome.metrics["separation_meter"]
-    if not LEAST <= share <= MOST:
+    if not MIN_CLIPPED_SHARE <= share <= MAX_CLIPPED_SHARE:
         return Verdict(False, text("An input is clipped for {share:.0f} % of the run; {least:.0f} to {most:.0f} % are wanted.",
-                                   share=100 * share, least=100 * LEAST, most=100 * MOST))
-    if meter > EXACT:
+                                   share=100 * share, least=100 * MIN_CLIPPED_SHARE, most=100 * MAX_CLIPPED_SHARE))
+    if meter > UNION_TOLERANCE:
         return Verdict(False, text("Clipped for {share:.0f} % of the run, but the separation meter reads "
                                    "{meter:.2g}.",
                                    share=100 * share, meter=meter))
@@ -67,7 +67,7 @@ def _spent_margin(outcome: Outcome[Study]) -> Verdict:
     if isinstance(ratio, Refusal):
         return Verdict(False, ratio.text)
     margin = margins.together
-    if abs(margin - SPENT) > NEAR:
+    if abs(margin - SPENT) > DISK_MARGIN_TOLERANCE:
         return Verdict(False, text("Disk margin {margin:.3g}; 1.0 within 5 % is wanted.", margin=margin))
     if ratio > ERROR:
         return Verdict(False, text("The observer's error is {ratio:.3g} times the least; at most {most:g} times is wanted.",
@@ -86,7 +86,7 @@ TASKS = (
     Task("through-the-limit", _through_the_limit, {"limited": True, "fed": APPLIED, "u_max": 0.2}),
     Task("wrong-belief", _wrong_belief, {"belief": 0.05, "sensor": 0.02}),
     Task("below-the-tolerance", _below_the_tolerance, {"tolerance": 0.29}),
-    pencil("deadbeat", DEADBEAT),
-    pencil("stroboscope", STROBOSCOPE),
+    typed_task("deadbeat", DEADBEAT),
+    typed_task("stroboscope", STROBOSCOPE),
     Task("spent-margin", _spent_margin, {"method": "weights", "q": 0.5, "r": 1.0, "w": 3.0, "v": 1.0}),
 )

@@ -1,0 +1,1 @@
+"""Hold the modules of lesson 7, input saturation and windup."""

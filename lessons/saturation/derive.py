@@ -1,4 +1,4 @@
-"""The numbers that stand now in the derivation of lesson 7: the force at the start, the compensator's matrix, the ceiling."""
+"""Compute the numbers in the derivation of lesson 7: force at start, compensator, ceiling."""
 
 from __future__ import annotations
 
@@ -6,18 +6,18 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from app.lesson.derivation import Value
-from app.lesson.lesson import Outcome
-from app.plants import Model
+from observer_lab.course.exercises.derivation import Value
+from observer_lab.course.lesson import Outcome
+from observer_lab.plants import Model
 
 from .knobs import APPLIED
-from .study import ANGLE, PLANT, Study, ceiling, start_state
+from .study import ANGLE, CART_PLANT, Study, ceiling, start_state
 
 
 def derived(outcome: Outcome[Study]) -> Mapping[str, Value]:
     """The force asked for and given at t = 0, traces, and the unstable mode with its angle beyond which nothing helps."""
     design, K, L = outcome.design, outcome.gains["K"], outcome.gains["L"]
-    A, B, C, limit = PLANT.A, PLANT.B, PLANT.C, design["u_max"]
+    A, B, C, limit = CART_PLANT.A, CART_PLANT.B, CART_PLANT.C, design["u_max"]
     xhat0 = np.array(start_state(design["angle0"], design["error0"])[1])
     asked = float(-(K @ xhat0)[0])
     given = float(np.clip(asked, -limit, limit))
@@ -26,7 +26,7 @@ def derived(outcome: Outcome[Study]) -> Mapping[str, Value]:
     unstable = int(np.argmax(np.real(values)))
     q = np.real(vectors[:, unstable] / vectors[ANGLE, unstable])[None]
     rate, qB, alone = float(values[unstable].real), float((q @ B)[0, 0]), A - B @ K - L @ C
-    highest = ceiling(PLANT, limit)
+    highest = ceiling(CART_PLANT, limit)
     return {
         "K_theta": float(K[0, ANGLE]), "theta": float(xhat0[ANGLE]), "asked": asked,
         "given": given, "missing": given - asked, "told": told, "leak": given - told,

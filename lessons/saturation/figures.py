@@ -1,4 +1,4 @@
-"""The figures of lesson 7: angle and position, error and force, and the map of starts."""
+"""Draw the figures of lesson 7: angle, position, error, force, recovery map."""
 
 from __future__ import annotations
 
@@ -7,14 +7,14 @@ from types import MappingProxyType
 
 import numpy as np
 
-from app.lesson.claims import claim
-from app.lesson.figures import Curve, Figure, MapFigure
-from app.lesson.lesson import Outcome
-from app.text import NO_WORDS, Text, joined, text
+from observer_lab.course.figures.claims import claim
+from observer_lab.course.figures.records import Curve, Figure, MapFigure
+from observer_lab.course.lesson import Outcome
+from observer_lab.text import NO_WORDS, Text, joined, text
 
 from ..toolkit.figures import error_figure, input_figure, state_figures, within
 from .knobs import MODEL
-from .study import EXACT, GRID, UNKNOWN, Starts, Study, amount
+from .study import ERROR_LAW_RTOL, NOT_COMPUTED, START_GRID_DEG, Starts, Study, amount
 
 APPLIED_FORCE, ASKED_FORCE, LIMIT = text("applied"), text("asked for"), text("limit")
 EDGES = MappingProxyType({"state0": 49.0, "state1": 1.95, "error": 90.0, "input": 24.5})  # values beyond are drawn at the edge
@@ -61,14 +61,14 @@ def _error_words(outcome: Outcome[Study]) -> Text:
     meter, clipped = outcome.metrics["separation_meter"], outcome.metrics["clipped_for"]
     kept = (text("The force is clipped, and the error keeps its promise.") if clipped > 0 else
             text("Nothing is clipped, so the error keeps its promise."))
-    return claim(kept, meter, below=EXACT, otherwise=text("The error leaves its promise; separation meter {meter}.",
+    return claim(kept, meter, below=ERROR_LAW_RTOL, otherwise=text("The error leaves its promise; separation meter {meter}.",
                                                           meter=amount(meter)))
 
 
 def starts_figure(starts: Starts | None, limit: float, angle: float, error: float, kicked: bool) -> MapFigure:
     """The map with the present start marked; what is not known for this design stays blank."""
-    values = np.full((len(GRID), len(GRID)), UNKNOWN) if starts is None else starts.values
-    return MapFigure("starts", text("starts that come home"), GRID, GRID, values, CATEGORIES,
+    values = np.full((len(START_GRID_DEG), len(START_GRID_DEG)), NOT_COMPUTED) if starts is None else starts.values
+    return MapFigure("starts", text("starts that come home"), START_GRID_DEG, START_GRID_DEG, values, CATEGORIES,
                      "θ(0) [°]", "θ(0) − θ̂(0) [°]", (angle, error), _caption(starts, limit, kicked),
                      text("Map"))
 
@@ -82,7 +82,7 @@ def _caption(starts: Starts | None, limit: float, kicked: bool) -> Text:
     known = (text("{share:.1f} % of these starts come home.", share=share) if starts.done == 1 else
              text("{part:.0f} % of the map is known; blank starts have not been run.", part=part))
     edge = (text("Beyond {limit:.1f}° no controller could.", limit=limit)
-            if limit < GRID[-1] else NO_WORDS)
+            if limit < START_GRID_DEG[-1] else NO_WORDS)
     kick = text("The map is drawn without the kick.") if kicked else NO_WORDS
     click = text("The circle runs now; click another start.")
     return joined(known, edge, click, kick)

@@ -1,12 +1,12 @@
-"""The knobs of lesson 7, on a cart with a pole."""
+"""Define the knobs of lesson 7, on a cart-pendulum."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 
-from app.lesson.knobs import Choice, Number
-from app.plants import MODELS
-from app.text import text
+from observer_lab.course.knobs import Choice, Number
+from observer_lab.plants import MODELS
+from observer_lab.text import text
 
 from ..toolkit.knobs import pole_knobs, run_knobs
 

@@ -1,4 +1,4 @@
-"""Saturation on a person's own plant: how far off rest it may start, and how wrong the estimate may be, under a limit."""
+"""Fit lesson 7 to the user's own plant: recovery map over x(0) and e(0) under a limit."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from typing import Literal, cast
 
 import numpy as np
 
-from app.engine import Plant, Scenario, autonomous_error, simulate
-from app.engine.simulation import Run, separation_meter, simulate_recovery
-from app.engine.systems import sorted_poles
-from app.lesson.figures import Curve, Figure, MapFigure
-from app.lesson.knobs import Choice, Knob, KnobError, Number
-from app.lesson.lesson import Check, Design, Formula, Job, Lesson, Outcome
-from app.plants import Model
-from app.text import Text, joined, text
+from observer_lab.course.figures.records import Curve, Figure, MapFigure
+from observer_lab.course.knobs import Choice, Knob, KnobError, Number
+from observer_lab.course.lesson import Check, Design, Formula, Job, Lesson, Outcome
+from observer_lab.engine import Plant, Scenario, autonomous_error, simulate
+from observer_lab.engine.simulation import Run, separation_meter, simulate_recovery
+from observer_lab.engine.systems import sorted_poles
+from observer_lab.plants import Model
+from observer_lab.text import Text, joined, text
 
 from ..toolkit.boards import pole_boards, stage
 from ..toolkit.figures import error_figure, input_figure, state_figures, within
@@ -25,14 +25,14 @@ from ..toolkit.knobs import kicks, pole_knobs, run_knobs
 from ..toolkit.latex import gain_words
 from .derive import derived_own
 from .figures import CATEGORIES
-from .job import SLICE
+from .job import SLICE_S
 from .knobs import APPLIED, COMMANDED
-from .study import UNKNOWN, amount, depends
+from .study import NOT_COMPUTED, amount, depends
 
-GRID = np.linspace(-3.0, 3.0, 25)  # starts and errors, in units of the plant's own start
-NEAR, FAR = 0.1, 100.0  # of the start's size: come home below the one at the end, lost beyond the other
-STRIDE = 4  # every so many rows of errors are one pass
-STEPS = 200  # of a run on the map
+START_GRID = np.linspace(-3.0, 3.0, 25)  # starts and errors, in units of the plant's own start
+RECOVERED_SIZE, LOST_SIZE = 0.1, 100.0  # of the start's size: come home below the one at the end, lost beyond the other
+PASS_STRIDE = 4  # every so many rows of errors are one pass
+MAP_RUN_STEPS = 200  # of a run on the map
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,7 +73,7 @@ def scenario_of(model: Model, design: Design, K: np.ndarray, L: np.ndarray) -> S
 def home(model: Model, run: Run) -> bool:
     """Near rest at the end and never too far from it, in the sizes of the usual start."""
     size = np.linalg.norm(run.x / _scale(model), axis=1) / np.sqrt(model.plant.n)
-    return run.diverged_at is None and float(size[-1]) < NEAR and float(size.max()) <= FAR
+    return run.diverged_at is None and float(size[-1]) < RECOVERED_SIZE and float(size.max()) <= LOST_SIZE
 
 
 def _scale(model: Model) -> np.ndarray:
@@ -134,12 +134,12 @@ def figures(model: Model, outcome: Outcome[OwnStudy]) -> tuple[Figure, ...]:
 # --- the map -------------------------------------------------------------------------------------------------------------
 def _map(outcome: Outcome[OwnStudy]) -> MapFigure:
     story, design = outcome.study, outcome.design
-    values = np.full((len(GRID), len(GRID)), UNKNOWN) if story.values is None else story.values
-    done = float(np.mean(values != UNKNOWN))
+    values = np.full((len(START_GRID), len(START_GRID)), NOT_COMPUTED) if story.values is None else story.values
+    done = float(np.mean(values != NOT_COMPUTED))
     said = (text("Not computed for this design yet: press the button under the knobs.") if done == 0 else
             text("{values:.1f} % of the starts known so far come home. The circle runs now; click another start.",
                  values=100 * np.mean(values == 0) / done))
-    return MapFigure("starts", text("starts that come home"), GRID, GRID, values, CATEGORIES[:2], "x(0)", "e(0)",
+    return MapFigure("starts", text("starts that come home"), START_GRID, START_GRID, values, CATEGORIES[:2], "x(0)", "e(0)",
                      (design["start"], design["error0"]), said, text("Map"))
 
 
@@ -154,7 +154,7 @@ def turned(model: Model, scenario: Scenario) -> Scenario:
     new = Plant(inverse @ plant.A @ T, inverse @ plant.B, plant.C @ T, plant.D)
     rest = np.zeros(plant.n)
     return replace(scenario, plant=new, model=None, K=scenario.K @ T, L=inverse @ scenario.L, x0=rest, xhat0=rest, impulses=(),
-                   horizon=model.horizon, dt=model.horizon / STEPS)
+                   horizon=model.horizon, dt=model.horizon / MAP_RUN_STEPS)
 
 
 def find_starts(model: Model, outcome: Outcome[OwnStudy]) -> Iterator[tuple[float, np.ndarray | None]]:
@@ -164,18 +164,18 @@ def find_starts(model: Model, outcome: Outcome[OwnStudy]) -> Iterator[tuple[floa
         raise KnobError(text("A pole is not in the left half plane, so no start comes home for good; drag it to "
                              "the left if it can be moved."))
     scenario = turned(model, scenario_of(model, outcome.design, outcome.gains["K"], outcome.gains["L"]))
-    values, known = np.full((len(GRID), len(GRID)), UNKNOWN), None
-    up = np.flatnonzero(GRID >= 0)
-    for k in range(STRIDE):
-        rows = up[k::STRIDE]
-        recovered = np.zeros((len(GRID), len(rows)), dtype=bool)
-        for fraction, found in simulate_recovery(scenario, 0, GRID, 0, GRID[rows], threshold=NEAR, bound=FAR,
-                                                 slice_seconds=SLICE):
+    values, known = np.full((len(START_GRID), len(START_GRID)), NOT_COMPUTED), None
+    up = np.flatnonzero(START_GRID >= 0)
+    for k in range(PASS_STRIDE):
+        rows = up[k::PASS_STRIDE]
+        recovered = np.zeros((len(START_GRID), len(rows)), dtype=bool)
+        for fraction, found in simulate_recovery(scenario, 0, START_GRID, 0, START_GRID[rows], threshold=RECOVERED_SIZE, bound=LOST_SIZE,
+                                                 slice_seconds=SLICE_S):
             recovered = found.recovered
-            yield (k + fraction) / STRIDE, known
+            yield (k + fraction) / PASS_STRIDE, known
         values = values.copy()
         values[rows] = np.where(recovered.T, 0, 1)
-        values[len(GRID) - 1 - rows] = values[rows][:, ::-1]
+        values[len(START_GRID) - 1 - rows] = values[rows][:, ::-1]
         known = values
     yield 1.0, known
 
@@ -189,7 +189,7 @@ def pick(outcome: Outcome[OwnStudy], x: float, y: float) -> Mapping[str, float]:
     """A click on the map: the start of the nearest cell, without a kick."""
     if not (np.isfinite(x) and np.isfinite(y)):
         raise KnobError(text("That click is not on the map."))
-    cell = {name: float(GRID[int(np.argmin(np.abs(GRID - value)))]) for name, value in (("start", x), ("error0", y))}
+    cell = {name: float(START_GRID[int(np.argmin(np.abs(START_GRID - value)))]) for name, value in (("start", x), ("error0", y))}
     return {**cell, "kick": -1.0}
 
 

@@ -1,4 +1,4 @@
-"""What a design of lesson 7 leads to: one clipped run, the same start with a known state, what the error was promised."""
+"""Compute a design of lesson 7: a clipped run, the same with known state, error check."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from math import degrees, radians
 
 import numpy as np
 
-from app.engine import EngineError, Plant, Scenario, autonomous_error, simulate
-from app.engine.simulation import Run, separation_meter, simulate_until
-from app.lesson.claims import claim
-from app.lesson.lesson import Check, Design, Formula, Outcome
-from app.text import Text, joined, text, written
+from observer_lab.course.figures.claims import claim
+from observer_lab.course.lesson import Check, Design, Formula, Outcome
+from observer_lab.engine import EngineError, Plant, Scenario, autonomous_error, simulate
+from observer_lab.engine.simulation import Run, separation_meter, simulate_until
+from observer_lab.text import Text, format_number, joined, text
 
 from ..toolkit.boards import pole_boards, stage
 from ..toolkit.gains import gains
@@ -20,17 +20,17 @@ from ..toolkit.knobs import kicks
 from ..toolkit.latex import matrix
 from .knobs import APPLIED, HORIZON, MODEL
 
-PLANT = MODEL.plant
+CART_PLANT = MODEL.plant
 DT = 0.02
-EXACT = 1e-9  # of the error's peak: how well ė = (A − LC)e must hold to count as exact
+ERROR_LAW_RTOL = 1e-9  # of the error's peak: how well ė = (A − LC)e must hold to count as exact
 ANGLE = 1  # index of the angle in the state
-NEAR = 0.05  # ‖x‖ at the horizon below which a start has come home (m, rad, m/s, rad/s)
-FAR = 20.0  # ‖x‖ beyond which it has not, whatever comes
+RECOVERED_NORM = 0.05  # ‖x‖ at the horizon below which a start has come home (m, rad, m/s, rad/s)
+LOST_NORM = 20.0  # ‖x‖ beyond which it has not, whatever comes
 FALLEN = radians(45.0)  # where the linear pole counts as fallen
 ENDS = (0.5, 1.0, 2.0, 4.0)  # s; a lost run is not followed past the first of them after the pole has fallen
-SERIES = ("x", "xhat", "e", "u_asked", "u_applied", "y", "yhat", "w", "v")
-GRID = np.linspace(-20.0, 20.0, 41)  # degrees: angle across, error of its estimate upwards
-UNKNOWN, HOME, LOST, HOPELESS = -1, 0, 1, 2
+RUN_SERIES = ("x", "xhat", "e", "u_asked", "u_applied", "y", "yhat", "w", "v")
+START_GRID_DEG = np.linspace(-20.0, 20.0, 41)  # degrees: angle across, error of its estimate upwards
+NOT_COMPUTED, RECOVERED, NOT_RECOVERED, UNRECOVERABLE = -1, 0, 1, 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,12 +43,12 @@ class Starts:
     @property
     def done(self) -> float:
         """Share of the map that is known."""
-        return float(np.mean(self.values != UNKNOWN))
+        return float(np.mean(self.values != NOT_COMPUTED))
 
     @property
     def home(self) -> float:
         """Share of the whole map that comes home."""
-        return float(np.mean(self.values == HOME))
+        return float(np.mean(self.values == RECOVERED))
 
     def at(self, angle: float, error: float) -> int:
         """The category of the start nearest to an angle and an error in degrees."""
@@ -71,7 +71,7 @@ class Study:
 
 def nearest(value: float) -> int:
     """Index of the grid line nearest to a value in degrees."""
-    return int(np.argmin(np.abs(GRID - value)))
+    return int(np.argmin(np.abs(START_GRID_DEG - value)))
 
 
 def start_state(angle: float, error: float) -> tuple[tuple[float, ...], tuple[float, ...]]:
@@ -100,20 +100,20 @@ def depends(design: Design) -> tuple[Hashable, ...]:
 def scenario_of(design: Design, K: np.ndarray, L: np.ndarray, state_feedback: bool = False) -> Scenario:
     """The clipped loop from the design's own start."""
     x0, xhat0 = start_state(design["angle0"], design["error0"])
-    return Scenario(PLANT, K, L, x0=x0, xhat0=xhat0, horizon=HORIZON, dt=DT, u_min=-design["u_max"],
+    return Scenario(CART_PLANT, K, L, x0=x0, xhat0=xhat0, horizon=HORIZON, dt=DT, u_min=-design["u_max"],
                     u_max=design["u_max"], fed=design["fed"], state_feedback=state_feedback,
                     impulses=kicks(design, MODEL), seed=int(design["seed"]))
 
 
 def compute(design: Design) -> Outcome[Study]:
     """One clipped run, the same start with a known state, and what the error was promised."""
-    K, L = gains(design, PLANT)
+    K, L = gains(design, CART_PLANT)
     run = march(scenario_of(design, K, L))
     shown, stopped = whole(run)
     ideal = march(scenario_of(design, K, L, state_feedback=True))
     known, _ = whole(ideal)
     seen = until(run, stopped)
-    A, B, C = PLANT.A, PLANT.B, PLANT.C
+    A, B, C = CART_PLANT.A, CART_PLANT.B, CART_PLANT.C
     inside = A - L @ C if design["fed"] == APPLIED else A - B @ K - L @ C
     poles = {"controller": np.linalg.eigvals(A - B @ K), "observer": np.linalg.eigvals(A - L @ C),
              "clipped": np.linalg.eigvals(inside)}
@@ -122,11 +122,11 @@ def compute(design: Design) -> Outcome[Study]:
         "separation_meter": meter, "comes_home": float(comes_home(run)), "known_comes_home": float(comes_home(ideal)),
         "stopped_at": HORIZON if stopped is None else stopped, "clipped_rate": float(np.max(np.real(poles["clipped"]))),
         "clipped_for": DT * float(np.sum(np.abs(seen.u_asked) > design["u_max"] * (1 + 1e-9))),
-        "largest_asked": float(np.max(np.abs(seen.u_asked))), "ceiling": ceiling(PLANT, design["u_max"]),
+        "largest_asked": float(np.max(np.abs(seen.u_asked))), "ceiling": ceiling(CART_PLANT, design["u_max"]),
     }
     story = Study(shown, autonomous_error(shown), known.x, stopped, None)
     checks = (
-        Check("autonomous", text("the error lives by itself, ė = (A − LC)e"), meter < EXACT, meter),
+        Check("autonomous", text("the error lives by itself, ė = (A − LC)e"), meter < ERROR_LAW_RTOL, meter),
         Check("windup", text("the compensator is stable while the force is clipped"),
               metrics["clipped_rate"] < 0, metrics["clipped_rate"]),
         Check("home", text("this start comes home"), comes_home(run), float(np.linalg.norm(run.x[-1]))),
@@ -142,7 +142,7 @@ def slowest(outcome: Outcome[Study], name: str) -> float:
 
 def amount(value: float) -> str:
     """A number for a sentence; what has left every scale is only said to be large."""
-    return "> 1000" if value > 1000 else written(value, ".3g") if value > 1e-9 else "0"
+    return "> 1000" if value > 1000 else format_number(value, ".3g") if value > 1e-9 else "0"
 
 
 def _formulas(design: Design, K: np.ndarray, L: np.ndarray, metrics: Mapping[str, float]) -> tuple[Formula, ...]:
@@ -167,7 +167,7 @@ def _live(design: Design, metrics: Mapping[str, float], stopped: float | None) -
     limit = text("The force is clipped for {clipped:.2f} s.", clipped=clipped) if clipped > 0 else text("The force is never clipped.")
     obeys = (text("The error obeys A − LC all the same.") if clipped > 0 else
              text("So the error obeys A − LC, whatever the observer is told."))
-    wall = claim(obeys, meter, below=EXACT, otherwise=text(
+    wall = claim(obeys, meter, below=ERROR_LAW_RTOL, otherwise=text(
         "Separation meter {meter}: what the motor did not give drives the error.", meter=amount(meter)))
     return joined(end, limit, wall)
 
@@ -180,7 +180,7 @@ def march(scenario: Scenario) -> Run:
 def comes_home(run: Run) -> bool:
     """The verdict of the map for one run: near rest at the horizon and never too far from it."""
     size = np.linalg.norm(run.x, axis=1)
-    return run.diverged_at is None and float(size[-1]) < NEAR and float(np.max(size)) <= FAR
+    return run.diverged_at is None and float(size[-1]) < RECOVERED_NORM and float(np.max(size)) <= LOST_NORM
 
 
 def whole(run: Run) -> tuple[Run, float | None]:
@@ -199,7 +199,7 @@ def whole(run: Run) -> tuple[Run, float | None]:
         over = np.flatnonzero(np.abs(x[:, ANGLE]) > FALLEN)
     end = int(over[0]) if len(over) else count - 1
     index = np.minimum(np.arange(count), min(end, len(x) - 1))
-    held = {name: getattr(run, name)[np.minimum(index, len(run.t) - 1)] for name in SERIES}
+    held = {name: getattr(run, name)[np.minimum(index, len(run.t) - 1)] for name in RUN_SERIES}
     held["x"] = x[index]
     held["e"] = held["x"] - held["xhat"]
     return replace(run, t=s.t, **held), float(s.t[end]) if len(over) else None
@@ -208,4 +208,4 @@ def whole(run: Run) -> tuple[Run, float | None]:
 def until(run: Run, stopped: float | None) -> Run:
     """The part of a run before the fall: where the numbers about it are taken."""
     end = len(run.t) if stopped is None else max(int(np.searchsorted(run.t, stopped)), 2)
-    return replace(run, t=run.t[:end], **{name: getattr(run, name)[:end] for name in SERIES})
+    return replace(run, t=run.t[:end], **{name: getattr(run, name)[:end] for name in RUN_SERIES})

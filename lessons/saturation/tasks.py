@@ -1,4 +1,4 @@
-"""The tasks of lesson 7."""
+"""Define the tasks of lesson 7."""
 
 from __future__ import annotations
 
@@ -6,15 +6,15 @@ from types import MappingProxyType
 
 import numpy as np
 
-from app.lesson.lesson import Outcome, Task, Verdict, pencil
-from app.lesson.typed import Typed
-from app.text import text
+from observer_lab.course.exercises.typed_answers import Typed
+from observer_lab.course.lesson import Outcome, Task, Verdict, typed_task
+from observer_lab.text import text
 
 from .knobs import APPLIED, COMMANDED, KNOBS
-from .study import EXACT, Study, amount, slowest
+from .study import ERROR_LAW_RTOL, Study, amount, slowest
 
 CONTROLLER = next(knob for knob in KNOBS if knob.name == "controller_poles")
-FAST = (-16 + 0j, -15 + 0j, -14 + 0j, -13 + 0j)
+FAST_POLES = (-16 + 0j, -15 + 0j, -14 + 0j, -13 + 0j)
 
 ASKED = MappingProxyType({"angle0": 4.0, "error0": 8.0, "kick": -1.0, "controller_poles": CONTROLLER.check(CONTROLLER.default)})
 
@@ -29,7 +29,7 @@ def _false_sentence(outcome: Outcome[Study]) -> Verdict:
                                    clipped=clipped))
     if not outcome.metrics["comes_home"]:
         return Verdict(False, text("The pole does not come home; the force was clipped for {clipped_for:.2f} s.", clipped_for=clipped))
-    if meter >= EXACT:
+    if meter >= ERROR_LAW_RTOL:
         return Verdict(False, text("Clipped for {clipped:.2f} s, but the meter reads {meter}; it must be below "
                                    "1e-9.",
                                    clipped=clipped, meter=amount(meter)))
@@ -43,7 +43,7 @@ def _lost_by_belief(outcome: Outcome[Study]) -> Verdict:
     m = outcome.metrics
     if max(slowest(outcome, "controller"), slowest(outcome, "observer")) >= 0:
         return Verdict(False, text("A pole is not in the left half plane: this start is lost by the poles, not by the belief."))
-    if m["separation_meter"] >= EXACT:
+    if m["separation_meter"] >= ERROR_LAW_RTOL:
         return Verdict(False, text("The error does not obey A − LC: the meter reads {separation_meter}.",
                                    separation_meter=amount(m["separation_meter"])))
     if not m["known_comes_home"]:
@@ -110,9 +110,9 @@ TASKS = (
     Task("false-sentence", _false_sentence, {"fed": APPLIED, "u_max": 3.7}),
     Task("lost-by-belief", _lost_by_belief, {"fed": APPLIED, "angle0": 8.0, "error0": 12.0}),
     Task("better-observer", _better_observer,
-         {"fed": APPLIED, "angle0": 4.0, "error0": 8.0, "u_max": 4.0, "observer_poles": FAST}),
+         {"fed": APPLIED, "angle0": 4.0, "error0": 8.0, "u_max": 4.0, "observer_poles": FAST_POLES}),
     Task("never-clipped", _never_clipped, {"controller_poles": (-4.5, -4.4, -0.8 - 0.8j, -0.8 + 0.8j)}),
-    pencil("last-start", LAST_START),
+    typed_task("last-start", LAST_START),
     Task("near-the-ceiling", _near_the_ceiling, {
         "fed": APPLIED, "angle0": LEAN, "error0": BELIEVED, "u_max": 2.0,
         "controller_poles": (-3 - 1j, -3 + 1j, -1 - 0.5j, -1 + 0.5j)}),

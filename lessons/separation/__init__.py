@@ -1,0 +1,1 @@
+"""Hold the modules of lesson 4, separation principle."""

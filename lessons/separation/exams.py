@@ -1,32 +1,32 @@
-"""The exams of lesson 4."""
+"""Define the exams of lesson 4."""
 
 from __future__ import annotations
 
 import math
 
-from app.lesson.exam import WHOLE, Exam, ExamItem, Lot, decimals
+from observer_lab.course.exercises.exam import WHOLE_NUMBER, Exam, ExamItem, SeededDraws, decimals
 
 
-def _trace(lot: Lot) -> ExamItem:
+def _trace(lot: SeededDraws) -> ExamItem:
     """A double integrator, two poles on each board: the trace of the loop's matrix is the sum of all four."""
     c, o = sorted(lot.some(range(2, 9), 2)), sorted(lot.some(range(10, 20), 2))
     poles = {"c1": -c[0], "c2": -c[1], "o1": -o[0], "o2": -o[1]}
     return ExamItem({name: float(pole) for name, pole in poles.items()}, float(sum(poles.values())))
 
 
-def _peak(lot: Lot) -> ExamItem:
+def _peak(lot: SeededDraws) -> ExamItem:
     """x = K e₀ (e^{pt} − e^{qt})/(p − q) is largest at t = ln(q/p)/(p − q)."""
     p, q = -lot.whole(1, 6) / 2, -float(lot.whole(4, 15))
     return ExamItem({"p": p, "q": q}, math.log(q / p) / (p - q))
 
 
-def _own(lot: Lot) -> ExamItem:
+def _own(lot: SeededDraws) -> ExamItem:
     """One state: the compensator's pole is a − K − L = p + q − a."""
     a, p, q = float(lot.whole(2, 7)), -float(lot.whole(1, 6)), -float(lot.whole(7, 15))
     return ExamItem({"a": a, "p": p, "q": q}, p + q - a, {"K": a - p, "L": a - q})
 
 
-def _leak(lot: Lot) -> ExamItem | None:
+def _leak(lot: SeededDraws) -> ExamItem | None:
     """A real pole crosses zero at a = K L/(K + L − â), before the trace vanishes at K + L − â."""
     m, K, L = lot.one((0.5, 1.5, 2.0, 2.5)), float(lot.whole(3, 9)), float(lot.whole(8, 20))
     rest = K + L - m
@@ -34,8 +34,8 @@ def _leak(lot: Lot) -> ExamItem | None:
 
 
 EXAMS = (
-    Exam("trace", WHOLE, _trace),
+    Exam("trace", WHOLE_NUMBER, _trace),
     Exam("peak", decimals(2), _peak),
-    Exam("own", WHOLE, _own),
+    Exam("own", WHOLE_NUMBER, _own),
     Exam("leak", decimals(2), _leak),
 )

@@ -1,17 +1,17 @@
-"""The figures of lesson 4: signals, error and input; the spectrum and the block matrix; isolation over frequency."""
+"""Draw the figures of lesson 4: signals, error, input, spectrum, block matrix, isolation."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from app.engine import Plant, autonomous_error
-from app.engine.systems import amplitude_response
-from app.lesson.claims import claim
-from app.lesson.figures import Curve, LineFigure, MatrixFigure, PlaneFigure, Point, over_frequency
-from app.lesson.later import Sheaf, leaf
-from app.lesson.lesson import Outcome
-from app.plants.names import called
-from app.text import Text, joined, text
+from observer_lab.course.figures.claims import claim
+from observer_lab.course.figures.records import Curve, LineFigure, MatrixFigure, PlaneFigure, Point, over_frequency
+from observer_lab.course.lazy import FigureSet, tab_figures
+from observer_lab.course.lesson import Outcome
+from observer_lab.engine import Plant, autonomous_error
+from observer_lab.engine.systems import amplitude_response
+from observer_lab.plants.signal_names import signal_name
+from observer_lab.text import Text, joined, text
 
 from ..toolkit.figures import ERROR_TAB, TIME_TAB, error_figure, input_figure, state_figures
 from .study import Setting, Study
@@ -20,15 +20,15 @@ SPECTRUM_TAB = text("Poles")
 FREQUENCY_TAB = text("Frequency")
 
 
-def figures(here: Setting, outcome: Outcome[Study]) -> Sheaf:
+def figures(here: Setting, outcome: Outcome[Study]) -> FigureSet:
     """Signals, error and input over time; the spectrum and the block-triangular matrix."""
     run, model = outcome.run, here.model
     assert run is not None
     limit = outcome.design["u_max"] if outcome.design["limited"] else None
-    return Sheaf(leaf(TIME_TAB, lambda: state_figures(model, run)),
-                 leaf(ERROR_TAB, lambda: (error_figure(run, autonomous_error(run)), input_figure(run, model, limit))),
-                 leaf(SPECTRUM_TAB, lambda: (_spectrum(outcome), _blocks(outcome.study, model.plant))),
-                 leaf(FREQUENCY_TAB, lambda: (_isolation(here, outcome),)))
+    return FigureSet(tab_figures(TIME_TAB, lambda: state_figures(model, run)),
+                 tab_figures(ERROR_TAB, lambda: (error_figure(run, autonomous_error(run)), input_figure(run, model, limit))),
+                 tab_figures(SPECTRUM_TAB, lambda: (_spectrum(outcome), _blocks(outcome.study, model.plant))),
+                 tab_figures(FREQUENCY_TAB, lambda: (_isolation(here, outcome),)))
 
 
 def _isolation(here: Setting, outcome: Outcome[Study]) -> LineFigure:
@@ -82,7 +82,7 @@ def _spectrum(outcome: Outcome[Study]) -> PlaneFigure:
 def _blocks(study: Study, plant: Plant) -> MatrixFigure:
     loop = study.loop
     n = loop.A_xe.shape[0] // 2
-    names = [*(called(plant, name) for name in plant.state_names), *(f"e{i + 1}" for i in range(n))]
+    names = [*(signal_name(plant, name) for name in plant.state_names), *(f"e{i + 1}" for i in range(n))]
     corner = float(np.max(np.abs(loop.A_xe[n:, :n])))
     zero = (text("The lower left block is zero: the error drives the state, never the other way round.") if study.whole else
             text("The lower left block of this matrix is zero."))

@@ -1,17 +1,19 @@
-"""The knobs of lesson 4, on the platform's deck."""
+"""Define the knobs of lesson 4, on the platform's deck."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 
-from app.lesson.knobs import Number, Switch
-from app.plants import MODELS
-from app.text import text
+from observer_lab.course.knobs import Number, Switch
+from observer_lab.plants import MODELS
+from observer_lab.text import text
 
 from ..toolkit.knobs import method_knobs, pole_knobs, run_knobs
 
-GAIN = 30.0  # times that the stage exaggerates motion: what an observer's pole does to the ghost is to be seen from the first drag on
-MODEL = replace(MODELS["deck"], body=replace(MODELS["deck"].body, gain=GAIN))
+MOTION_GAIN = (
+    30.0  # times that the stage exaggerates motion: what an observer's pole does to the ghost is to be seen from the first drag on
+)
+MODEL = replace(MODELS["deck"], body=replace(MODELS["deck"].body, gain=MOTION_GAIN))
 KNOBS = (
     *method_knobs(),
     *pole_knobs(MODEL),

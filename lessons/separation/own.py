@@ -1,4 +1,4 @@
-"""Separation on a person's own plant, whatever it is: the same loop, in its own measures."""
+"""Fit lesson 4 to the user's own plant, in its own measures."""
 
 from __future__ import annotations
 
@@ -7,16 +7,16 @@ from functools import partial
 
 import numpy as np
 
-from app.engine.design import typical_rate
-from app.lesson.knobs import Knob, Number, Switch
-from app.lesson.lesson import Lesson, Task
-from app.plants import Model
-from app.plants.names import called
-from app.text import text
+from observer_lab.course.knobs import Knob, Number, Switch
+from observer_lab.course.lesson import Lesson, Task
+from observer_lab.engine.design import typical_rate
+from observer_lab.plants import Model
+from observer_lab.plants.signal_names import signal_name
+from observer_lab.text import text
 
 from ..toolkit.gains import sizes, sped
 from ..toolkit.knobs import method_knobs, pole_knobs, run_knobs
-from ..toolkit.tasks import fair
+from ..toolkit.tasks import keep_fair_tasks
 from .derive import derived
 from .figures import figures
 from .study import Setting, compute
@@ -47,7 +47,7 @@ def own_knobs(model: Model) -> tuple[Knob, ...]:
 def own_setting(model: Model) -> Setting:
     """A person's own plant: what it is believed to be is what was given, what really moves may be faster."""
     plant, unit = model.plant, sizes(model)
-    u, y = called(plant, plant.input_names[0]), called(plant, plant.output_names[0])
+    u, y = signal_name(plant, plant.input_names[0]), signal_name(plant, plant.output_names[0])
     rate = typical_rate(plant) / (2 * np.pi)
     return Setting(
         model, lambda design: sped(plant, design["mismatch"]), lambda design: plant, lambda design: design["delay"] * model.dt,
@@ -64,6 +64,6 @@ def adapted(lesson: Lesson, model: Model) -> Lesson:
     slow = max((p.real for p in model.controller_poles), default=-1.0)
     near = max((p.real for p in model.observer_poles), default=-1.0)
     quicker = tuple(complex(p.real + min(0.0, 3.2 * slow - near), p.imag) for p in model.observer_poles)
-    return fair(replace(lesson, knobs=own_knobs(model), compute=partial(compute, here), figures=partial(figures, here),
+    return keep_fair_tasks(replace(lesson, knobs=own_knobs(model), compute=partial(compute, here), figures=partial(figures, here),
                         derived=partial(derived, here),
                         tasks=(Task("fast-observer", fast_observer, {"method": "poles", "observer_poles": quicker}),)))

@@ -1,4 +1,4 @@
-"""What a design of lesson 4 leads to: gains on the believed plant, the loop of 2n poles on the true one, one run."""
+"""Compute a design of lesson 4: gains on the assumed plant, loop and run on the true one."""
 
 from __future__ import annotations
 
@@ -8,14 +8,15 @@ from functools import lru_cache
 
 import numpy as np
 
-from app.engine import Plant, Scenario, closed_loop, simulate
-from app.engine.feedback import ClosedLoop
-from app.engine.simulation import Run, separation_meter
-from app.lesson.claims import claim
-from app.lesson.later import Later, LaterItems, LaterMap
-from app.lesson.lesson import Check, Design, Formula, Outcome
-from app.plants import Model, platform
-from app.text import NO_WORDS, Text, joined, text
+from observer_lab.course.figures.claims import claim
+from observer_lab.course.lazy import LazyMap, LazySequence, LazyValue
+from observer_lab.course.lesson import Check, Design, Formula, Outcome
+from observer_lab.engine import Plant, Scenario, closed_loop, simulate
+from observer_lab.engine.feedback import ClosedLoop
+from observer_lab.engine.simulation import Run, separation_meter
+from observer_lab.plants import Model
+from observer_lab.plants.platform import model as platform
+from observer_lab.text import NO_WORDS, Text, joined, text
 
 from ..toolkit.boards import pole_boards, stage
 from ..toolkit.gains import gains
@@ -49,14 +50,14 @@ def believed(error_percent: float) -> Plant:
     return platform.deck(replace(p, kz=p.kz * factor, kx=p.kx * factor))
 
 
-DECK = Setting(
+DECK_SETTING = Setting(
     MODEL, lambda design: MODEL.plant, lambda design: believed(design["stiffness_error"]),
     lambda design: MODEL.dt * round(design["delay"] / 1000 / MODEL.dt),
     lambda design: None if design["noise"] == 0 else (design["noise"] / 1000) ** 2 * MODEL.dt,
     platform.deck_disturbance()[:, :1], MODEL.plant.C[:1],
     (text("from ground height to velocity VL"), "|VL/zg| [1/s]"), np.geomspace(0.1, 30.0, 300))
-EXACT = 1e-9  # union of spectra: agreement asked of them
-SETTLED = 0.5  # of a run's largest state: a run that is smaller in its last tenth dies down
+UNION_RTOL = 1e-9  # union of spectra: agreement asked of them
+DECAYED_SHARE = 0.5  # of a run's largest state: a run that is smaller in its last tenth dies down
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,12 +92,12 @@ def compute(here: Setting, design: Design) -> Outcome[Study]:
         impulses=kicks(design, model), seed=int(design["seed"]), V=here.noise(design)))
     study = Study(loop, here.delay(design), limit is not None and bool(np.any(np.abs(run.u_asked) > limit * (1 + 1e-9))))
     slow, fast = float(max(loop.controller_poles.real)), float(max(loop.observer_poles.real))
-    metrics = LaterMap(lambda: {
+    metrics = LazyMap(lambda: {
         "union_error": loop.union_error, "separation_meter": separation_meter(run), "slowest_controller": slow,
         "slowest_observer": fast, "largest_input": float(np.max(np.abs(run.u_asked))),
         "slowest_loop": float(max(loop.poles.real)), "dies_down": float(_dies_down(run)),
     })
-    same_union = loop.union_error <= EXACT or loop.polynomial_error <= EXACT
+    same_union = loop.union_error <= UNION_RTOL or loop.polynomial_error <= UNION_RTOL
     checks = (
         Check("union", text("the 2n poles are the union of both sets"), same_union and study.whole, loop.union_error),
         Check("compensator", text("the compensator itself is stable"), loop.compensator_stable,
@@ -108,14 +109,14 @@ def compute(here: Setting, design: Design) -> Outcome[Study]:
          "compensator": loop.compensator_poles},
         metrics, checks, run, pole_boards(model, design, loop.controller_poles, loop.observer_poles,
                                           belief.A - L @ belief.C),
-        stage(model, run), LaterItems(lambda: _formulas(K, L, believed_right(truth, belief))),
-        Later(lambda: _live(study, metrics["separation_meter"])), study)
+        stage(model, run), LazySequence(lambda: _formulas(K, L, believed_right(truth, belief))),
+        LazyValue(lambda: _live(study, metrics["separation_meter"])), study)
 
 
 def _dies_down(run: Run) -> bool:
     """Whether the run went to its end and was smaller there than at its largest."""
     size = np.linalg.norm(run.x, axis=1)
-    return run.diverged_at is None and float(size[-max(len(size) // 10, 1):].max()) <= SETTLED * float(size.max())
+    return run.diverged_at is None and float(size[-max(len(size) // 10, 1):].max()) <= DECAYED_SHARE * float(size.max())
 
 
 def believed_right(truth: Plant, belief: Plant) -> bool:

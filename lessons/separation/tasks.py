@@ -1,4 +1,4 @@
-"""The tasks of lesson 4."""
+"""Define the tasks of lesson 4."""
 
 from __future__ import annotations
 
@@ -6,24 +6,24 @@ from types import MappingProxyType
 
 import numpy as np
 
-from app.lesson.lesson import Outcome, Task, Verdict, pencil
-from app.lesson.typed import Typed
-from app.text import text
+from observer_lab.course.exercises.typed_answers import Typed
+from observer_lab.course.lesson import Outcome, Task, Verdict, typed_task
+from observer_lab.text import text
 
 from ..toolkit.figures import settle_time
-from ..toolkit.tasks import at_rest_gently
+from ..toolkit.tasks import check_gentle_settling
 from .knobs import KNOBS, MODEL
 from .study import Study
 
-REST, PUSH = (0.8, 0.9), 1.0  # s and N
+SETTLING_BAND_S, MAX_FORCE_N = (0.8, 0.9), 1.0  # s and N
 
 
 def _pairs(*upper: complex) -> tuple[complex, ...]:
     return tuple(pole for p in upper for pole in (p, p.conjugate()))
 
 
-FAST = tuple(complex(3.0 * p.real, p.imag) for p in (-4 + 5j, -4 - 5j, -5 + 6j, -5 - 6j, -6 + 7j, -6 - 7j))
-CLOSE = 0.06  # of the ratio 3
+FAST_POLES = tuple(complex(3.0 * p.real, p.imag) for p in (-4 + 5j, -4 - 5j, -5 + 6j, -5 - 6j, -6 + 7j, -6 - 7j))
+RATIO_TOLERANCE = 0.06  # of the ratio 3
 UNTOUCHED = MappingProxyType({k.name: k.check(k.default) for k in KNOBS if k.name in ("method", "controller_poles", "observer_poles")})
 EAGER = MappingProxyType({"method": "poles", "controller_poles": _pairs(-14 + 3j, -4 + 7j, -12 + 4j),
          "observer_poles": _pairs(-18 + 5j, -8 + 9j, -3 + 11j)})
@@ -36,7 +36,7 @@ def fast_observer(outcome: Outcome[Study]) -> Verdict:
     ratio = m["slowest_observer"] / m["slowest_controller"]
     if m["slowest_controller"] >= 0 or m["slowest_observer"] >= 0:
         return Verdict(False, text("A pole is not in the left half plane."))
-    if abs(ratio - 3) <= CLOSE:
+    if abs(ratio - 3) <= RATIO_TOLERANCE:
         return Verdict(True, text("The slowest observer pole is {ratio:.1f} times as fast as the slowest "
                                   "controller pole.",
                                   ratio=ratio))
@@ -79,7 +79,7 @@ def _gentle(outcome: Outcome[Study]) -> Verdict:
         return Verdict(False, text("The deck is not at rest by the end of the run."))
     found = text("All three motions are below 2 % after {late:.2f} s, and the largest force asked for is {peak:.3g} N",
                  late=late, peak=peak)
-    return at_rest_gently(found, late, REST, peak, PUSH)
+    return check_gentle_settling(found, late, SETTLING_BAND_S, peak, MAX_FORCE_N)
 
 
 SPRING = Typed("c^2*o^2/(c^2+o^2+4*c*o)", ("c", "o"), slips=(
@@ -91,10 +91,10 @@ WRONG_BELIEF = Typed("(a+c)^2*f^2/(2*c*o*(c+o))", ("a", "c", "o", "f"), slips=(
     ("(a+c)^2*f^2/(2*o)", text("That is ∫(Ke)² dt, the push; the plant answers it with its own pole −c."))))
 
 TASKS = (
-    Task("fast-observer", fast_observer, {"method": "poles", "observer_poles": FAST}),
+    Task("fast-observer", fast_observer, {"method": "poles", "observer_poles": FAST_POLES}),
     Task("break-the-wall", _break_the_wall, {"stiffness_error": 13.0}),
     Task("unstable-compensator", _unstable_compensator, EAGER),
     Task("gentle", _gentle, {"method": "poles", "controller_poles": _pairs(*GENTLE[0]), "observer_poles": _pairs(*GENTLE[1])}),
-    pencil("spring", SPRING),
-    pencil("wrong-belief", WRONG_BELIEF),
+    typed_task("spring", SPRING),
+    typed_task("wrong-belief", WRONG_BELIEF),
 )

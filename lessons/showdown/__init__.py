@@ -1,0 +1,1 @@
+"""Hold the modules of lesson 13, comparison of five controllers."""

@@ -1,4 +1,4 @@
-"""Figures of the lesson: channels, sensors, inputs, the test in time, the run on the stage."""
+"""Draw the figures of lesson 13: channels, sensors, inputs, time test, run on the stage."""
 
 from __future__ import annotations
 
@@ -6,45 +6,45 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from app.engine.sampled import ResponseMeasures
-from app.lesson.figures import FLOOR, Curve, Dash, LineFigure, over_frequency
-from app.lesson.later import Sheaf, leaf
-from app.lesson.lesson import Outcome
-from app.text import Text, joined, listed, same, text, text_in
+from observer_lab.course.figures.records import LOG_AXIS_FLOOR, Curve, Dash, LineFigure, over_frequency
+from observer_lab.course.lazy import FigureSet, tab_figures
+from observer_lab.course.lesson import Outcome
+from observer_lab.engine.sampled import ResponseMeasures
+from observer_lab.text import Text, joined, listed, same, text, text_in
 
-from .equal import EFFORT_TAB, equal
-from .players import NAMES, ORDER, SHORT, gain_gap
-from .scores import SCORE_TAB, TRIAL_TAB, friction, scored, times, tried
+from .controllers import CONTROLLER_NAMES, ORDER, SHORT_NAMES, gain_gap
+from .effort_tables import EFFORT_TAB, equal
+from .score_tables import SCORE_TAB, TRIAL_TAB, friction, scored, times, tried
+from .simulation import loop_of
 from .study import Study
-from .world import loop_of
 
 CHANNEL_TAB, SENSOR_TAB, INPUT_TAB = text("Channels"), text("Sensors"), text("Inputs")
 TIME_TAB, RUN_TAB = text("Test"), text("Stage")
-CHANNELS = (("vertical", text_in("channel", "vertical"), "µm/s"), ("rotation", text("rotation, (VL − VR)/2"), "µm/s"),
+CHANNEL_LABELS = (("vertical", text_in("channel", "vertical"), "µm/s"), ("rotation", text("rotation, (VL − VR)/2"), "µm/s"),
             ("horizontal", text_in("channel", "horizontal"), "µm/s"))
-LOOKS: tuple[tuple[str, Dash], ...] = (
+CURVE_STYLES: tuple[tuple[str, Dash], ...] = (
     ("muted", "solid"), ("disturbance", "solid"), ("plant", "solid"), ("reference", "dash"), ("error", "dash"),
 )
 
 
-def figures(outcome: Outcome[Study]) -> Sheaf:
+def figures(outcome: Outcome[Study]) -> FigureSet:
     """Everything on the right of the stage."""
-    return Sheaf(
-        leaf(CHANNEL_TAB, lambda: [_channel(outcome, j) for j in range(3)]),
-        leaf(SENSOR_TAB, lambda: [_sensor(outcome, j) for j in range(3)]),
-        leaf(INPUT_TAB, lambda: (_input(outcome, 0), _input(outcome, 2), _gain(outcome))),
-        leaf(TIME_TAB, lambda: [_test(outcome, j) for j in range(3)]),
-        leaf(RUN_TAB, lambda: (_stage_velocity(outcome), _stage_force(outcome), friction(outcome, RUN_TAB))),
-        leaf(SCORE_TAB, lambda: scored(outcome)), leaf(SCORE_TAB, lambda: (times(outcome),), "late"),
-        leaf(TRIAL_TAB, lambda: tried(outcome)),
-        leaf(EFFORT_TAB, lambda: equal(outcome)))
+    return FigureSet(
+        tab_figures(CHANNEL_TAB, lambda: [_channel(outcome, j) for j in range(3)]),
+        tab_figures(SENSOR_TAB, lambda: [_sensor(outcome, j) for j in range(3)]),
+        tab_figures(INPUT_TAB, lambda: (_input(outcome, 0), _input(outcome, 2), _gain(outcome))),
+        tab_figures(TIME_TAB, lambda: [_test(outcome, j) for j in range(3)]),
+        tab_figures(RUN_TAB, lambda: (_stage_velocity(outcome), _stage_force(outcome), friction(outcome, RUN_TAB))),
+        tab_figures(SCORE_TAB, lambda: scored(outcome)), tab_figures(SCORE_TAB, lambda: (times(outcome),), "late"),
+        tab_figures(TRIAL_TAB, lambda: tried(outcome)),
+        tab_figures(EFFORT_TAB, lambda: equal(outcome)))
 
 
 def _curves(outcome: Outcome[Study], column: int, scale: float = 1.0, skip_open: bool = False) -> list[Curve]:
     """A density of every player; an unstable one lies below the axis."""
     m = outcome.study
-    return [Curve(NAMES[i], np.maximum(scale * m.spectra[i].density[:, column], FLOOR), role, dash, _width(outcome, i))
-            for i, (role, dash) in enumerate(LOOKS) if not (skip_open and i == 0)]
+    return [Curve(CONTROLLER_NAMES[i], np.maximum(scale * m.spectra[i].density[:, column], LOG_AXIS_FLOOR), role, dash, _width(outcome, i))
+            for i, (role, dash) in enumerate(CURVE_STYLES) if not (skip_open and i == 0)]
 
 
 def _width(outcome: Outcome[Study], i: int) -> float:
@@ -62,7 +62,7 @@ def _measured(outcome: Outcome[Study], column: int, scale: float = 1.0) -> list[
     f = np.log(tried.frequency[keep])
 
     def on_grid(values: np.ndarray) -> np.ndarray:
-        return np.exp(np.interp(np.log(m.f), f, np.log(np.maximum(scale * values[keep, column], FLOOR))))
+        return np.exp(np.interp(np.log(m.f), f, np.log(np.maximum(scale * values[keep, column], LOG_AXIS_FLOOR))))
 
     return [Curve(text("Monte-Carlo"), on_grid(tried.density), "estimate", "dot", 1.6),
             Curve(text("band"), on_grid(low), "estimate", "dot", 0.8),
@@ -71,7 +71,7 @@ def _measured(outcome: Outcome[Study], column: int, scale: float = 1.0) -> list[
 
 def _noise(m: Study, share: float) -> Curve:
     level = 2 * m.world.sensor * share * 1e12
-    return Curve(text("sensor noise"), np.full(len(m.f), max(level, FLOOR)), "second", "dot", 1.6)
+    return Curve(text("sensor noise"), np.full(len(m.f), max(level, LOG_AXIS_FLOOR)), "second", "dot", 1.6)
 
 
 def _window(curves: list[Curve]) -> tuple[float, float]:
@@ -86,12 +86,12 @@ def _each(m: Study, values: list[str]) -> Text:
 
 def _beside(values: Iterable[Text]) -> Text:
     """Each controller with what is said of it."""
-    return listed(text("{name} {value}", name=name, value=value) for name, value in zip(SHORT[1:], values, strict=True))
+    return listed(text("{name} {value}", name=name, value=value) for name, value in zip(SHORT_NAMES[1:], values, strict=True))
 
 
 def _channel(outcome: Outcome[Study], j: int) -> LineFigure:
     m = outcome.study
-    key, name, _ = CHANNELS[j]
+    key, name, _ = CHANNEL_LABELS[j]
     curves = [*_curves(outcome, j), _noise(m, 0.5), *_measured(outcome, j, 1e12)]
     said = _each(m, [f"{db:.1f}" for db in m.band_db[:, j]])
     return over_frequency(f"channel_{key}", text("velocity: {name}", name=name), m.f, tuple(curves), "[(µm/s)²/Hz]",
@@ -111,9 +111,9 @@ def _sensor(outcome: Outcome[Study], j: int) -> LineFigure:
         before, now = (float(m.spectra[k].density[:, column].max()) for k in (0, i))
         gain = 10 * np.log10(before / now)
         said = (text("On the stage is the platform without control.") if i == 0 else
-                text("{name}: the highest point is {gain:.1f} dB lower than without control.", name=NAMES[i], gain=gain)
+                text("{name}: the highest point is {gain:.1f} dB lower than without control.", name=CONTROLLER_NAMES[i], gain=gain)
                 if gain >= 0 else
-                text("{name}: the highest point is {gain:.1f} dB higher than without control.", name=NAMES[i], gain=-gain))
+                text("{name}: the highest point is {gain:.1f} dB higher than without control.", name=CONTROLLER_NAMES[i], gain=-gain))
     return over_frequency(f"sensor_{key}", text("true velocity at {name}", name=name), m.f, tuple(curves),
                           "[(µm/s)²/Hz]", said, SENSOR_TAB, _window(curves))
 
@@ -139,21 +139,29 @@ def _gain(outcome: Outcome[Study]) -> LineFigure:
         count = len(m.trials.learning)
         said.append(text("On one seed (vertical/rotation/horizontal) the runs are {first} % apart in second 1, {last} % in second "
                          "{count}.", first=first, last=last, count=count))
-    return LineFigure("gain", text("recursive gain on its way to the Riccati gain"), t,
-                      (Curve(text("distance"), np.maximum(away, FLOOR), "estimate"),), "‖M − M∞‖ / ‖M∞‖", log_y=True, caption=joined(*said),
-                      tab=INPUT_TAB, window=(1e-4, 10.0))
+    return LineFigure(
+        "gain",
+        text("recursive gain on its way to the Riccati gain"),
+        t,
+        (Curve(text("distance"), np.maximum(away, LOG_AXIS_FLOOR), "estimate"),),
+        "‖M − M∞‖ / ‖M∞‖",
+        log_y=True,
+        caption=joined(*said),
+        tab=INPUT_TAB,
+        window=(1e-4, 10.0),
+    )
 
 
 def _test(outcome: Outcome[Study], j: int) -> LineFigure:
     m = outcome.study
-    key, name, unit = CHANNELS[j]
+    key, name, unit = CHANNEL_LABELS[j]
     bare = m.responses[0]
     assert bare is not None  # the deck alone is stable
     t = bare.t
     seen = t <= 6.0
-    curves = [Curve(NAMES[i], np.zeros(int(seen.sum())) if r is None else np.interp(t[seen], r.t, r.velocity[:, j]), role, dash,
+    curves = [Curve(CONTROLLER_NAMES[i], np.zeros(int(seen.sum())) if r is None else np.interp(t[seen], r.t, r.velocity[:, j]), role, dash,
                     _width(outcome, i))
-              for i, ((role, dash), r) in enumerate(zip(LOOKS, m.responses, strict=True))]
+              for i, ((role, dash), r) in enumerate(zip(CURVE_STYLES, m.responses, strict=True))]
     high = float(np.abs(bare.velocity[:, j]).max())
     parts = [_recovery(measured, j) for measured in m.measures[1:]]
     return LineFigure(f"test_{key}", text("velocity after the test: {name}", name=name), t[seen],
@@ -169,7 +177,7 @@ def _recovery(measured: tuple[ResponseMeasures, ...] | None, j: int) -> Text:
     return text("not in 12 s") if after is None else same(f"{after:.2g} s")
 
 
-RUNAWAY = text("This loop is unstable: its run is held where it leaves every bound.")
+UNSTABLE_CAPTION = text("This loop is unstable: its run is held where it leaves every bound.")
 
 
 def _held(outcome: Outcome[Study]) -> bool:
@@ -186,7 +194,7 @@ def _stage_velocity(outcome: Outcome[Study]) -> LineFigure:
     return LineFigure("stage_velocity", text("vertical velocity of the run on the stage"), t,
                       (Curve(text("with the controller"), v),
                        Curve(text("without control"), ghost, "estimate", "dash", 1.6)), "v [µm/s]",
-                      caption=RUNAWAY if not _held(outcome) else
+                      caption=UNSTABLE_CAPTION if not _held(outcome) else
                       text("Test at 0.4 s. After 1 s: {sizes:.3g} µm/s RMS, {sizes2:.3g} µm/s without control.",
                            sizes=sizes[0], sizes2=sizes[1]),
                       tab=RUN_TAB, window=(-500.0, 500.0))
@@ -198,6 +206,6 @@ def _stage_force(outcome: Outcome[Study]) -> LineFigure:
     return LineFigure("stage_force", text("coil commands of this run"), t,
                       (Curve(text("left vertical u1"), 1e3 * u[:, 0], "force", "solid", 1.6),
                        Curve(text("horizontal u3"), 1e3 * u[:, 2], "disturbance", "solid", 1.0)), "u [mN]",
-                      caption=RUNAWAY if not _held(outcome) else text("Largest command {peak:.3g} mN.", peak=peak),
+                      caption=UNSTABLE_CAPTION if not _held(outcome) else text("Largest command {peak:.3g} mN.", peak=peak),
                       tab=RUN_TAB,
                       window=(-20.0, 20.0))

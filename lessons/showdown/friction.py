@@ -1,4 +1,4 @@
-"""Coulomb friction where the deck's springs meet the ground: a force of constant size against the sliding, or just what it takes to stick.
+"""Simulate Coulomb friction at the three guides of the deck.
 
 Three guides: at the left and the right vertical spring and at the horizontal one. The force is held over a sample (Moreau's stepping):
 |f| ≤ F, and either the sliding at the end of the sample is zero or f = −F sign(sliding).
@@ -12,18 +12,18 @@ from functools import lru_cache
 
 import numpy as np
 
-from app.engine import sampled_loop
-from app.engine.kernels import given, kernel, rubbed_steps
-from app.engine.sampled import SampledLoop, trial_draws
-from app.lesson.lesson import Design
+from observer_lab.course.lesson import Design
+from observer_lab.engine import sampled_loop
+from observer_lab.engine.kernels import as_kernel_array, compiled_kernel, friction_steps
+from observer_lab.engine.sampled import SampledLoop, trial_draws
 
-from .players import DT, Player
-from .world import BAND, PUSH, RUN, STEP, TOUCH, World, ground_filter, loop_of, plant_of
+from .controllers import DT, Player
+from .simulation import BAND_HZ, GROUND_STEP_M, RUN_SAMPLES, TOUCH_JUMP, TOUCH_SAMPLE, World, ground_filter, loop_of, plant_of
 
-SWEEPS, EXACT = 60, 1e-13  # of the forces that the guides share: most, and when they are found, as a share of F
-FAR = 1e12  # a run that gets here is over
+MAX_SWEEPS, FORCE_RTOL = 60, 1e-13  # of the forces that the guides share: most, and when they are found, as a share of F
+RUN_STATE_LIMIT = 1e12  # a run that gets here is over
 GUIDES = 3
-SETTLING, COUNT = 1000, 8192  # samples before a run is judged, and judged
+SETTLING_SAMPLES, JUDGED_SAMPLES = 1000, 8192  # samples before a run is judged, and judged
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,7 +51,7 @@ def guides(world: World, player: Player) -> Guides:
 
 def held(sliding: list[float], G: list[list[float]], most: float, f: list[float]) -> list[float]:
     """The forces f (3) with |f| ≤ most that bring sliding + G f to zero where they can, from a first guess."""
-    for _ in range(SWEEPS):
+    for _ in range(MAX_SWEEPS):
         moved = 0.0
         for i in range(GUIDES):
             row = G[i]
@@ -59,7 +59,7 @@ def held(sliding: list[float], G: list[list[float]], most: float, f: list[float]
             new = most if new > most else -most if new < -most else new
             moved = max(moved, abs(new - f[i]))
             f[i] = new
-        if moved <= EXACT * most:
+        if moved <= FORCE_RTOL * most:
             break
     return f
 
@@ -68,7 +68,7 @@ def rub(loop: SampledLoop, at: Guides, most: float, start: np.ndarray, jumps: np
     """States w (n_t, N) of the loop and the forces (n_t, 3) in N that led to them, ended early where the run leaves every bound."""
     limit, G, f = loop.hardware.limit, (at.rows @ at.push).tolist(), [0.0] * GUIDES
     w, forces = np.zeros((len(v), loop.n)), np.zeros((len(v), GUIDES))
-    w[0], closed, quick = start, loop.closed(), kernel(rubbed_steps) if most else None
+    w[0], closed, quick = start, loop.closed(), compiled_kernel(friction_steps) if most else None
     F, F_m, F_s, Y, U, T = loop.F[-1], loop.F_m[-1], loop.F_s[-1], loop.Y, loop.U[-1], loop.T[-1]
     if quick is not None:
         last = _rubbed(quick, loop, at, most, w, forces, jumps, v)
@@ -83,7 +83,7 @@ def rub(loop: SampledLoop, at: Guides, most: float, start: np.ndarray, jumps: np
         if most:
             f = held((at.rows @ after).tolist(), G, most, f)
             after = after + at.push @ f
-        if not np.abs(after).max() < FAR:
+        if not np.abs(after).max() < RUN_STATE_LIMIT:
             return w[:k + 1], forces[:k + 1]
         w[k + 1], forces[k + 1] = after, f
     return w, forces
@@ -96,8 +96,23 @@ def _rubbed(quick: Callable[..., int], loop: SampledLoop, at: Guides, most: floa
     step = loop.F[-1] + loop.F_m[-1] @ loop.Y if clips else loop.closed()
     driven = jumps + v @ (loop.F_m[-1] if clips else loop.noise_in).T
     asked, direct = (loop.feedback, v @ loop.T[-1].T) if clips else (np.empty((0, loop.n)), np.empty((len(v), 0)))
-    return quick(w, forces, given(step.T), given(driven), given(asked), given(direct), given(loop.F_s[-1]), loop.hardware.limit,
-                 given(at.rows), given(at.push), given(at.rows @ at.push), most, SWEEPS, EXACT * most, FAR)
+    return quick(
+        w,
+        forces,
+        as_kernel_array(step.T),
+        as_kernel_array(driven),
+        as_kernel_array(asked),
+        as_kernel_array(direct),
+        as_kernel_array(loop.F_s[-1]),
+        loop.hardware.limit,
+        as_kernel_array(at.rows),
+        as_kernel_array(at.push),
+        as_kernel_array(at.rows @ at.push),
+        most,
+        MAX_SWEEPS,
+        FORCE_RTOL * most,
+        RUN_STATE_LIMIT,
+    )
 
 
 def noise(loop: SampledLoop, steps: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
@@ -115,17 +130,17 @@ def friction_of(design: Design) -> float:
 def rubbed(world: World, player: Player, seed: int, step: bool, kick: float, most: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """The run on the stage with guides that rub with up to `most` N each; rounding is left out, as it is in `shake`."""
     loop = loop_of(world, player)
-    jumps, v = noise(loop, RUN, seed)
+    jumps, v = noise(loop, RUN_SAMPLES, seed)
     start = np.zeros(loop.n)
     if step:
-        jumps[TOUCH:] += loop.Gamma @ STEP
-    for at in ([] if step else [TOUCH]) + ([min(round(kick / DT), RUN - 1)] if kick >= 0 else []):
-        (jumps[at - 1] if at else start)[loop.x] += PUSH
+        jumps[TOUCH_SAMPLE:] += loop.Gamma @ GROUND_STEP_M
+    for at in ([] if step else [TOUCH_SAMPLE]) + ([min(round(kick / DT), RUN_SAMPLES - 1)] if kick >= 0 else []):
+        (jumps[at - 1] if at else start)[loop.x] += TOUCH_JUMP
     w = rub(loop, guides(world, player), most, start, jumps, v)[0]
     limit = loop.hardware.limit
     u = np.clip(w @ loop.feedback.T + v[:len(w)] @ loop.T[-1].T, -limit, limit)
-    last = np.minimum(np.arange(RUN), len(w) - 1)
-    return DT * np.arange(RUN)[::4], np.clip(w[last][:, loop.x], -1.0, 1.0)[::4], np.clip(u[last], -100.0, 100.0)[::4]
+    last = np.minimum(np.arange(RUN_SAMPLES), len(w) - 1)
+    return DT * np.arange(RUN_SAMPLES)[::4], np.clip(w[last][:, loop.x], -1.0, 1.0)[::4], np.clip(u[last], -100.0, 100.0)[::4]
 
 
 def isolation(world: World, player: Player, seed: int, most: float) -> np.ndarray:
@@ -134,12 +149,12 @@ def isolation(world: World, player: Player, seed: int, most: float) -> np.ndarra
     loop, at = loop_of(world, player), guides(world, player)
     if not loop.stable:
         return np.full((3, 3), np.nan)
-    jumps, v = noise(loop, SETTLING + COUNT, seed)
+    jumps, v = noise(loop, SETTLING_SAMPLES + JUDGED_SAMPLES, seed)
     runs = [rub(loop, at, size, np.zeros(loop.n), jumps, v) for size in (0.0, most)]
-    f = np.fft.rfftfreq(COUNT, DT)
-    inside = (f >= BAND[0]) & (f <= BAND[1])
+    f = np.fft.rfftfreq(JUDGED_SAMPLES, DT)
+    inside = (f >= BAND_HZ[0]) & (f <= BAND_HZ[1])
     sizes = []
     for w, _ in runs:
-        line = np.fft.rfft(w[SETTLING:] @ loop.outputs[:3].T, axis=0)[inside] if len(w) == len(v) else np.full((1, 3), np.nan)
-        sizes.append(1e6 * np.sqrt(2 * np.sum(np.abs(line) ** 2, axis=0)) / COUNT)
-    return np.array([*sizes, np.mean(np.abs(runs[1][1][SETTLING:]) < most * (1 - 1e-9), axis=0)])
+        line = np.fft.rfft(w[SETTLING_SAMPLES:] @ loop.outputs[:3].T, axis=0)[inside] if len(w) == len(v) else np.full((1, 3), np.nan)
+        sizes.append(1e6 * np.sqrt(2 * np.sum(np.abs(line) ** 2, axis=0)) / JUDGED_SAMPLES)
+    return np.array([*sizes, np.mean(np.abs(runs[1][1][SETTLING_SAMPLES:]) < most * (1 - 1e-9), axis=0)])

@@ -1,4 +1,4 @@
-"""The longer computation: noise again and again, the recursive filter from switch-on, other decks, one switch at a time."""
+"""Run the long comparison: Monte Carlo, filter start, other decks, one switch at a time."""
 
 from __future__ import annotations
 
@@ -7,21 +7,21 @@ from dataclasses import replace
 
 import numpy as np
 
-from app.engine import Belief
-from app.engine.sampled import loop_density, mechanics_response, simulate_trials
-from app.lesson.later import still_known
-from app.lesson.lesson import Design, Job, Outcome
-from app.plants import platform
-from app.text import text
+from observer_lab.course.lazy import replace_keeping_cache
+from observer_lab.course.lesson import Design, Job, Outcome
+from observer_lab.engine import Belief
+from observer_lab.engine.sampled import loop_density, mechanics_response, simulate_trials
+from observer_lab.plants.platform import model
+from observer_lab.text import text
 
-from .effort import equal_effort
+from .controllers import DT, LQE, ORDER, RECURSIVE, Player, first_belief, sampled_design
+from .equal_effort import equal_effort
 from .friction import friction_of, isolation, noise
-from .players import DT, LQE, ORDER, RECURSIVE, Player, first_belief, sampled_design
+from .simulation import BAND_HZ, World, band_rms, grid, loop_of, with_resonances
 from .study import TOLERANCE, Study, Trials
-from .world import BAND, World, band_rms, grid, loop_of, with_resonances
 
-RUNS, SECONDS, SEGMENT = 24, 32.0, 16_384
-LEARNING, PART = 30_000, 1000  # samples that the recursive filter is followed for, and whose gains are found at once
+RUN_COUNT, RUN_S, SEGMENT = 24, 32.0, 16_384
+LEARNING_SAMPLES, PART_SAMPLES = 30_000, 1000  # samples that the recursive filter is followed for, and whose gains are found at once
 DECKS = 60
 COSTS = ("driver", "delay", "adc", "drift", "stiffness", "damping", "placement")
 
@@ -43,7 +43,7 @@ def _all(outcome: Outcome[Study]) -> Iterator[tuple[float, Trials]]:
         loop = loop_of(world, player)
         if not loop.stable:
             continue
-        for share, result in simulate_trials(loop, RUNS, SECONDS, seed, segment=SEGMENT, together=RUNS):
+        for share, result in simulate_trials(loop, RUN_COUNT, RUN_S, seed, segment=SEGMENT, together=RUN_COUNT):
             if result is not None:
                 found = replace(found, noise=(*found.noise[:i], result, *found.noise[i + 1:]))
             yield 0.14 * (done + share), found
@@ -85,31 +85,31 @@ def _learning(world: World, five: tuple[Player, ...], v: float, seed: int) -> It
     loop, design = loop_of(world, five[ORDER.index(RECURSIVE)]), sampled_design(v)
     kf, K, own, n = design.filter, design.K, loop.control, loop.n
     rounding, limit = loop.hardware.step, loop.hardware.limit
-    jumps, slips = (drawn[:, :, None] for drawn in noise(loop, LEARNING, seed))
+    jumps, slips = (drawn[:, :, None] for drawn in noise(loop, LEARNING_SAMPLES, seed))
     step, settled = np.hstack([loop.F[-1], loop.F_m[-1], loop.F_s[-1]]), np.hstack([loop.U[-1], loop.T[-1]])
     closed, C, Y = kf.A - kf.B @ K, kf.C, loop.Y
     belief, both = first_belief(v), np.zeros((step.shape[1], 2))  # learning beside settled: states, readings, what coils are told
-    outputs, seen = loop.outputs[:3], np.empty((LEARNING, 3, 2))
+    outputs, seen = loop.outputs[:3], np.empty((LEARNING_SAMPLES, 3, 2))
     w, m, told = both[:n], both[n:n + 4], both[n + 4:]
     gains = np.empty((0, kf.n, 4))
-    for k in range(LEARNING):
-        if k % PART == 0:
-            schedule = kf.schedule(belief, PART + 1)
-            gains, belief = schedule.gains[schedule.index], Belief(belief.mean, schedule.prior[schedule.index[PART]])
+    for k in range(LEARNING_SAMPLES):
+        if k % PART_SAMPLES == 0:
+            schedule = kf.schedule(belief, PART_SAMPLES + 1)
+            gains, belief = schedule.gains[schedule.index], Belief(belief.mean, schedule.prior[schedule.index[PART_SAMPLES]])
         np.matmul(outputs, w, out=seen[k])
         np.matmul(Y, w, out=m)
         m += slips[k]
         if rounding:
             m[:] = rounding * np.rint(m / rounding)
         believed = w[own, 0]
-        xhat = believed + gains[k % PART] @ (m[:, 0] - C @ believed)
+        xhat = believed + gains[k % PART_SAMPLES] @ (m[:, 0] - C @ believed)
         told[:, 0], told[:, 1] = -K @ xhat, settled @ both[:n + 4, 1]
         if limit < np.inf:
             np.clip(told, -limit, limit, out=told)
         w[:] = step @ both + jumps[k]
         w[own, 0] = closed @ xhat
         if k % 100 == 99:
-            yield (k + 1) / LEARNING, None
+            yield (k + 1) / LEARNING_SAMPLES, None
     second = round(1 / DT)
     squares = ((seen[:, :, 0] - seen[:, :, 1])**2).reshape(-1, second, 3).mean(axis=1), (seen[:, :, 1]**2).mean(axis=0)
     yield 1.0, np.sqrt(squares[0] / squares[1])
@@ -119,18 +119,18 @@ def _gains(world: World, five: tuple[Player, ...]) -> np.ndarray:
     """Gain in dB over the band of each player (5, 3); NaN where its loop is unstable. Nothing is kept in a cache."""
     loops = [loop_of.__wrapped__(world, player) for player in five]
     f = grid(world.parameters)
-    near = f[(f >= BAND[0]) & (f <= BAND[1])]
+    near = f[(f >= BAND_HZ[0]) & (f <= BAND_HZ[1])]
     mechanics, rms = mechanics_response(loops[0], near), []
     for loop in loops:
         fine = with_resonances(near, loop) if loop.stable else near
         S = loop_density(loop, mechanics if fine is near else mechanics_response(loops[0], fine)) if loop.stable else None
-        rms.append(np.full(3, np.nan) if S is None else band_rms(fine, S, *BAND)[:3])
+        rms.append(np.full(3, np.nan) if S is None else band_rms(fine, S, *BAND_HZ)[:3])
     return 20 * np.log10(rms[0] / np.array(rms))
 
 
 def _decks(world: World, five: tuple[Player, ...], spread: tuple[float, float, float], seed: int, found: np.ndarray) -> Iterator[float]:
     """Gains on decks whose stiffness, damping and sensor places lie anywhere within ±spread of the nominal ones."""
-    rng, p = np.random.default_rng((seed, 1)), platform.Parameters()
+    rng, p = np.random.default_rng((seed, 1)), model.Parameters()
     for i in range(DECKS):
         k, c, s = rng.uniform(-1, 1, 3) * spread
         other = replace(p, kz=p.kz * (1 + k / 100), kx=p.kx * (1 + k / 100), cz=p.cz * (1 + c / 100),
@@ -148,7 +148,7 @@ def _sizes(design: Design) -> tuple[float, ...]:
 
 def _costs(five: tuple[Player, ...], sizes: tuple[float, ...], world: World, found: np.ndarray) -> Iterator[float]:
     """Each switch alone in an otherwise ideal world."""
-    p, h = platform.Parameters(), type(world.hardware)()
+    p, h = model.Parameters(), type(world.hardware)()
     ideal = World(p, h, world.sensor, world.shaped)
     base = _gains(ideal, five)
     band, delay, step, walk, k, c, s = sizes
@@ -172,7 +172,7 @@ def depends(design: Design) -> Design:
 
 def shown(outcome: Outcome[Study], found: Trials) -> Outcome[Study]:
     """The outcome with what was measured."""
-    return replace(outcome, study=still_known(outcome.study, trials=found))
+    return replace(outcome, study=replace_keeping_cache(outcome.study, trials=found))
 
 
 JOB = Job(text("Monte-Carlo, tolerances, costs"), try_out, depends, shown, figure="trials", follows=True)

@@ -1,13 +1,13 @@
-"""Knobs of the lesson: who is on the stage, noise believed and true, the test, and what real life adds."""
+"""Define the knobs of lesson 13: controller shown, noise, test, hardware effects."""
 
 from __future__ import annotations
 
-from app.lesson.knobs import Choice, Number, Switch
-from app.text import Text, text
+from observer_lab.course.knobs import Choice, Number, Switch
+from observer_lab.text import Text, text
 
 from ..toolkit.knobs import run_knobs
-from .players import DT, LQE, NAMES, ORDER, OWN, PUBLISHED
-from .world import RUN
+from .controllers import CONTROLLER_NAMES, DT, LQE, ORDER, OWN_PAIR, PUBLISHED_PAIR
+from .simulation import RUN_SAMPLES
 
 REAL = text("Real life")
 
@@ -18,14 +18,14 @@ def _error(name: str, symbol: str, label: Text, unit: str, high: float, hint: Te
 
 KNOBS = (
     Choice("play", "", text("on the stage"), default=LQE,
-           options=tuple(zip(ORDER, NAMES, strict=True)),
+           options=tuple(zip(ORDER, CONTROLLER_NAMES, strict=True)),
            hint=text("The solid deck is under this controller, the ghost under none; both feel the same ground.")),
     Number("v", "V", text("believed noise V"), "(m/s)² s", low=1e-18, high=1e-7,
            default=1e-10, scale="log", hint=text("The intensity V in the design of all three LQGs.")),
     Number("sensor", "V_0", text("true noise V₀"), "(m/s)² s", low=1e-18, high=1e-7, default=1e-10,
            scale="log", hint=text("What the sensors really add. No controller is told.")),
-    Choice("pair", "", text("SISO loops"), default=OWN,
-           options=((OWN, text("ours, made for 1 kHz")), (PUBLISHED, text("the "
+    Choice("pair", "", text("SISO loops"), default=OWN_PAIR,
+           options=((OWN_PAIR, text("ours, made for 1 kHz")), (PUBLISHED_PAIR, text("the "
                                                                                                          "report's"))),
            hint=text("C_v and C_h; the pitch loop stays open in both.")),
     Choice("ground", "", text("ground motion"), default="white",
@@ -61,5 +61,5 @@ KNOBS = (
            text("The true dashpots differ by this much.")),
     _error("placement", r"\varepsilon_s", text("sensor placement error"), "mm", 60.0,
            text("The sensors stand this much farther from the middle.")),
-    *run_knobs(RUN * DT - DT),
+    *run_knobs(RUN_SAMPLES * DT - DT),
 )

@@ -1,4 +1,4 @@
-"""What a design leads to: five players in one world, their spectra, responses and one noisy run."""
+"""Compute a design of lesson 13: spectra, responses and one noisy run of five controllers."""
 
 from __future__ import annotations
 
@@ -8,19 +8,19 @@ from functools import cached_property
 
 import numpy as np
 
-from app.engine.sampled import MonteCarlo, ResponseMeasures
-from app.lesson.later import Later, LaterItems, LaterMap
-from app.lesson.lesson import Check, Design, Formula, Outcome, Stage
-from app.plants import platform
-from app.plants.body import with_longer_arrows
-from app.text import Text, listed, text
+from observer_lab.course.lazy import LazyMap, LazySequence, LazyValue
+from observer_lab.course.lesson import Check, Design, Formula, Outcome, Stage
+from observer_lab.engine.sampled import MonteCarlo, ResponseMeasures
+from observer_lab.plants.bodies.body import with_longer_arrows
+from observer_lab.plants.platform import model
+from observer_lab.text import Text, listed, text
 
 from ..toolkit.latex import number
-from .effort import Equal
+from .controllers import LQE, OPEN_LOOP, ORDER, RECURSIVE, SHORT_NAMES, Player, players
+from .equal_effort import Equal
 from .friction import friction_of, rubbed
-from .players import LQE, OPEN, ORDER, RECURSIVE, SHORT, Player, players
-from .world import (
-    BAND,
+from .simulation import (
+    BAND_HZ,
     Analysis,
     Response,
     World,
@@ -59,9 +59,9 @@ class Trials:
     equal: Equal | None = None
 
 
-GAIN = 1000.0  # times that the stage exaggerates motion: 20 µm are drawn as 0.15
+MOTION_GAIN = 1000.0  # times that the stage exaggerates motion: 20 µm are drawn as 0.15
 FORCE_ARROWS = 20.0  # times that coil forces are drawn larger: tens of millinewtons here
-BODY = replace(with_longer_arrows(platform.body(), FORCE_ARROWS, 3), gain=GAIN, caption=text("Solid: with the "
+BODY = replace(with_longer_arrows(model.body(), FORCE_ARROWS, 3), gain=MOTION_GAIN, caption=text("Solid: with the "
                                                                                              "controller chosen. "
                                                                                              "Ghost: the same "
                                                                                              "platform without "
@@ -117,14 +117,14 @@ class Study:
     @cached_property
     def peak_db(self) -> np.ndarray:
         """How far each player brings the peak of each channel down (5, 3); 0 for a loop that is not stable."""
-        inside = (self.f >= BAND[0]) & (self.f <= BAND[1])
+        inside = (self.f >= BAND_HZ[0]) & (self.f <= BAND_HZ[1])
         base = self.spectra[0].density[inside, :3].max(axis=0)
         return self._each(lambda S: 10 * np.log10(base / S[inside, :3].max(axis=0)))
 
     @cached_property
     def band_db(self) -> np.ndarray:
         """The same of the power in the band (5, 3)."""
-        rms = self._rms([s.density[:, :3] for s in self.spectra], *BAND)
+        rms = self._rms([s.density[:, :3] for s in self.spectra], *BAND_HZ)
         return np.where(self._held[:, None], 20 * np.log10(rms[0] / np.where(self._held[:, None], rms, 1.0)), 0.0)
 
     @cached_property
@@ -173,14 +173,14 @@ def compute(design: Design) -> Outcome[Study]:
     five = players(design["v"], design["pair"])
     seed, kick = int(design["seed"]), design["kick"]
     chosen = five[ORDER.index(design["play"])]
-    bare = (world, chosen) if chosen.id == OPEN else (without_control(world), five[0])
+    bare = (world, chosen) if chosen.id == OPEN_LOOP else (without_control(world), five[0])
     most = friction_of(design)
     run, ghost = ((rubbed(*who, seed, step, kick, most) if most else shake(*who, seed, step, kick)) for who in ((world, chosen), bare))
     match = Study(world, five, step, run, ghost[1])
-    metrics = LaterMap(lambda: _metrics(match))
-    return Outcome(design, {}, {}, metrics, LaterItems(lambda: _checks(match, metrics)), None, (),
-                   Stage(BODY, run[0], run[1], ghost[1], run[2]), LaterItems(lambda: _formulas(design, match)),
-                   Later(lambda: _live(match)), match)
+    metrics = LazyMap(lambda: _metrics(match))
+    return Outcome(design, {}, {}, metrics, LazySequence(lambda: _checks(match, metrics)), None, (),
+                   Stage(BODY, run[0], run[1], ghost[1], run[2]), LazySequence(lambda: _formulas(design, match)),
+                   LazyValue(lambda: _live(match)), match)
 
 
 def _metrics(m: Study) -> dict[str, float]:
@@ -223,12 +223,12 @@ def _formulas(design: Design, m: Study) -> tuple[Formula, ...]:
 
 
 def _live(m: Study) -> Text:
-    unstable = [name for name, s in zip(SHORT, m.stable, strict=True) if not s]
+    unstable = [name for name, s in zip(SHORT_NAMES, m.stable, strict=True) if not s]
     if unstable:
         return text("Unstable in this world: {names}.", names=listed(unstable))
     best = [_best(m.rms[1:, j]) for j in range(3)]
     return text("Least RMS velocity: {short} vertically, {short2} in rotation, {short3} horizontally.",
-                short=SHORT[best[0]], short2=SHORT[best[1]], short3=SHORT[best[2]])
+                short=SHORT_NAMES[best[0]], short2=SHORT_NAMES[best[1]], short3=SHORT_NAMES[best[2]])
 
 
 def _best(rms: np.ndarray) -> int:

@@ -1,30 +1,30 @@
-"""Tasks: twenty decibels everywhere, an optimum beaten, a delay that one side survives, a coarse converter, two yardsticks."""
+"""Define the tasks of lesson 13."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 
-from app.lesson.lesson import Outcome, Task, Verdict, pencil
-from app.lesson.typed import Typed
-from app.text import text
+from observer_lab.course.exercises.typed_answers import Typed
+from observer_lab.course.lesson import Outcome, Task, Verdict, typed_task
+from observer_lab.text import text
 
-from .players import DT, ORDER, SISO
+from .controllers import DT, ORDER, SISO
+from .simulation import loop_of
 from .study import Study
-from .world import loop_of
 
-WANTED = 20.0  # dB in every channel
+WANTED_SUPPRESSION_DB = 20.0  # dB in every channel
 BEST_SENSOR = 1e-11  # (m/s)² s: the quietest that can be bought in the first task
-AHEAD = 10.0  # dB by which the optimum is to be beaten
-STEP = 0.2  # ms within which the least delay is to be found
-KEPT = 12.0  # dB that the full LQG is to keep while the SISO pair is lost
-ERRORS = ("stiffness", "damping", "placement")  # of the model
-CHANNELS = ("vertical", "rotation", "horizontal")
-TRUE_SENSOR, COARSE, NEAR = 1e-10, 1000.0, 0.05  # of the start, (m/s)² s; µm/s; share by which V may be off
-BOLD, QUIET = 21.0, 32.0  # dB, mN
+MIN_LEAD_DB = 10.0  # dB by which the optimum is to be beaten
+DELAY_TOLERANCE_MS = 0.2  # ms within which the least delay is to be found
+KEPT_SUPPRESSION_DB = 12.0  # dB that the full LQG is to keep while the SISO pair is lost
+MODEL_ERRORS = ("stiffness", "damping", "placement")  # of the model
+CHANNEL_NAMES = ("vertical", "rotation", "horizontal")
+TRUE_SENSOR, COARSE, INTENSITY_RTOL = 1e-10, 1000.0, 0.05  # of the start, (m/s)² s; µm/s; share by which V may be off
+MIN_SUPPRESSION_DB, MAX_FORCE_MN = 21.0, 32.0  # dB, mN
 
 
 def _band(outcome: Outcome[Study], player: str) -> list[float]:
-    return [outcome.metrics[f"{player}_{channel}_band_db"] for channel in CHANNELS]
+    return [outcome.metrics[f"{player}_{channel}_band_db"] for channel in CHANNEL_NAMES]
 
 
 def _words(values: list[float]) -> str:
@@ -37,13 +37,13 @@ def _twenty(outcome: Outcome[Study]) -> Verdict:
         return Verdict(False, text("V₀ = {sensor:.1e}: no better sensors than 1e-11 are for sale, and the ground "
                                    "is white.",
                                    sensor=d["sensor"]))
-    if any(d[error] for error in ERRORS):
+    if any(d[error] for error in MODEL_ERRORS):
         return Verdict(False, text("The plant must be what its designer believes: leave the errors of stiffness, damping "
                                    "and placement at 0."))
-    if not m["lqe_stable"] or min(got) < WANTED:
+    if not m["lqe_stable"] or min(got) < WANTED_SUPPRESSION_DB:
         return Verdict(False, text("Vertical, rotation, horizontal: {got} dB; {wanted:g} dB are wanted in each.",
-                                   got=_words(got), wanted=WANTED))
-    return Verdict(True, text("{got} dB: more than {wanted:g} dB in every channel.", got=_words(got), wanted=WANTED))
+                                   got=_words(got), wanted=WANTED_SUPPRESSION_DB))
+    return Verdict(True, text("{got} dB: more than {wanted:g} dB in every channel.", got=_words(got), wanted=WANTED_SUPPRESSION_DB))
 
 
 def _beaten(outcome: Outcome[Study]) -> Verdict:
@@ -51,13 +51,13 @@ def _beaten(outcome: Outcome[Study]) -> Verdict:
     if not (m["siso_stable"] and m["lqe_stable"]):
         return Verdict(False, text("Both loops must be stable."))
     ahead = [a - b for a, b in zip(siso, lqg, strict=True)]
-    if min(ahead) < AHEAD:
+    if min(ahead) < MIN_LEAD_DB:
         return Verdict(False, text("The SISO loops are ahead by {ahead} dB; {ahead2:g} dB are wanted in every "
                                    "channel.",
-                                   ahead=_words(ahead), ahead2=AHEAD))
-    if min(ahead) > AHEAD + 1:
+                                   ahead=_words(ahead), ahead2=MIN_LEAD_DB))
+    if min(ahead) > MIN_LEAD_DB + 1:
         return Verdict(False, text("Ahead by {ahead} dB: more than is wanted, {least:g} to {most:g} dB where the lead is least.",
-                                   ahead=_words(ahead), least=AHEAD, most=AHEAD + 1))
+                                   ahead=_words(ahead), least=MIN_LEAD_DB, most=MIN_LEAD_DB + 1))
     return Verdict(True, text("Ahead by {ahead} dB: the LQG is optimal for noise that is not there.",
                               ahead=_words(ahead)))
 
@@ -78,13 +78,13 @@ def _late(outcome: Outcome[Study]) -> Verdict:
                                    delay=d["delay"]))
     if not _holds_without(outcome, d["delay"]):
         return Verdict(False, text("The SISO loops are lost without any delay as well: something else does it."))
-    if not _holds_without(outcome, STEP):
+    if not _holds_without(outcome, DELAY_TOLERANCE_MS):
         return Verdict(False, text("At {delay:g} ms the SISO loops are lost, but they are at {earlier:g} ms too; find where it begins.",
-                                   delay=d["delay"], earlier=d["delay"] - STEP))
-    if not m["lqe_stable"] or min(got) < KEPT:
+                                   delay=d["delay"], earlier=d["delay"] - DELAY_TOLERANCE_MS))
+    if not m["lqe_stable"] or min(got) < KEPT_SUPPRESSION_DB:
         return Verdict(False, text("The SISO loops are lost, but the full LQG gains only {got} dB; keep {kept:g} "
                                    "dB.",
-                                   got=_words(got), kept=KEPT))
+                                   got=_words(got), kept=KEPT_SUPPRESSION_DB))
     return Verdict(True, text("At {delay:g} ms the SISO loops are lost; the full LQG still gains {got} dB.",
                               delay=d["delay"], got=_words(got)))
 
@@ -100,10 +100,10 @@ def _coarse(outcome: Outcome[Study]) -> Verdict:
     if d["adc"] != COARSE or abs(d["sensor"] / TRUE_SENSOR - 1) > 1e-6:
         return Verdict(False, text("Let the converter read in steps of {step:g} µm/s, and leave the sensors at V₀ = 1e-10.", step=COARSE))
     off = d["v"] / _noise(outcome) - 1
-    if off < -NEAR:
+    if off < -INTENSITY_RTOL:
         return Verdict(False, text("The filters believe V = {v:.3g}: too little, the vertical RMS velocity is {rms:.2f} µm/s.",
                                    v=d["v"], rms=rms))
-    if off > NEAR:
+    if off > INTENSITY_RTOL:
         return Verdict(False, text("The filters believe V = {v:.3g}: too much, the vertical RMS velocity is {rms:.2f} µm/s.",
                                    v=d["v"], rms=rms))
     return Verdict(True, text("The vertical RMS velocity is {rms:.2f} µm/s.", rms=rms))
@@ -113,15 +113,15 @@ def _yardsticks(outcome: Outcome[Study]) -> Verdict:
     d, m = outcome.design, outcome.metrics
     if d["sensor"] < TRUE_SENSOR * (1 - 1e-9) or d["ground"] != "white":
         return Verdict(False, text("Keep the sensors at V₀ = 1e-10 or noisier and the ground white."))
-    if any(d[error] for error in ERRORS):
+    if any(d[error] for error in MODEL_ERRORS):
         return Verdict(False, text("The plant must be what its designer believes: leave the errors of stiffness, damping "
                                    "and placement at 0."))
     if not m["lqe_stable"]:
         return Verdict(False, text("The full LQG is unstable here."))
     got, force = m["lqe_vertical_band_db"], 1e3 * m["lqe_force_rms"]
-    if got < BOLD or force > QUIET:
+    if got < MIN_SUPPRESSION_DB or force > MAX_FORCE_MN:
         return Verdict(False, text("{got:.2f} dB vertically with {force:.1f} mN; wanted: at least {least:.1f} dB with at most {most:g} mN.",
-                                   got=got, force=force, least=BOLD, most=QUIET))
+                                   got=got, force=force, least=MIN_SUPPRESSION_DB, most=MAX_FORCE_MN))
     return Verdict(True, text("{got:.2f} dB vertically with {force:.1f} mN; the SISO pair asks for {siso:.0f} mN.", got=got, force=force,
                               siso=1e3 * m["siso_force_rms"]))
 
@@ -138,7 +138,7 @@ TASKS = (
     Task("twenty", _twenty, {"sensor": 1e-11, "v": 1e-11}),
     Task("beaten", _beaten, {"sensor": 4e-13}),
     Task("late", _late, {"delay": 4.2}),
-    pencil("too-late", TOO_LATE),
+    typed_task("too-late", TOO_LATE),
     Task("coarse", _coarse, {"adc": COARSE, "v": 1.83e-10}, ROUNDED),
     Task("yardsticks", _yardsticks, {"v": 3e-11}),
 )

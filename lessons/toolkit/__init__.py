@@ -1,1 +1,1 @@
-"""What many lessons share: knobs, gains, boards, figures, formulas and fair tasks, each in its module."""
+"""Share code among lessons: knobs, gains, boards, figures, formulas, fair tasks."""

@@ -1,4 +1,4 @@
-"""The two pole boards of a lesson with K and L, and the stage along a run."""
+"""Build the two pole boards of a lesson with K and L, and the stage along a run."""
 
 from __future__ import annotations
 
@@ -6,15 +6,15 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from app.engine.design import StartingGain
-from app.engine.simulation import Run
-from app.lesson.lesson import Board, Design, Stage
-from app.plants.model import Model, Window
-from app.text import text
+from observer_lab.course.lesson import Board, Design, Stage
+from observer_lab.engine.design import StartingGain
+from observer_lab.engine.simulation import Run
+from observer_lab.plants.model import Model, Window
+from observer_lab.text import text
 
 from .knobs import BY_POLES, by_hand
 
-WEIGHTS = text("Weights")
+WEIGHTS_FOLDER = text("Weights")
 
 
 def bolts(start: StartingGain | None, window: Window) -> tuple[complex, ...]:

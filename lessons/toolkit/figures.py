@@ -1,4 +1,4 @@
-"""Figures that many lessons share: signals with their estimates, the error, the inputs."""
+"""Draw figures that many lessons share: signals with estimates, error, inputs."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ from types import MappingProxyType
 
 import numpy as np
 
-from app.engine.simulation import Run
-from app.lesson.claims import claim
-from app.lesson.figures import Curve, LineFigure
-from app.plants.model import Model, Signal
-from app.plants.names import called
-from app.text import Text, joined, same, symbol, text, text_in
+from observer_lab.course.figures.claims import claim
+from observer_lab.course.figures.records import Curve, LineFigure
+from observer_lab.engine.simulation import Run
+from observer_lab.plants.model import Model, Signal
+from observer_lab.plants.signal_names import signal_name
+from observer_lab.text import Text, joined, same, symbol, text, text_in
 
 TIME_TAB = text("Time")
 ERROR_TAB = text("Error and input")
@@ -109,7 +109,7 @@ def input_figure(run: Run, model: Model, limit: float | None = None) -> LineFigu
     for j, name in enumerate(run.scenario.plant.input_names):
         role = ("force", "disturbance", "second")[j % 3]
         applied, asked = run.u_applied[:, j] * model.input_scale, run.u_asked[:, j] * model.input_scale
-        shown = (text("input {name}", name=called(model.plant, name)) if model.controller is not None else
+        shown = (text("input {name}", name=signal_name(model.plant, name)) if model.controller is not None else
                  INPUTS.get(name, same(symbol(name))))
         curves.append(Curve(shown, applied, role))
         if not np.array_equal(applied, asked):

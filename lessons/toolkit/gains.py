@@ -1,4 +1,4 @@
-"""K and L of a design, and the sizes by which a person's own plant is measured and shaken."""
+"""Compute K and L of a design, and the typical sizes of an own plant."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from functools import lru_cache
 
 import numpy as np
 
-from app.engine import Plant, dlqe, dlqr, lqe, lqr, observer_gain, place
-from app.engine.design import shift_observer, shift_poles, typical_rate
-from app.lesson.lesson import Design
-from app.plants.model import Model
+from observer_lab.course.lesson import Design
+from observer_lab.engine import Plant, dlqe, dlqr, lqe, lqr, observer_gain, place
+from observer_lab.engine.design import shift_observer, shift_poles, typical_rate
+from observer_lab.plants.model import Model
 
 from .knobs import by_hand
 

@@ -1,13 +1,13 @@
-"""Knobs that many lessons share: seed and kick, poles, and gains by poles or by weights."""
+"""Define knobs that many lessons share: seed, kick, poles, gains by poles or weights."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from app.lesson.knobs import Choice, Number, Poles
-from app.lesson.lesson import Design
-from app.plants.model import Model
-from app.text import Text, text
+from observer_lab.course.knobs import Choice, Number, Poles
+from observer_lab.course.lesson import Design
+from observer_lab.plants.model import Model
+from observer_lab.text import Text, text
 
 BY_POLES, BY_WEIGHTS = "poles", "weights"
 

@@ -1,4 +1,4 @@
-"""Gains and poles as they stand in live formulas and sentences."""
+"""Write gains and poles for live formulas and sentences."""
 
 from __future__ import annotations
 
@@ -6,15 +6,15 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from app.lesson.latex import MOST_ENTRIES, matrix, number
-from app.text import raised
+from observer_lab.course.figures.latex import MOST_ENTRIES, matrix, number
+from observer_lab.text import superscript
 
 
 def tiny(value: float) -> str:
     """The order of magnitude of a rounding error as words: 10⁻¹⁵, or 0."""
     if value == 0 or not np.isfinite(value):
         return "0" if value == 0 else "∞"
-    return "10" + raised(round(float(np.log10(abs(value)))))
+    return "10" + superscript(round(float(np.log10(abs(value)))))
 
 
 def gain_words(symbol: str, M: np.ndarray) -> str:

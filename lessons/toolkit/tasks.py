@@ -1,16 +1,16 @@
-"""What tasks of several lessons share: two-sided targets, and which tasks are fair on a person's own plant."""
+"""Share two-sided targets of tasks, and select the tasks that an own plant can solve."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 
-from app.engine import EngineError
-from app.lesson.knobs import KnobError
-from app.lesson.lesson import Lesson, Task, Verdict
-from app.text import Text, text
+from observer_lab.course.knobs import KnobError
+from observer_lab.course.lesson import Lesson, Task, Verdict
+from observer_lab.engine import EngineError
+from observer_lab.text import Text, text
 
 
-def fair(lesson: Lesson) -> Lesson:
+def keep_fair_tasks(lesson: Lesson) -> Lesson:
     """The lesson with those tasks alone that fail at its start and pass at their own solution."""
     start = lesson.start()
     opened = lesson.compute(start)
@@ -24,7 +24,7 @@ def fair(lesson: Lesson) -> Lesson:
     return replace(lesson, tasks=tuple(t for t in lesson.tasks if not t.judge(opened).solved and passes(t)))
 
 
-def at_rest_gently(found: Text, settled: float, band: tuple[float, float], force: float, most: float) -> Verdict:
+def check_gentle_settling(found: Text, settled: float, band: tuple[float, float], force: float, most: float) -> Verdict:
     """Whether something comes to rest within a band of time, neither sooner nor later, with a force of at most so much."""
     if not band[0] <= settled <= band[1] or force > most:
         return Verdict(False, text("{found}; wanted are {low:g} to {high:g} s and at most {most:g} N.", found=found, low=band[0],

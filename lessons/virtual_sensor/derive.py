@@ -1,4 +1,4 @@
-"""The numbers that stand now in the derivation of lesson 1: the believed chip's matrices and the gain that its poles ask for."""
+"""Compute the numbers in the derivation of lesson 1: matrices of the assumed chip, gain."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from app.engine import observer_gain
-from app.lesson.derivation import Value
-from app.lesson.lesson import Outcome
-from app.plants import Model
+from observer_lab.course.exercises.derivation import Value
+from observer_lab.course.lesson import Outcome
+from observer_lab.engine import observer_gain
+from observer_lab.plants import Model
 
 from .study import Study, believed
 

@@ -1,4 +1,4 @@
-"""The exams of lesson 1."""
+"""Define the exams of lesson 1."""
 
 from __future__ import annotations
 
@@ -6,28 +6,28 @@ import math
 
 import numpy as np
 
-from app.lesson.exam import Exam, ExamItem, Lot, decimals
+from observer_lab.course.exercises.exam import Exam, ExamItem, SeededDraws, decimals
 
 
-def _trust(lot: Lot) -> ExamItem:
+def _trust(lot: SeededDraws) -> ExamItem:
     """A runaway chip with one state: e decays as e^{(a − L)t}; which L leaves a tenth of the error at time t?"""
     a, t = lot.part(2, 9), lot.part(2, 8, 2)
     return ExamItem({"a": a, "t": t}, a + math.log(10.0) / t)
 
 
-def _copy(lot: Lot) -> ExamItem:
+def _copy(lot: SeededDraws) -> ExamItem:
     """e(t) = e(0) e^{−at}: t = ln(e(0)/e(t))/a."""
     a, e0, e1 = lot.part(1, 9), float(lot.whole(10, 40)), lot.one((0.1, 0.2, 0.5, 2.0, 5.0))
     return ExamItem({"a": a, "e0": e0, "e1": e1}, math.log(e0 / e1) / a)
 
 
-def _bias(lot: Lot) -> ExamItem | None:
+def _bias(lot: SeededDraws) -> ExamItem | None:
     """ė = −(a + L) e + q − q̂ rests at (q − q̂)/(a + L)."""
     a, L, q, believed = lot.part(2, 9), float(lot.whole(2, 9)), float(lot.whole(4, 30)), float(lot.whole(4, 30))
     return ExamItem({"a": a, "q": q, "qhat": believed, "L": L}, (q - believed) / (a + L)) if abs(q - believed) > 2 else None
 
 
-def _core(lot: Lot) -> ExamItem:
+def _core(lot: SeededDraws) -> ExamItem:
     """Two temperatures, the case measured: l₂ from the trace of A − LC, l₁ from its determinant."""
     a, b, c = float(lot.whole(1, 4)), float(lot.whole(1, 5)), float(lot.whole(1, 4))
     A = np.array([[-a, a], [b, -b - c]])

@@ -1,14 +1,14 @@
-"""The figures of lesson 1: core, case and power; errors and what the observer hears; the poles as trust grows."""
+"""Draw the figures of lesson 1: core, case, power, errors, innovation, poles over trust."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from app.engine.simulation import Run
-from app.lesson.claims import claim
-from app.lesson.figures import Curve, Figure, LineFigure, PlaneFigure, Point
-from app.lesson.lesson import Outcome
-from app.text import Text, joined, same, text
+from observer_lab.course.figures.claims import claim
+from observer_lab.course.figures.records import Curve, Figure, LineFigure, PlaneFigure, Point
+from observer_lab.course.lesson import Outcome
+from observer_lab.engine.simulation import Run
+from observer_lab.text import Text, joined, same, text
 
 from ..toolkit.figures import TIME_TAB
 from .knobs import HORIZON, MOST_TRUST
@@ -16,7 +16,7 @@ from .study import Study
 
 ERROR_TAB = text("Error")
 TRUST_TAB = text("Trust")
-TRUE, COPY, OBSERVER = text("true"), text("open-loop copy"), text("observer")
+TRUE, COPY, OBSERVER_LABEL = text("true"), text("open-loop copy"), text("observer")
 
 
 def _at_most(value: float) -> Text:
@@ -41,7 +41,7 @@ def _core(outcome: Outcome[Study], run: Run, copy: Run) -> LineFigure:
     copied = text("In the last tenth of the run the copy is off by up to {off:.2g} K.", off=m["copy_core_error"])
     return LineFigure("core", text("core temperature (nobody can measure it)"), run.t, (
         Curve(TRUE, run.x[:, 0]), Curve(COPY, copy.xhat[:len(run.t), 0], "second", "dot"),
-        Curve(OBSERVER, run.xhat[:, 0], "estimate", "dash")), "T₁ [K]", tab=TIME_TAB, window=(0.0, 50.0),
+        Curve(OBSERVER_LABEL, run.xhat[:, 0], "estimate", "dash")), "T₁ [K]", tab=TIME_TAB, window=(0.0, 50.0),
         caption=joined(known, copied))
 
 
@@ -50,7 +50,7 @@ def _case(outcome: Outcome[Study], run: Run, copy: Run) -> LineFigure:
     reading = (Curve(text("sensor"), run.y[:, 0], "muted", "solid", 1.0),) if outcome.design["noise"] else ()
     return LineFigure("case", text("case temperature (the sensor sits here)"), run.t, (
         *reading, Curve(TRUE, run.x[:, 1]), Curve(COPY, copy.xhat[:len(run.t), 1], "second", "dot"),
-        Curve(OBSERVER, run.xhat[:, 1], "estimate", "dash")), "T₂ [K]", tab=TIME_TAB, window=(0.0, 25.0),
+        Curve(OBSERVER_LABEL, run.xhat[:, 1], "estimate", "dash")), "T₂ [K]", tab=TIME_TAB, window=(0.0, 25.0),
         caption=text("In the last tenth of the run the observer's case is off by {gap}.", gap=gap))
 
 
@@ -65,7 +65,7 @@ def _power(run: Run) -> LineFigure:
 def _errors(outcome: Outcome[Study], run: Run, copy: Run) -> LineFigure:
     ours, theirs = outcome.metrics["slowest_observer"], outcome.metrics["slowest_copy"]
     return LineFigure("error", text("size of the core error"), run.t, (
-        Curve(COPY, np.abs(copy.e[:len(run.t), 0]), "second", "dot"), Curve(OBSERVER, np.abs(run.e[:, 0]), "error")),
+        Curve(COPY, np.abs(copy.e[:len(run.t), 0]), "second", "dot"), Curve(OBSERVER_LABEL, np.abs(run.e[:, 0]), "error")),
         "|e₁| [K]", log_y=True, tab=ERROR_TAB, window=(1e-4, 100.0),
         caption=text("Slowest modes: copy {theirs:+.3g}, observer {ours:+.3g} per second.", theirs=theirs, ours=ours))
 

@@ -1,4 +1,4 @@
-"""The virtual sensor on a person's own plant: a copy that is deaf beside an observer that listens, in its own measures."""
+"""Fit lesson 1 to the user's own plant: open-loop copy beside an observer."""
 
 from __future__ import annotations
 
@@ -7,15 +7,15 @@ from functools import partial
 
 import numpy as np
 
-from app.engine import Plant, Scenario, simulate
-from app.engine.simulation import Run
-from app.engine.systems import sorted_poles
-from app.lesson.figures import Curve, Figure, LineFigure, PlaneFigure, Point
-from app.lesson.knobs import Knob, Number, Poles
-from app.lesson.lesson import Board, Design, Formula, Lesson, Outcome
-from app.plants import Model, Signal
-from app.plants.names import called
-from app.text import NO_WORDS, Text, joined, same, text
+from observer_lab.course.figures.records import Curve, Figure, LineFigure, PlaneFigure, Point
+from observer_lab.course.knobs import Knob, Number, Poles
+from observer_lab.course.lesson import Board, Design, Formula, Lesson, Outcome
+from observer_lab.engine import Plant, Scenario, simulate
+from observer_lab.engine.simulation import Run
+from observer_lab.engine.systems import sorted_poles
+from observer_lab.plants import Model, Signal
+from observer_lab.plants.signal_names import signal_name
+from observer_lab.text import NO_WORDS, Text, joined, same, text
 
 from ..toolkit.boards import bolts, listed, stage
 from ..toolkit.figures import TIME_TAB
@@ -23,12 +23,12 @@ from ..toolkit.gains import injection, sizes, sped
 from ..toolkit.knobs import kicks, run_knobs
 from ..toolkit.latex import gain_words, number
 from .derive import derived_own
-from .figures import COPY, ERROR_TAB, OBSERVER, TRUE, TRUST_TAB
+from .figures import COPY, ERROR_TAB, OBSERVER_LABEL, TRUE, TRUST_TAB
 from .knobs import MOST_TRUST
 from .study import checks_of
 
-KNOWN = 0.05  # of the first error: below this a signal counts as known
-FEW, MANY = 13, 41  # points of the locus, for many states and for few
+KNOWN_ERROR_SHARE = 0.05  # of the first error: below this a signal counts as known
+FEW_POINTS, MANY_POINTS = 13, 41  # points of the locus, for many states and for few
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,7 +103,7 @@ def _late(values: np.ndarray) -> float:
 
 
 def _locus(plant: Plant, full: np.ndarray) -> np.ndarray:
-    trusts = np.linspace(0.0, MOST_TRUST, MANY if plant.n <= 8 else FEW)
+    trusts = np.linspace(0.0, MOST_TRUST, MANY_POINTS if plant.n <= 8 else FEW_POINTS)
     return sorted_poles(plant.A - trusts[:, None, None] * (full @ plant.C))
 
 
@@ -141,7 +141,7 @@ def _signal(name: str, signal: Signal, run: Run, copy: Run) -> LineFigure:
     last = min(len(run.t), len(copy.t))
     true, guess, other = signal.of(run.x)[:last], signal.of(run.xhat)[:last], signal.of(copy.xhat)[:last]
     return LineFigure(name, signal.name, run.t[:last], (Curve(TRUE, true), Curve(COPY, other, "second", "dot"),
-                                                        Curve(OBSERVER, guess, "estimate", "dash")), f"[{signal.unit}]", tab=TIME_TAB,
+                                                        Curve(OBSERVER_LABEL, guess, "estimate", "dash")), f"[{signal.unit}]", tab=TIME_TAB,
                       caption=text("At the end of the run the observer is off by {true:.2g}, the copy by "
                                    "{true2:.2g} {unit}.",
                                    true=abs(true[-1] - guess[-1]), true2=abs(true[-1] - other[-1]),
@@ -152,7 +152,7 @@ def _energy(run: Run, copy: Run) -> LineFigure:
     """The size of the state, for a plant all of whose states are measured."""
     last = min(len(run.t), len(copy.t))
     curves = tuple(Curve(name, np.linalg.norm(values[:last], axis=1), role, dash) for name, values, role, dash in (  # type: ignore[arg-type]
-        (TRUE, run.x, "plant", "solid"), (COPY, copy.xhat, "second", "dot"), (OBSERVER, run.xhat, "estimate", "dash")))
+        (TRUE, run.x, "plant", "solid"), (COPY, copy.xhat, "second", "dot"), (OBSERVER_LABEL, run.xhat, "estimate", "dash")))
     return LineFigure("case", text("size of the whole state"), run.t[:last], curves, "‖x‖", tab=TIME_TAB,
                       caption=text("Every state of this plant is measured."))
 
@@ -168,19 +168,19 @@ def _errors(outcome: Outcome[OwnStudy], run: Run) -> LineFigure:
     copy = outcome.study.copy
     last = min(len(run.t), len(copy.t))
     ours, theirs = (np.linalg.norm(r.e[:last], axis=1) for r in (run, copy))
-    below = np.flatnonzero(ours > KNOWN * max(float(ours[0]), 1e-300))
+    below = np.flatnonzero(ours > KNOWN_ERROR_SHARE * max(float(ours[0]), 1e-300))
     said = (text("The observer's error is not below a twentieth of its start at the end.")
             if len(below) and below[-1] == last - 1 else
             text("The observer's error is below a twentieth of its start after {t:.3g} s.",
                  t=run.t[below[-1] + 1] if len(below) else 0))
     return LineFigure("error", text("size of the error"), run.t[:last],
-                      (Curve(COPY, theirs, "second", "dot"), Curve(OBSERVER, ours, "error")), "‖e‖", log_y=True, tab=ERROR_TAB,
+                      (Curve(COPY, theirs, "second", "dot"), Curve(OBSERVER_LABEL, ours, "error")), "‖e‖", log_y=True, tab=ERROR_TAB,
                       caption=said)
 
 
 def _heard(model: Model, run: Run) -> LineFigure:
     heard = (run.y - run.yhat)[:, 0]
-    name = called(model.plant, model.plant.output_names[0])
+    name = signal_name(model.plant, model.plant.output_names[0])
     return LineFigure("innovation", text("what the observer hears: y − ŷ"), run.t,
                       (Curve(same("y − ŷ"), heard, "error"),), f"[{model.plant.unit(model.plant.output_names[0])}]", tab=ERROR_TAB,
                       caption=text("Sensor {name} minus its prediction; up to {heard:.2g} in the last tenth of "

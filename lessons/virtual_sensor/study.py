@@ -1,4 +1,4 @@
-"""What a design of lesson 1 leads to: the observer's gain on the believed chip, its run and that of an open-loop copy."""
+"""Compute a design of lesson 1: gain, observer run, open-loop copy run."""
 
 from __future__ import annotations
 
@@ -7,20 +7,20 @@ from functools import lru_cache
 
 import numpy as np
 
-from app.engine import Plant, Scenario, observer_gain, simulate
-from app.engine.simulation import Run
-from app.lesson.claims import claim
-from app.lesson.lesson import Board, Check, Design, Formula, Outcome
-from app.plants import MODELS, chip
-from app.text import Text, joined, text
+from observer_lab.course.figures.claims import claim
+from observer_lab.course.lesson import Board, Check, Design, Formula, Outcome
+from observer_lab.engine import Plant, Scenario, observer_gain, simulate
+from observer_lab.engine.simulation import Run
+from observer_lab.plants import MODELS, chip
+from observer_lab.text import Text, joined, text
 
 from ..toolkit.boards import listed, stage
 from ..toolkit.knobs import kicks
 from ..toolkit.latex import matrix, number
-from .knobs import DT, HORIZON, MOST_TRUST, RUNAWAY, WINDOW
+from .knobs import DT, HORIZON, MOST_TRUST, OBSERVER_WINDOW, RUNAWAY_ID
 
-PERIOD, IDLE = 6.0, 0.25  # s of a burst of work and the rest after it; share of the power at rest
-KNOWN = 1.0  # K: a core error below this counts as known
+BURST_PERIOD_S, IDLE_SHARE = 6.0, 0.25  # s of a burst of work and the rest after it; share of the power at rest
+KNOWN_ERROR_K = 1.0  # K: a core error below this counts as known
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,13 +37,13 @@ class Study:
 def believed(plant: str, air_error: float) -> Plant:
     """The chip as the copy and the observer believe it: the resistance from case to air off by a percentage."""
     p = chip.Parameters()
-    return chip.plant(replace(p, outer=p.outer * (1 + air_error / 100)), chip.LEAKAGE if plant == RUNAWAY else 0.0)
+    return chip.plant(replace(p, outer=p.outer * (1 + air_error / 100)), chip.LEAKAGE if plant == RUNAWAY_ID else 0.0)
 
 
 def burst(power: float) -> np.ndarray:
     """The power over the run (n_t, 1) in W: work for half a period, a quarter of it for the other half."""
     t = DT * np.arange(round(HORIZON / DT) + 1)
-    return np.where(t % PERIOD < PERIOD / 2 - 1e-9, power, IDLE * power)[:, None]
+    return np.where(t % BURST_PERIOD_S < BURST_PERIOD_S / 2 - 1e-9, power, IDLE_SHARE * power)[:, None]
 
 
 def _poles_of(A: np.ndarray) -> np.ndarray:
@@ -128,7 +128,7 @@ def _metrics(run: Run, copy: Run) -> dict[str, float]:
 
 def _known_after(t: np.ndarray, error: np.ndarray) -> float | None:
     """From when on the core is known within KNOWN, None if it is not so at the end."""
-    off = np.flatnonzero(error >= KNOWN)
+    off = np.flatnonzero(error >= KNOWN_ERROR_K)
     if not len(off):
         return 0.0
     return None if off[-1] == len(t) - 1 else float(t[off[-1] + 1])
@@ -138,11 +138,29 @@ def _boards(design: Design, poles: np.ndarray, own: np.ndarray, error: np.ndarra
     shown = listed(poles)
     by_hand = design["observer_poles"] if design["trust"] == 1.0 else shown
     return (
-        Board("copy", text("the copy's poles  eig(A)"), listed(own), role="second",
-              side="left", re_low=WINDOW.re_low, re_high=WINDOW.re_high, im_high=WINDOW.im_high),
-        Board("observer", text("observer poles  eig(A − LC)"), by_hand, "observer_poles",
-              role="estimate", side="right", re_low=WINDOW.re_low, re_high=WINDOW.re_high, im_high=WINDOW.im_high,
-              also=(("trust", 1.0),), landscape=error),
+        Board(
+            "copy",
+            text("the copy's poles  eig(A)"),
+            listed(own),
+            role="second",
+            side="left",
+            re_low=OBSERVER_WINDOW.re_low,
+            re_high=OBSERVER_WINDOW.re_high,
+            im_high=OBSERVER_WINDOW.im_high,
+        ),
+        Board(
+            "observer",
+            text("observer poles  eig(A − LC)"),
+            by_hand,
+            "observer_poles",
+            role="estimate",
+            side="right",
+            re_low=OBSERVER_WINDOW.re_low,
+            re_high=OBSERVER_WINDOW.re_high,
+            im_high=OBSERVER_WINDOW.im_high,
+            also=(("trust", 1.0),),
+            landscape=error,
+        ),
     )
 
 

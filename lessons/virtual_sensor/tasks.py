@@ -1,15 +1,15 @@
-"""The tasks of lesson 1."""
+"""Define the tasks of lesson 1."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from app.engine import error_parts
-from app.lesson.lesson import Outcome, Task, Verdict, pencil
-from app.lesson.typed import Typed
-from app.text import text
+from observer_lab.course.exercises.typed_answers import Typed
+from observer_lab.course.lesson import Outcome, Task, Verdict, typed_task
+from observer_lab.engine import error_parts
+from observer_lab.text import text
 
-from .knobs import DT, HORIZON, RUNAWAY, TAME
+from .knobs import DT, HORIZON, RUNAWAY_ID, STABLE_ID
 from .study import Study, believed
 
 LISTENING, TREMBLE = (-1.45, -1.35), 0.2  # 1/s, where the slowest pole is to stand; K
@@ -18,7 +18,7 @@ LISTENING, TREMBLE = (-1.45, -1.35), 0.2  # 1/s, where the slowest pole is to st
 def feel_the_core(outcome: Outcome[Study]) -> Verdict:
     """The core within 1 K after 2.2 s, from the given start, with the right model and a quiet sensor."""
     d, after = outcome.design, outcome.metrics["known_after"]
-    if d["guess_core"] or d["guess_case"] or d["air_error"] or d["noise"] or d["plant"] != TAME:
+    if d["guess_core"] or d["guess_case"] or d["air_error"] or d["noise"] or d["plant"] != STABLE_ID:
         return Verdict(False, text("Keep both guesses at 0 K, the model right, the sensor quiet and the chip that "
                                    "cools."))
     if 2.1 <= after <= 2.2:
@@ -33,7 +33,7 @@ def feel_the_core(outcome: Outcome[Study]) -> Verdict:
 def tame_the_runaway(outcome: Outcome[Study]) -> Verdict:
     """The runaway chip, watched with a small gain."""
     m, d = outcome.metrics, outcome.design
-    if d["plant"] != RUNAWAY or d["guess_core"] or d["guess_case"]:
+    if d["plant"] != RUNAWAY_ID or d["guess_core"] or d["guess_case"]:
         return Verdict(False, text("Take the chip that runs away, with both guesses at 0 K."))
     if m["core_error"] <= 0.5 and m["largest_gain"] <= 1.5:
         return Verdict(True, text("With no entry of L above {largest_gain:.2g} the core error ends at "
@@ -48,7 +48,7 @@ def tame_the_runaway(outcome: Outcome[Study]) -> Verdict:
 def lucky_copy(outcome: Outcome[Study]) -> Verdict:
     """The copy of the runaway chip right from start to end."""
     m = outcome.metrics
-    if outcome.design["plant"] != RUNAWAY:
+    if outcome.design["plant"] != RUNAWAY_ID:
         return Verdict(False, text("Take the chip that runs away."))
     worst = m["largest_copy_error"]
     if worst <= 0.5:
@@ -60,7 +60,7 @@ def lucky_copy(outcome: Outcome[Study]) -> Verdict:
 def wrong_fan(outcome: Outcome[Study]) -> Verdict:
     """A right core in spite of a wrong fan: the core's entry of L is 1."""
     d, error = outcome.design, outcome.metrics["core_error"]
-    if abs(d["air_error"]) < 30 or d["plant"] != TAME or d["power"] < 10 or d["noise"]:
+    if abs(d["air_error"]) < 30 or d["plant"] != STABLE_ID or d["power"] < 10 or d["noise"]:
         return Verdict(False, text("Make the resistance wrong by 30 % or more, on the chip that cools, at 10 W or "
                                    "more and with a quiet sensor."))
     first = float(outcome.gains["L"][0, 0])
@@ -76,7 +76,7 @@ def wrong_fan(outcome: Outcome[Study]) -> Verdict:
 def quiet_core(outcome: Outcome[Study]) -> Verdict:
     """A slowest pole in a narrow band, and little of the sensor's noise in the core, over all records."""
     d, slow = outcome.design, outcome.metrics["slowest_observer"]
-    if d["plant"] != TAME or d["air_error"] or d["noise"] != 1.0:
+    if d["plant"] != STABLE_ID or d["air_error"] or d["noise"] != 1.0:
         return Verdict(False, text("Take the chip that cools, the model right and 1 K of sensor noise."))
     if not LISTENING[0] <= slow <= LISTENING[1]:
         return Verdict(False, text("The slowest pole is at {slow:.3g}; it should stand between {low:g} and {high:g}.", slow=slow,
@@ -97,9 +97,9 @@ MATCH = Typed("a + (a-p)*(a-q)/b", ("a", "b", "p", "q"), slips=(
 
 TASKS = (
     Task("feel-the-core", feel_the_core, {"observer_poles": (-3.0, -3.5)}),
-    Task("tame-the-runaway", tame_the_runaway, {"plant": RUNAWAY, "trust": 0.1}),
-    Task("lucky-copy", lucky_copy, {"plant": RUNAWAY, "guess_core": 12.0, "guess_case": 6.0}),
+    Task("tame-the-runaway", tame_the_runaway, {"plant": RUNAWAY_ID, "trust": 0.1}),
+    Task("lucky-copy", lucky_copy, {"plant": RUNAWAY_ID, "guess_core": 12.0, "guess_case": 6.0}),
     Task("wrong-fan", wrong_fan, {"air_error": 40.0, "trust": 0.21}),
     Task("quiet-core", quiet_core, {"noise": 1.0, "observer_poles": (-1.4, -1.4)}),
-    pencil("match", MATCH),
+    typed_task("match", MATCH),
 )

@@ -1,4 +1,4 @@
-"""The numbers that stand now in the derivation of lesson 12: one motion reached and heard, the bound, the geometry."""
+"""Compute the numbers in the derivation of lesson 12: one mode, error bound, geometry."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from app.lesson.derivation import Value
-from app.lesson.lesson import Outcome
+from observer_lab.course.exercises.derivation import Value
+from observer_lab.course.lesson import Outcome
 
+from .balanced_platform import MASSES_TOGETHER_MODE, closed_forms
 from .study import Study
-from .system import TOGETHER, closed_forms
 
 
 def derived(outcome: Outcome[Study]) -> Mapping[str, Value]:
@@ -26,4 +26,4 @@ def derived(outcome: Outcome[Study]) -> Mapping[str, Value]:
         "first": float(s.hankel[0]), "last": float(s.hankel[-1]), "reached": reached, "heard": heard, "damping": damping,
         "Wc": reached**2 / (2 * damping), "strength": motion.strength, "tail": float(s.hankel[outcome.study.cut.order:].sum()),
         "bound": outcome.study.cut.bound, "N_z": float(np.hypot(np.sqrt(2), 2 * p.kz * s.unit)), "mu": p.mu, "m": p.m, "c_p": p.cp,
-        "together": dict(closed_forms(p, s.unit))[TOGETHER]}
+        "together": dict(closed_forms(p, s.unit))[MASSES_TOGETHER_MODE]}

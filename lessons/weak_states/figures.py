@@ -1,38 +1,41 @@
-"""Figures of the lesson: ranks, the staircase and its error, the motions, the two regulators."""
+"""Draw the figures of lesson 12: ranks, Hankel values, error, modes, two regulators."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from app.lesson.claims import claim
-from app.lesson.figures import Curve, LineFigure, MatrixFigure, PlaneFigure, Point, TableFigure, over_frequency
-from app.lesson.later import Sheaf, leaf
-from app.lesson.lesson import Outcome
-from app.text import lowered, same, text, text_in, written
+from observer_lab.course.figures.claims import claim
+from observer_lab.course.figures.records import Curve, LineFigure, MatrixFigure, PlaneFigure, Point, TableFigure, over_frequency
+from observer_lab.course.lazy import FigureSet, tab_figures
+from observer_lab.course.lesson import Outcome
+from observer_lab.text import format_number, same, subscript, text, text_in
 
+from .balanced_platform import STATE_COUNT, closed_forms, relative, sigmas
 from .body import share
-from .regulator import PAIRS
+from .reduced_regulator import PAIRS
 from .study import RELATIVE, REPORT, Study
-from .system import STATES, closed_forms, relative, sigmas
 
 RANK_TAB, HANKEL_TAB = text("Rank"), text("Hankel values")
 MOTION_TAB, LQG_TAB = text("Motions"), same("LQG")
 NOTHING_CUT = text("All ten states are kept: there is only one design. Keep fewer and compare.")
-LEAST = 1e-11  # drawn in place of zero on a logarithmic axis
+LOG_AXIS_FLOOR = 1e-11  # drawn in place of zero on a logarithmic axis
 TOLERANCES = np.linspace(-18.0, 0.0, 145)  # log₁₀
 
 
-def figures(outcome: Outcome[Study]) -> Sheaf:
+def figures(outcome: Outcome[Study]) -> FigureSet:
     """Everything on the right of the stage."""
-    return Sheaf(leaf(RANK_TAB, lambda: (_sizes(outcome), _ranks(outcome))),
-                 leaf(HANKEL_TAB, lambda: (_staircase(outcome), _error(outcome), _forms(outcome))),
-                 leaf(MOTION_TAB, lambda: (_motions(outcome), _shapes(outcome))),
-                 leaf(LQG_TAB, lambda: (_spectrum(outcome), _gains(outcome))), leaf(LQG_TAB, lambda: (_costs(outcome),), "late"))
+    return FigureSet(
+        tab_figures(RANK_TAB, lambda: (_sizes(outcome), _ranks(outcome))),
+        tab_figures(HANKEL_TAB, lambda: (_staircase(outcome), _error(outcome), _forms(outcome))),
+        tab_figures(MOTION_TAB, lambda: (_motions(outcome), _shapes(outcome))),
+        tab_figures(LQG_TAB, lambda: (_spectrum(outcome), _gains(outcome))),
+        tab_figures(LQG_TAB, lambda: (_costs(outcome),), "late"),
+    )
 
 
 def show(value: float, digits: int = 3) -> str:
     """A number for a table, with a true minus sign and powers of ten."""
-    return written(value, f".{digits}g")
+    return format_number(value, f".{digits}g")
 
 
 # --- rank --------------------------------------------------------------------------------------------------------------
@@ -40,8 +43,8 @@ def _sizes(outcome: Outcome[Study]) -> PlaneFigure:
     r, d = outcome.study.ranks, outcome.design
     against = d["measure"] == RELATIVE
     reached, seen = (np.log10(np.maximum(v / v[0] if against else v, 1e-40)) for v in (r.reached, r.seen))
-    index, level = np.arange(1.0, STATES + 1), np.log10(d["tolerance"])
-    line = Curve(text("tolerance"), np.full(2, level), "reference", "dash", 1.6, np.array([0.5, STATES + 0.5]))
+    index, level = np.arange(1.0, STATE_COUNT + 1), np.log10(d["tolerance"])
+    line = Curve(text("tolerance"), np.full(2, level), "reference", "dash", 1.6, np.array([0.5, STATE_COUNT + 0.5]))
     curves = (Curve(text("controllability"), reached, "force", x=index),
               Curve(text("observability"), seen, "estimate", "dash", x=index), line)
     points = [Point(float(k), float(v), role, "dot" if v > level else "circle")
@@ -49,7 +52,7 @@ def _sizes(outcome: Outcome[Study]) -> PlaneFigure:
     low, high = min(reached[-1], seen[-1], level), max(reached[0], seen[0], level)
     return PlaneFigure(
         "sizes", text("singular values of both matrices"), curves, tuple(points), "k",
-        "σ/σ₁" if against else "σ", (0.5, STATES + 0.5), (float(low - 1), float(high + 1)),
+        "σ/σ₁" if against else "σ", (0.5, STATE_COUNT + 0.5), (float(low - 1), float(high + 1)),
         tab=RANK_TAB, powers="y",
         caption=text("Time in units of {clock} s: smallest over largest {reached} and {seen}.",
                      clock=show(r.clock), reached=show(r.reached[-1] / r.reached[0], 2),
@@ -71,7 +74,7 @@ def _ranks(outcome: Outcome[Study]) -> PlaneFigure:
         "ranks", text("rank against tolerance"), tuple(curves), tuple(points),
         "τ", text("rank"), (-18.0, 0.0), (0.0, 11.5), tab=RANK_TAB, powers="x",
         caption=text("At this tolerance: rank {now} of controllability, {now2} of observability, of {states}.",
-                     now=now[0], now2=now[1], states=STATES))
+                     now=now[0], now2=now[1], states=STATE_COUNT))
 
 
 # --- Hankel ------------------------------------------------------------------------------------------------------------
@@ -85,7 +88,7 @@ def _bars(positions: np.ndarray, levels: np.ndarray, floor: float, half: float) 
 def _staircase(outcome: Outcome[Study]) -> PlaneFigure:
     s, order = outcome.study.system, int(outcome.design["order"])
     values, floor = np.log10(np.maximum(s.hankel, 1e-12)), -10.0
-    index = np.arange(1.0, STATES + 1)
+    index = np.arange(1.0, STATE_COUNT + 1)
     curves = []
     for name, role, part in ((text("kept"), "plant", slice(0, order)), (text("cut"), "muted", slice(order, None))):
         if len(values[part]):
@@ -98,7 +101,7 @@ def _staircase(outcome: Outcome[Study]) -> PlaneFigure:
     after = same("") if widest == 7 else text("; after 8 it is {ratio:.0f}", ratio=ratio[7])
     return PlaneFigure(
         "staircase", text("Hankel singular values"), tuple(curves), tuple(points), "i", "σ",
-        (0.3, STATES + 0.7), (floor, 4.0), tab=HANKEL_TAB, powers="y",
+        (0.3, STATE_COUNT + 0.7), (floor, 4.0), tab=HANKEL_TAB, powers="y",
         caption=text("The widest gap, a factor of {ratio:.0f}, lies after {widest}{after}. Dots: the pair on the "
                      "stage.",
                      ratio=ratio[widest], widest=widest + 1, after=after))
@@ -106,8 +109,8 @@ def _staircase(outcome: Outcome[Study]) -> PlaneFigure:
 
 def _error(outcome: Outcome[Study]) -> LineFigure:
     c, s = outcome.study.cut, outcome.study.system
-    bound = max(c.bound, LEAST)
-    said = (text("Nothing is cut: no error.") if c.order == STATES else
+    bound = max(c.bound, LOG_AXIS_FLOOR)
+    said = (text("Nothing is cut: no error.") if c.order == STATE_COUNT else
             text("Largest error {peak} at {where} Hz; the bound 2Σσ promises {bound}.",
                  peak=show(c.peak, 4), where=show(c.where, 3), bound=show(c.bound, 4)))
     size = np.sqrt(np.linalg.eigvalsh(s.response @ np.swapaxes(s.response.conj(), 1, 2))[:, -1])
@@ -115,14 +118,14 @@ def _error(outcome: Outcome[Study]) -> LineFigure:
         "error", text("what the model leaves out: σ_max(G − G_r)"),
         s.frequencies,
         (Curve(text("whole plant"), size, "muted", width=1.4),
-         Curve(text("error"), np.maximum(c.error, LEAST), "error"),
+         Curve(text("error"), np.maximum(c.error, LOG_AXIS_FLOOR), "error"),
          Curve(text("bound 2Σσ"), np.full(len(s.frequencies), bound), "reference", "dash", 1.6)),
         "σ_max", tab=HANKEL_TAB, window=(1e-8, 1e4), caption=said)
 
 
 def _forms(outcome: Outcome[Study]) -> TableFigure:
     s = outcome.study.system
-    rows = tuple((lowered(f"σ{2 * s.pair(kind) + 1}"), words, show(s.hankel[2 * s.pair(kind)], 4), show(value, 4))
+    rows = tuple((subscript(f"σ{2 * s.pair(kind) + 1}"), words, show(s.hankel[2 * s.pair(kind)], 4), show(value, 4))
                  for (kind, value), words in zip(closed_forms(s.parameters, s.unit), (
                      "√2 Nz/(4 cz)", "√2 Nz μ²/(m² cp)", "√2 Nθ μ² s² √(s²+h²)/(J² cp)"), strict=True))
     return TableFigure(
@@ -169,15 +172,15 @@ def _spectrum(outcome: Outcome[Study]) -> LineFigure:
     curves = [Curve(text("without control"), 1e12 * c.free[:, 0], "muted", width=1.4)]
     if c.full.densities is not None:
         curves.append(Curve(text("LQG on 10 states"), 1e12 * c.full.densities[:, 0], "plant"))
-    if c.small.densities is not None and order < STATES:
+    if c.small.densities is not None and order < STATE_COUNT:
         curves.append(Curve(text("LQG on {order}", order=order), 1e12 * c.small.densities[:, 0], "estimate", "dash"))
-    said = (NOTHING_CUT if order == STATES else
+    said = (NOTHING_CUT if order == STATE_COUNT else
             text("The two loops differ by {gap} % at most, in any output and at any frequency.",
                  gap=show(100 * c.gap, 2)) if c.gap is not None else
             text("The loop with {order} states is unstable on the platform: rightmost pole {rightmost}.",
                  order=order, rightmost=show(c.small.rightmost, 2)))
     return over_frequency("spectrum", text("velocity VL under ground noise"), f,
-                          tuple(Curve(k.name, np.maximum(k.y, LEAST), k.role, k.dash, k.width) for k in curves),
+                          tuple(Curve(k.name, np.maximum(k.y, LOG_AXIS_FLOOR), k.role, k.dash, k.width) for k in curves),
                           "[(µm/s)²/Hz]", tab=LQG_TAB, window=(1e-6, 1e6), caption=said)
 
 
@@ -189,14 +192,14 @@ def _gains(outcome: Outcome[Study]) -> PlaneFigure:
             (c.small.K, text("K on {order}", order=order), "estimate", -0.1),
             (c.full.L, text("L on 10 states"), "second", 0.1),
             (c.small.L, text("L on {order}", order=order), "disturbance", 0.3))
-    for K, name, role, offset in bars if order < STATES else bars[::2]:
+    for K, name, role, offset in bars if order < STATE_COUNT else bars[::2]:
         some = K > 0
         x, y = _bars(index[some] + offset, np.log10(np.maximum(K[some], 1e-10)), lowest, 0.09)
         curves.append(Curve(name, y, role, x=x, width=2.2))
     return PlaneFigure(
         "gains", text("gains on the k-th pair of balanced states"), tuple(curves), (), "k",
         "‖·‖", (0.4, PAIRS + 0.6), (lowest, 10.0), tab=LQG_TAB, powers="y",
-        caption=NOTHING_CUT if order == STATES else
+        caption=NOTHING_CUT if order == STATE_COUNT else
         text("On 10 states ‖K‖ is {growth} % larger than on {order}; the last pair's share of it is {k}.",
              growth=show(100 * c.growth, 2), order=order, k=show(float(c.full.K[-1] / np.linalg.norm(c.full.K)), 2)))
 
@@ -210,7 +213,7 @@ def _costs(outcome: Outcome[Study]) -> TableFigure:
     rows = ((text("cost on the platform"), cell(c.full.cost), cell(c.small.cost)),
             (text("force, rms [N]"), cell(c.full.force), cell(c.small.force)),
             (text("rightmost pole [rad/s]"), cell(c.full.rightmost, 3), cell(c.small.rightmost, 3)))
-    said = (NOTHING_CUT if order == STATES else
+    said = (NOTHING_CUT if order == STATE_COUNT else
             text("An unstable loop has no average cost.") if c.extra is None else
             claim(text("Leaving the states out costs nothing that one could measure."), c.extra, below=1e-7,
                   otherwise=text("Leaving states out costs {extra} % more.", extra=show(100 * c.extra, 2))))

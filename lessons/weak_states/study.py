@@ -1,4 +1,4 @@
-"""What a design leads to: ranks by tolerance and unit of time, the truncation, the motion on the stage, two regulators."""
+"""Compute a design of lesson 12: ranks, truncation, mode shown, two regulators."""
 
 from __future__ import annotations
 
@@ -8,16 +8,16 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from app.engine.structure import controllability_matrix, observability_matrix
-from app.lesson.later import Later, LaterItems, LaterMap
-from app.lesson.lesson import Check, Design, Formula, Outcome
-from app.plants.platform import Parameters, in_time_units
-from app.text import Text, text
+from observer_lab.course.lazy import LazyMap, LazySequence, LazyValue
+from observer_lab.course.lesson import Check, Design, Formula, Outcome
+from observer_lab.engine.structure import controllability_matrix, observability_matrix
+from observer_lab.plants.platform.model import Parameters, in_time_units
+from observer_lab.text import Text, text
 
 from ..toolkit.latex import number
+from .balanced_platform import MASSES_AGAINST_MODE, MASSES_TOGETHER_MODE, STATE_COUNT, Cut, Motion, System, closed_forms, cut, system
 from .body import share, slower, swing
-from .regulator import Compared, compare
-from .system import AGAINST, STATES, TOGETHER, Cut, Motion, System, closed_forms, cut, system
+from .reduced_regulator import Compared, compare
 
 RELATIVE, ABSOLUTE = "relative", "absolute"
 MEASURES = ((RELATIVE, text("of the largest")), (ABSOLUTE, text("as they are")))
@@ -81,11 +81,11 @@ def compute(design: Design) -> Outcome[Study]:
     order = int(design["order"])
     study = Study(s, design["clock"], order, design["v0"], design["pressed"])
     motion = s.motions[int(design["pair"]) - 1]
-    metrics = LaterMap(lambda: _metrics(design, study, motion))
-    return Outcome(design, LaterMap(lambda: {"K": study.compared.small.design.K, "L": study.compared.small.design.L}),
-                   LaterMap(lambda: {"plant": s.plant.poles, "model": study.cut.model.poles}), metrics,
-                   LaterItems(lambda: _checks(study, metrics)), stage=swing(s, motion, order),
-                   formulas=LaterItems(lambda: _formulas(study)), words=Later(lambda: _live(study, motion, metrics)), study=study)
+    metrics = LazyMap(lambda: _metrics(design, study, motion))
+    return Outcome(design, LazyMap(lambda: {"K": study.compared.small.design.K, "L": study.compared.small.design.L}),
+                   LazyMap(lambda: {"plant": s.plant.poles, "model": study.cut.model.poles}), metrics,
+                   LazySequence(lambda: _checks(study, metrics)), stage=swing(s, motion, order),
+                   formulas=LazySequence(lambda: _formulas(study)), words=LazyValue(lambda: _live(study, motion, metrics)), study=study)
 
 
 def _metrics(design: Design, study: Study, motion: Motion) -> dict[str, float]:
@@ -104,7 +104,7 @@ def _checks(study: Study, m: Mapping[str, float]) -> tuple[Check, ...]:
     c = study.compared
     return (
         Check("rank", text("both matrices have rank 10 at this tolerance"),
-              m["rank_controllability"] == m["rank_observability"] == STATES, min(m["rank_controllability"], m["rank_observability"])),
+              m["rank_controllability"] == m["rank_observability"] == STATE_COUNT, min(m["rank_controllability"], m["rank_observability"])),
         Check("bound", text("the error keeps below 2Σσ"), m["error"] <= m["bound"] * (1 + 1e-6) + 1e-8, m["error"]),
         Check("stable", text("LQG on the cut model holds the platform"), c.small.stable,
               c.small.rightmost),
@@ -117,16 +117,25 @@ def _checks(study: Study, m: Mapping[str, float]) -> tuple[Check, ...]:
 def _formulas(study: Study) -> tuple[Formula, ...]:
     s, forms = study.system, dict(closed_forms(study.system.parameters, study.system.unit))
     bound = (rf"\|G-G_{{{study.cut.order}}}\|_\infty = {number(study.cut.peak)} \le 2\sum_{{i>{study.cut.order}}}\sigma_i = "
-             rf"{number(study.cut.bound)}") if study.cut.order < STATES else r"G_{10} = G"
+             rf"{number(study.cut.bound)}") if study.cut.order < STATE_COUNT else r"G_{10} = G"
     return (
         Formula("hankel", r"\sigma_i = \sqrt{\lambda_i(W_c W_o)}"),
         Formula("bound", bound),
-        Formula("together", rf"\sigma \approx \frac{{\sqrt2\, N_z\mu^2}}{{m^2 c_p}} = {number(forms[TOGETHER])}, \quad "
-                            rf"\sigma_{{{2 * s.pair(TOGETHER) + 1}}} = {number(float(s.hankel[2 * s.pair(TOGETHER)]))}"),
-        Formula("against", rf"\sigma \approx \frac{{\sqrt2\, N_\theta \mu^2 s^2\sqrt{{s^2+h^2}}}}{{J^2 c_p}} = {number(forms[AGAINST])}, "
-                           rf"\quad \sigma_{{{2 * s.pair(AGAINST) + 1}}} = {number(float(s.hankel[2 * s.pair(AGAINST)]))}"),
-        Formula("pushes", r"N_z = \sqrt{2 + (2k_z g)^2}, \quad N_\theta = \sqrt{2b^2 + h^2 + (k_x h g)^2}",
-                text("what one unit of every input lifts and turns; g: the ground's unit")),
+        Formula(
+            "together",
+            rf"\sigma \approx \frac{{\sqrt2\, N_z\mu^2}}{{m^2 c_p}} = {number(forms[MASSES_TOGETHER_MODE])}, \quad "
+            rf"\sigma_{{{2 * s.pair(MASSES_TOGETHER_MODE) + 1}}} = {number(float(s.hankel[2 * s.pair(MASSES_TOGETHER_MODE)]))}",
+        ),
+        Formula(
+            "against",
+            rf"\sigma \approx \frac{{\sqrt2\, N_\theta \mu^2 s^2\sqrt{{s^2+h^2}}}}{{J^2 c_p}} = {number(forms[MASSES_AGAINST_MODE])}, "
+            rf"\quad \sigma_{{{2 * s.pair(MASSES_AGAINST_MODE) + 1}}} = {number(float(s.hankel[2 * s.pair(MASSES_AGAINST_MODE)]))}",
+        ),
+        Formula(
+            "pushes",
+            r"N_z = \sqrt{2 + (2k_z g)^2}, \quad N_\theta = \sqrt{2b^2 + h^2 + (k_x h g)^2}",
+            text("what one unit of every input lifts and turns; g: the ground's unit"),
+        ),
     )
 
 
@@ -138,7 +147,7 @@ def _live(study: Study, motion: Motion, m: Mapping[str, float]) -> Text:
     factor = slower(motion)
     shown = text("On the stage: {name}, {frequency:.3g} Hz, drawn {factor:.2g} times slower; ",
                  name=motion.name, frequency=motion.frequency, factor=factor)
-    if order == STATES:
+    if order == STATE_COUNT:
         return text("{shown}all ten states are kept.", shown=shown)
     return text("{shown}{ghost}: {order} of 10 states are kept, error {error:.3g}.",
                 shown=shown, ghost=ghost, order=order, error=m["error"])

@@ -1,19 +1,19 @@
-"""Tasks of the lesson: the face of what is cut, the wider gap, rank by another clock, geometry, two pencils."""
+"""Define the tasks of lesson 12."""
 
 from __future__ import annotations
 
-from app.lesson.lesson import Outcome, Task, Verdict, pencil
-from app.lesson.typed import Typed
-from app.text import text
+from observer_lab.course.exercises.typed_answers import Typed
+from observer_lab.course.lesson import Outcome, Task, Verdict, typed_task
+from observer_lab.text import text
 
+from .balanced_platform import MASSES_AGAINST_MODE, STATE_COUNT, cut
 from .body import NOMINAL, share
 from .figures import show
 from .study import RELATIVE, Study
-from .system import AGAINST, STATES, cut
 
-SMALL = 0.2  # error that the second task allows
-FINE = 1e-6  # least relative tolerance of the third
-NEAR = 0.10  # m that a sensor may stand off the centre in the fourth task
+MAX_MODEL_ERROR = 0.2  # error that the second task allows
+MIN_RELATIVE_TOLERANCE = 1e-6  # least relative tolerance of the third
+CENTRE_TOLERANCE_M = 0.10  # m that a sensor may stand off the centre in the fourth task
 WEAKEST = 10 * 8.852673e-05  # ten times the σ9 of the start
 
 
@@ -21,7 +21,7 @@ def _face(outcome: Outcome[Study]) -> Verdict:
     s, order, pair = outcome.study.system, outcome.study.cut.order, int(outcome.design["pair"]) - 1
     motion = s.motions[pair]
     held = [share(s, m, order) > 0.5 for m in s.motions]
-    if motion.kind != AGAINST:
+    if motion.kind != MASSES_AGAINST_MODE:
         return Verdict(False, text("On the stage: {name}. The report cuts away another motion.", name=motion.name))
     if held != [k != pair for k in range(len(held))]:
         return Verdict(False, text("A model of {order} states holds {held} of the five motions; it should lack "
@@ -33,11 +33,11 @@ def _face(outcome: Outcome[Study]) -> Verdict:
 
 def _wider(outcome: Outcome[Study]) -> Verdict:
     s, c, compared = outcome.study.system, outcome.study.cut, outcome.study.compared
-    if c.peak > SMALL:
+    if c.peak > MAX_MODEL_ERROR:
         return Verdict(False, text("{order} states err by {peak}; at most {small} is allowed.",
-                                   order=c.order, peak=show(c.peak), small=SMALL))
-    if c.order > 1 and cut(s, c.order - 1).peak <= SMALL:
-        size = show(c.peak) if c.order < STATES else "0"
+                                   order=c.order, peak=show(c.peak), small=MAX_MODEL_ERROR))
+    if c.order > 1 and cut(s, c.order - 1).peak <= MAX_MODEL_ERROR:
+        size = show(c.peak) if c.order < STATE_COUNT else "0"
         return Verdict(False, text("{order} states err by {size}: good enough, but fewer states will do as well.",
                                    order=c.order, size=size))
     if compared.extra is None or compared.extra > 1e-3:
@@ -52,10 +52,10 @@ def _clock(outcome: Outcome[Study]) -> Verdict:
     now = r.at(d["tolerance"], d["measure"])
     said = text("ranks {now} and {now2} with time in units of {clock} s",
                 now=now[0], now2=now[1], clock=show(r.clock))
-    if d["measure"] != RELATIVE or d["tolerance"] < FINE * (1 - 1e-9):
+    if d["measure"] != RELATIVE or d["tolerance"] < MIN_RELATIVE_TOLERANCE * (1 - 1e-9):
         return Verdict(False, text("Measure the singular values against the largest, with a tolerance of at least "
                                    "1e-6."))
-    if now != (STATES, STATES):
+    if now != (STATE_COUNT, STATE_COUNT):
         return Verdict(False, text("At τ = {tolerance}: {said}.", tolerance=show(d["tolerance"]), said=said))
     return Verdict(True, text("At τ = {tolerance}: {said}. The plant is the same.",
                               tolerance=show(d["tolerance"]), said=said))
@@ -66,8 +66,11 @@ def _geometry(outcome: Outcome[Study]) -> Verdict:
     weakest = s.hankel[-2]
     if s.parameters.mu > NOMINAL.mu * (1 + 1e-9):
         return Verdict(False, text("Leave the test masses at 50 g or less."))
-    if s.unit != 1 or s.parameters.s > NEAR * (1 + 1e-9):
-        return Verdict(False, text("Count the ground in metres and leave the sensors within {near:.0f} cm of the centre.", near=100 * NEAR))
+    if s.unit != 1 or s.parameters.s > CENTRE_TOLERANCE_M * (1 + 1e-9):
+        return Verdict(
+            False,
+            text("Count the ground in metres and leave the sensors within {near:.0f} cm of the centre.", near=100 * CENTRE_TOLERANCE_M),
+        )
     times = 10 * weakest / WEAKEST
     if abs(times - 10) > 0.5:
         return Verdict(False, text("σ₉ = {weakest}, {times:.3g} times the old one; 10 times within 5 % are wanted.",
@@ -96,6 +99,6 @@ TASKS = (
     Task("wider", _wider, {"order": 6}, Typed(_fall)),
     Task("clock", _clock, {"clock": 5e-3, "tolerance": 1e-6}),
     Task("geometry", _geometry, {"s": 0.1, "h": 0.052}),
-    pencil("one-lag", ONE_LAG),
-    pencil("almost-twins", ALMOST_TWINS),
+    typed_task("one-lag", ONE_LAG),
+    typed_task("almost-twins", ALMOST_TWINS),
 )

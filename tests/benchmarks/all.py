@@ -27,7 +27,7 @@ import bench_filters
 import bench_loops
 from stopwatch import HEAD
 
-from app.engine.kernels import SHELF
+from observer_lab.engine.kernels import SHELF
 
 PARTS = {"loops": bench_loops.rows, "filters": bench_filters.rows, "designs": bench_designs.rows}
 PEERS = ("numpy", "scipy", "control", "filterpy", "numba")

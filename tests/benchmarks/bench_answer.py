@@ -20,10 +20,10 @@ sys.path[:0] = [str(Path(__file__).parents[2]), str(Path(__file__).parents[1] / 
 
 from client import WireTab  # type: ignore[import-not-found]
 
-from app.lesson.knobs import Number
-from app.view.knobs import label_of
-from app.view.server import LabServer
-from lessons import LESSONS, OPENING
+from observer_lab.course.knobs import Number
+from observer_lab.lessons import LESSONS, OPENING
+from observer_lab.page.column.knob_widgets import label_of
+from observer_lab.page.screen.server import LabServer
 
 PATIENCE = 0.25  # s to listen after each move
 

@@ -16,9 +16,9 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "engine"))
 from fifty_digits import response as exact_response
 from fifty_digits import riccati_residual
 
-from app.engine import Plant, compensator, frequency_response, loop_margins, lqe, lqr, noisy_loop, place
-from app.plants import platform, platform_lqg
-from app.plants.platform_channels import T_y
+from observer_lab.engine import Plant, compensator, frequency_response, loop_margins, lqe, lqr, noisy_loop, place
+from observer_lab.plants.platform import lqg_weights, model
+from observer_lab.plants.platform.channels import T_y
 
 UNIT = 1e-12  # python-control's lqe fails at the platform's scales; divided by this it works
 YT = {"method": "YT", "rtol": 1e-9, "maxiter": 30}
@@ -41,8 +41,8 @@ def riccati() -> Iterator[Row]:
     said = _residuals((A.T, B, B @ B.T, R), lqe(A, B, B.T, R, R).solution, control.lqe(A, B, B.T, R, R, method="scipy")[1])
     yield Row("lqe, n = 10", median(lambda: lqe(A, B, B.T, R, R)), "control.lqe",
               median(lambda: control.lqe(A, B, B.T, R, R, method="scipy")), 1, said=said)
-    whole = platform.plant()
-    coils, G, W = platform_lqg.coils(whole), platform_lqg.ground(whole), platform_lqg.Weights()
+    whole = model.plant()
+    coils, G, W = lqg_weights.coils(whole), lqg_weights.ground(whole), lqg_weights.Weights()
     Q, R = W.Q(whole), W.R
 
     def theirs() -> np.ndarray:
@@ -86,9 +86,9 @@ def responses() -> Iterator[Row]:
         frequency_response(plant.A, plant.B, plant.C, plant.D, few), np.moveaxis(system(1j * few), 2, 0))]
     yield Row("response at 1000 frequencies, 4×3", median(lambda: frequency_response(plant.A, plant.B, plant.C, plant.D, omega)),
               "python-control", median(lambda: system(1j * omega)), 20, said=f"off {off[0]:.1e}, peer {off[1]:.1e} relative")
-    whole = platform.plant()
-    coils, G, W, f = platform_lqg.coils(whole), platform_lqg.ground(whole), platform_lqg.Weights(), np.geomspace(0.01, 100, 200)
-    design = platform_lqg.lqg(whole)
+    whole = model.plant()
+    coils, G, W, f = lqg_weights.coils(whole), lqg_weights.ground(whole), lqg_weights.Weights(), np.geomspace(0.01, 100, 200)
+    design = lqg_weights.lqg(whole)
     loop = noisy_loop(coils, design.controller, G, W.W, V=W.V)
     rows, sources = loop.outputs(T_y[:3]), 2 * np.diag(loop.noise)
 
@@ -106,7 +106,7 @@ def responses() -> Iterator[Row]:
 
 def margins() -> Row:
     """Gain, phase and disk margin of one loop of the platform."""
-    whole = platform.plant()
+    whole = model.plant()
     one = Plant(whole.A, whole.B[:, :1], whole.C[:1])
     built = compensator(one, lqr(one.A, one.B, 1e10 * one.C.T @ one.C, 0.1).gain, lqe(one.A, one.B, one.C, 1e-6, 1e-9).gain)
     loop = -control.ss(built.A, built.B, built.C, 0) * control.ss(one.A, one.B, one.C, 0)

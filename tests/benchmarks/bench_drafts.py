@@ -26,15 +26,15 @@ sys.path.insert(0, str(Path(__file__).parents[2]))
 
 import bench_loops
 
-from app.engine import EngineError, Plant
-from app.engine.kernels import SHELF
-from app.engine.systems import move_pole
-from app.lesson.figures import tabs
-from app.lesson.knobs import Choice, Knob, KnobError, Number, Poles, Switch
-from app.lesson.later import Sheaf, completed
-from app.lesson.lesson import Design, Lesson
-from app.plants.own import canonical
-from lessons import LESSONS
+from observer_lab.course.figures.records import tab_names
+from observer_lab.course.knobs import Choice, Knob, KnobError, Number, Poles, Switch
+from observer_lab.course.lazy import FigureSet, complete_figures
+from observer_lab.course.lesson import Design, Lesson
+from observer_lab.engine import EngineError, Plant
+from observer_lab.engine.kernels import SHELF
+from observer_lab.engine.systems import move_pole
+from observer_lab.lessons import LESSONS
+from observer_lab.plants.own_plant import canonical_text
 
 STEPS = 40  # positions of each knob, as a slow sweep of a slider sends them
 SNAP = 0.02
@@ -47,7 +47,7 @@ def chain(states: int) -> str:
     A = np.block([[np.zeros((count, count)), np.eye(count)], [-T, -0.1 * T - 0.02 * np.eye(count)]])
     B, C = np.zeros((2 * count, 2)), np.zeros((2, 2 * count))
     B[count, 0] = B[-1, 1] = C[0, 0] = C[1, count // 2] = 1.0
-    return canonical(Plant(A, B, C))
+    return canonical_text(Plant(A, B, C))
 
 
 def settings(lesson: Lesson) -> Iterator[Design]:
@@ -84,7 +84,7 @@ def walk(knob: Knob, value: Any, rng: np.random.Generator) -> Iterator[Any]:
 
 def measure(lesson: Lesson, rng: np.random.Generator) -> tuple[list[tuple[float, float]], int]:
     """Processor milliseconds of each draft (a busy machine hardly counts), first part and whole, and how many designs were refused."""
-    times, refused, names = [], 0, [tab("en") for tab in tabs(lesson.figures(lesson.compute(lesson.start())))]
+    times, refused, names = [], 0, [tab("en") for tab in tab_names(lesson.figures(lesson.compute(lesson.start())))]
     for start in settings(lesson):
         for knob in lesson.knobs:
             if not isinstance(knob, (Number, Poles)) or not lesson.shown(knob, start):
@@ -95,10 +95,10 @@ def measure(lesson: Lesson, rng: np.random.Generator) -> tuple[list[tuple[float,
                 try:
                     outcome = lesson.compute(lesson.apply(start, {knob.name: value}))
                     figures = lesson.figures(outcome)
-                    if isinstance(figures, Sheaf):
+                    if isinstance(figures, FigureSet):
                         figures.front(opened)
                     first = time.process_time()
-                    completed(figures, lambda: True)
+                    complete_figures(figures, lambda: True)
                     outcome.complete()
                 except (EngineError, KnobError):
                     refused += 1

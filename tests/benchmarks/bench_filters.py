@@ -7,10 +7,10 @@ from collections.abc import Callable, Iterator
 import numpy as np
 from stopwatch import Row, median
 
-from app.engine import Belief, ExtendedKalmanFilter, KalmanFilter, SquareRootFilter, UnscentedKalmanFilter
-from app.engine.filters import Beliefs, Experiment, simulate_filters
-from app.engine.network import intermittent_covariances
-from app.plants import nonlinear_platform, platform
+from observer_lab.engine import Belief, ExtendedKalmanFilter, KalmanFilter, SquareRootFilter, UnscentedKalmanFilter
+from observer_lab.engine.filters import Beliefs, Experiment, simulate_filters
+from observer_lab.engine.network import intermittent_covariances
+from observer_lab.plants.platform import model, nonlinear
 
 STEPS, SHORT = 10_000, 300
 
@@ -63,7 +63,7 @@ def packaged(filter_: KalmanFilter, start: Belief, y: np.ndarray) -> Callable[[]
 
 def linear() -> Iterator[Row]:
     """10,000 steps of the platform's filter from far and from its steady state."""
-    plant = platform.plant()
+    plant = model.plant()
     plain, roots = (kind.from_plant(plant, 1e-12, 1e-12, dt=1e-3, G=plant.B[:, 3:]) for kind in (KalmanFilter, SquareRootFilter))
     y = 1e-6 * np.random.default_rng(0).standard_normal((STEPS, 4))
     start, settled = Belief(np.zeros(10), 1e-6 * np.eye(10)), Belief(np.zeros(10), plain.steady.solution)
@@ -129,7 +129,7 @@ def unscented() -> Iterator[Row]:
 def many() -> Row:
     """200 unscented runs of 100 samples on the deck with hardening springs, beside one run after another."""
     runs, steps, few = 200, 100, 2
-    plant = nonlinear_platform.plant()
+    plant = nonlinear.plant()
     flow, no_force = plant.flow(0.025), np.zeros((3, 1))
     Q, R, P0 = np.diag([1e-9, 1e-9, 1e-8, 1e-8, 1e-8, 1e-5]), 1e-6 * np.eye(4), np.diag([1.5e-3, 2e-3, 9e-3, 1e-2, 1.4e-2, 7e-2])**2
     x0, C = np.sqrt(P0) @ np.random.default_rng(0).standard_normal((6, runs)), plant.output_slope(np.zeros((6, 1)), no_force)[0]

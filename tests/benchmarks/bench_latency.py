@@ -33,11 +33,11 @@ from conftest import chromium, serving  # type: ignore[import-not-found]
 from geometry import on_screen  # type: ignore[import-not-found]
 from tab import FLAGS, Tab, eventually  # type: ignore[import-not-found]
 
-from app.lesson.knobs import Number
-from app.lesson.lesson import Lesson
-from app.lesson.living import living
-from app.view.knobs import label_of
-from lessons import LESSONS, OPENING
+from observer_lab.course.error_window import find_error_window
+from observer_lab.course.knobs import Number
+from observer_lab.course.lesson import Lesson
+from observer_lab.lessons import LESSONS, OPENING
+from observer_lab.page.column.knob_widgets import label_of
 
 SETTLE = 200  # ms between two moves
 WATCH = """() => { window.__measured = new Promise(done => {
@@ -116,7 +116,7 @@ def stop_where_the_error_lives(tab: Tab, lesson: Lesson) -> None:
     """Stop the run at a moment at which every knob moves the stage."""
     stage = lesson.compute(lesson.start()).stage
     assert stage is not None
-    part = living(stage)
+    part = find_error_window(stage)
     moment = f"{part.begin + 0.3 * (part.end - part.begin):.2g}"
 
     def stopped() -> float:

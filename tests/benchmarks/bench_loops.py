@@ -11,11 +11,11 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import expm, solve_continuous_are
 from stopwatch import Row, median
 
-from app.engine import Plant, Scenario, balanced_truncation, sampled_loop, simulate, simulate_trial
-from app.engine.sampled import Hardware, sampled_controller
-from app.engine.simulation import simulate_recovery, simulate_starts
-from app.plants import platform
-from app.plants.platform_lqg import Weights, lqg
+from observer_lab.engine import Plant, Scenario, balanced_truncation, sampled_loop, simulate, simulate_trial
+from observer_lab.engine.sampled import Hardware, sampled_controller
+from observer_lab.engine.simulation import simulate_recovery, simulate_starts
+from observer_lab.plants.platform import model
+from observer_lab.plants.platform.lqg_weights import Weights, lqg
 
 CLIPPED = "nearly half prepares the twelve ways of clipping that are met, a quarter is the march"
 TIMES = np.arange(10_001) / 1000
@@ -109,7 +109,7 @@ def maps() -> Iterator[Row]:
 
 def sampled() -> Iterator[Row]:
     """The platform's sampled loop over 20 s at 1 kHz, linear and clipped, beside its definition in NumPy, sample by sample."""
-    plant, steps = platform.plant(), 20_000
+    plant, steps = model.plant(), 20_000
     built = lqg(balanced_truncation(plant, 8).plant, Weights(v0=1e-10)).controller
     for words, hardware in (("linear", Hardware()), ("clipped", Hardware(limit=0.02))):
         s = sampled_loop(plant, sampled_controller(built, 1e-3), range(3), hardware=hardware, W=1e-12 * np.eye(2), V=1e-10 * np.eye(4))

@@ -159,7 +159,7 @@ class Server:
 
     def __init__(self, most: int, workers: int) -> None:
         self._process = subprocess.Popen(
-            [sys.executable, "-m", "app.cli", "serve", "--port", "0", "--max-sessions", str(most), "--workers", str(workers)],
+            [sys.executable, "-m", "observer_lab", "serve", "--port", "0", "--max-sessions", str(most), "--workers", str(workers)],
             cwd=HERE, text=True, stdout=subprocess.PIPE,
             env={**os.environ, "PYTHONPATH": str(HERE), "OBSERVER_LAB_KERNELS": "off", "PYTHONUNBUFFERED": "1"})
         assert self._process.stdout is not None

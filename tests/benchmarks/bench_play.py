@@ -19,7 +19,7 @@ from conftest import chromium, serving
 from playwright.sync_api import CDPSession, sync_playwright
 from tab import FLAGS, Tab
 
-from lessons import LESSONS
+from observer_lab.lessons import LESSONS
 
 SECONDS = 3.0  # s of play that are watched
 COUNT = "() => { window.frames_ = 0; const next = () => { window.frames_ += 1; requestAnimationFrame(next); }; next(); }"

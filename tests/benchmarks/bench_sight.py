@@ -21,8 +21,8 @@ from playwright.sync_api import sync_playwright
 from sight import WAITING, Sight, look
 from tab import FLAGS, ON_TOP, Tab
 
-from app.view import phrases
-from lessons import LESSONS
+from observer_lab.lessons import LESSONS
+from observer_lab.page.words import phrases
 
 SIZES = {"laptop": (1366, 768, False), "hall": (1920, 1080, True), "wall": (3840, 2160, True), "projector": (1024, 768, False),
          "tablet": (768, 1024, False), "phone": (390, 844, False), "across": (844, 390, False)}

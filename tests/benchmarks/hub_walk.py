@@ -131,7 +131,7 @@ def processes(words: str) -> dict[int, list[str]]:
 
 def walk_hub(walk: Walk, browser: Browser, folder: Path) -> None:
     """Two students, each in a lab of their own."""
-    before = set(processes("app.cli serve"))
+    before = set(processes("observer_lab.cli serve"))
     commands, proxy = installed(folder)
     with hub(folder, commands, proxy) as (url, log):
         tabs: dict[str, Tab] = {}
@@ -165,7 +165,7 @@ def walk_hub(walk: Walk, browser: Browser, folder: Path) -> None:
         icon = one.page.request.get(entry["icon_url"] if "://" in entry["icon_url"] else url + entry["icon_url"])
         walk.check("the launcher has a tile with title and picture",
                    entry["title"] == "Observer Lab" and icon.status == 200 and b"<svg" in icon.body(), entry)
-        labs = {pid: line for pid, line in processes("app.cli serve").items() if pid not in before}
+        labs = {pid: line for pid, line in processes("observer_lab.cli serve").items() if pid not in before}
         ports = [line[line.index("--port") + 1] for line in labs.values()]
         walk.check("there is one lab a student, on ports of loopback", len(ports) == len(STUDENTS), labs)
         walk.check("another user of the machine is turned away at those ports",
@@ -178,9 +178,9 @@ def walk_hub(walk: Walk, browser: Browser, folder: Path) -> None:
             walk.check(f"the browser of {name} complained of nothing, and asked nobody else", not tab.complaints, tab.complaints)
             tab.page.context.close()
     gone = time.monotonic() + PATIENCE
-    while set(processes("app.cli serve")) - before and time.monotonic() < gone:
+    while set(processes("observer_lab.cli serve")) - before and time.monotonic() < gone:
         time.sleep(0.2)
-    walk.check("with the hub all labs have ended", not set(processes("app.cli serve")) - before)
+    walk.check("with the hub all labs have ended", not set(processes("observer_lab.cli serve")) - before)
 
 
 def main() -> int:

@@ -14,9 +14,9 @@ sys.path[:0] = [str(Path(__file__).parents[2]), str(Path(__file__).parents[1]), 
 from hypothesis import HealthCheck, Phase, given, settings  # noqa: E402
 from test_token import mutated, one_sentence, saves  # noqa: E402
 
-from app.lesson.lesson import Lesson  # noqa: E402
-from app.tab.token import read_token, write_token  # noqa: E402
-from lessons import LESSONS  # noqa: E402
+from observer_lab.course.lesson import Lesson  # noqa: E402
+from observer_lab.lessons import LESSONS  # noqa: E402
+from observer_lab.session.state.token import read_token, write_token  # noqa: E402
 
 
 def law(lesson: Lesson, count: int) -> None:

@@ -16,13 +16,13 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
-from app.engine import EngineError
-from app.export.files import SCRIPTS
-from app.export.script import ScriptError
-from app.lesson.knobs import Choice, Knob, KnobError, Number, Poles, Switch
-from app.lesson.lesson import Design, Lesson
-from app.plants.examples import EXAMPLES, example
-from lessons import LESSONS
+from observer_lab.course.knobs import Choice, Knob, KnobError, Number, Poles, Switch
+from observer_lab.course.lesson import Design, Lesson
+from observer_lab.engine import EngineError
+from observer_lab.export.files import SCRIPTS
+from observer_lab.export.scripts.script import ScriptError
+from observer_lab.lessons import LESSONS
+from observer_lab.plants.examples import EXAMPLES, example
 
 HOUSE = Path(__file__).resolve().parents[2]
 RUNNER = """

@@ -37,7 +37,7 @@ ENVIRONMENT = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, [str(HER
 
 def begin(study: Path, out: Path, *words: str) -> subprocess.Popen[str]:
     """The command, begun."""
-    return subprocess.Popen([sys.executable, "-m", "app.cli", "study", str(study), "-o", str(out), *words], cwd=HERE, env=ENVIRONMENT,
+    return subprocess.Popen([sys.executable, "-m", "observer_lab", "study", str(study), "-o", str(out), *words], cwd=HERE, env=ENVIRONMENT,
                             text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
 
 

@@ -59,7 +59,7 @@ def walk_tls(walk: Walk, browser: Browser) -> None:
     """A lab with a token behind nginx with TLS, under a name."""
     lab, plain, tls = free_ports(3)
     with tempfile.TemporaryDirectory() as folder, nginx(Path(folder), lab, plain, tls):
-        server = subprocess.Popen([sys.executable, "-m", "app.cli", "serve", "--port", str(lab), "--exact-port", "--allow-host", NAME],
+        server = subprocess.Popen([sys.executable, "-m", "observer_lab", "serve", "--port", str(lab), "--exact-port", "--allow-host", NAME],
                                   cwd=HERE, env=surroundings(), stdout=subprocess.PIPE, text=True)
         assert server.stdout is not None
         try:

@@ -15,8 +15,8 @@ from walks import HERE, KNOB, PATIENCE, Walk, surroundings, window  # type: igno
 
 def walk_token(walk: Walk, browser: Browser) -> None:
     """A lab with two workers and a token."""
-    server = subprocess.Popen([sys.executable, "-m", "app.cli", "serve", "--port", "0", "--workers", "2"], cwd=HERE, env=surroundings(),
-                              stdout=subprocess.PIPE, text=True)
+    server = subprocess.Popen([sys.executable, "-m", "observer_lab", "serve", "--port", "0", "--workers", "2"], cwd=HERE,
+                              env=surroundings(), stdout=subprocess.PIPE, text=True)
     assert server.stdout is not None
     try:
         printed = server.stdout.readline().strip()

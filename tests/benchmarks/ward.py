@@ -43,15 +43,15 @@ ASLEEP, BLOCKED = 12.0, 45.0  # s after which a step that waits is given up, and
 def serve(port: int, folder: str) -> None:
     """Serve the sick lesson until killed. A number on stdin sets the clock so many seconds ahead; an empty line asks for the blocks of
     memory in use, after a collection, and gives back to the system what is not."""
-    from app.cli.logs import set_up
-    from app.tab.session import WATCH
-    from app.view.server import LabServer
-    from lessons import LESSONS
+    from observer_lab.cli.logs import set_up
+    from observer_lab.lessons import LESSONS
+    from observer_lab.page.screen.server import LabServer
+    from observer_lab.session.session import WATCHDOG
 
     resource.setrlimit(resource.RLIMIT_FSIZE, (FILES, FILES))
     signal.signal(signal.SIGXFSZ, signal.SIG_IGN)  # a full disk is an error, not an end
     set_up(True, folder)
-    WATCH.asleep = ASLEEP
+    WATCHDOG.asleep = ASLEEP
     fill_caches()
     server = LabServer({**LESSONS, "separation": Sick(HOARD, BLOCKED).lesson}, port=port, lesson="separation", max_sessions=60)
     print(server.url, flush=True)
@@ -67,16 +67,18 @@ def serve(port: int, folder: str) -> None:
 
 def fill_caches() -> None:
     """Draw as many exams as the server remembers: else these bounded stores, which a thousand tabs fill, would look like a leak."""
-    from app.lesson.derivation import fill
-    from app.text import joined, same
-    from app.view.prose import render
-    from lessons import LESSONS
+    from observer_lab.course.exercises.derivation import fill_placeholders
+    from observer_lab.lessons import LESSONS
+    from observer_lab.page.words.prose import render_markdown
+    from observer_lab.text import joined, same
 
     lesson = LESSONS["separation"]
     for seed in range(REMEMBERED // len(lesson.exams)):
         for exam in lesson.exams:
             item = exam.item(str(seed))
-            render(joined(same(fill(lesson.words["en"].exams[exam.id].statement, item.given)), exam.digits.asked)("en"))
+            render_markdown(
+                joined(same(fill_placeholders(lesson.words["en"].exams[exam.id].statement, item.given)), exam.digits.asked)("en")
+            )
 
 
 class Ward:

@@ -19,10 +19,10 @@ from PIL import Image
 from playwright.sync_api import sync_playwright
 from tab import FLAGS, Tab, eventually  # type: ignore[import-not-found]
 
-from app.lesson.living import living
-from app.view.style import digits_of
-from app.view.transport import step_of
-from lessons import LESSONS
+from observer_lab.course.error_window import find_error_window
+from observer_lab.lessons import LESSONS
+from observer_lab.page.charts.style_sheet import clock_decimals
+from observer_lab.page.replay.transport import step_of
 
 WINDOW = (1366, 768)
 SIZE = (300, 225)  # px of a card's picture
@@ -42,12 +42,12 @@ def take(tab: Tab, name: str) -> Image.Image:
     tab.predict("skip")
     stage = lesson.compute(lesson.start()).stage
     horizon = 0.0 if stage is None else float(stage.t[-1])
-    part = None if stage is None else living(stage, 0.0)
+    part = None if stage is None else find_error_window(stage, 0.0)
     moment = 0.0 if part is None else max(part.peak, part.begin + 0.03 * (part.end - part.begin))
 
     def shown() -> bool:
         """Whether the stage shows that moment, as near as the clock tells."""
-        return stage is None or abs(tab.clock() - moment) <= step_of(horizon) + 0.1 ** digits_of(horizon) + 0.005 * moment
+        return stage is None or abs(tab.clock() - moment) <= step_of(horizon) + 0.1 ** clock_decimals(horizon) + 0.005 * moment
 
     def shot() -> bytes:
         """The page, if it shows the moment before and after it is taken: what played until now may go on over what is typed."""

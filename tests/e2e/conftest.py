@@ -26,7 +26,7 @@ START = 60.0  # s until a server must have printed its address
 PASSED = pytest.StashKey[bool]()
 LOGS: list[IO[bytes]] = []  # of the servers that run
 LOOKED_AT: list[Tab] = []  # the tabs of the test that runs
-SERVE = "from app.cli import main; raise SystemExit(main())"
+SERVE = "from observer_lab.cli import main; raise SystemExit(main())"
 
 
 def chromium() -> str | None:

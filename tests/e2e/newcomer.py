@@ -24,12 +24,12 @@ from geometry import on_screen  # type: ignore[import-not-found]
 from playwright.sync_api import sync_playwright
 from tab import FLAGS, Tab  # type: ignore[import-not-found]
 
-from app.lesson.knobs import Number
-from app.lesson.lesson import Lesson
-from app.lesson.living import apart
-from app.view.grips import BEST
-from app.view.knobs import label_of
-from lessons import LESSONS
+from observer_lab.course.error_window import apart
+from observer_lab.course.knobs import Number
+from observer_lab.course.lesson import Lesson
+from observer_lab.lessons import LESSONS
+from observer_lab.page.column.knob_widgets import label_of
+from observer_lab.page.stage.drag_handles import OBSERVER_BOARD
 
 WANTED = 20.0  # px
 NEVER = 1e-3  # stage units: a ghost that is never farther from its plant than this is not seen
@@ -88,7 +88,7 @@ def drag_something(tab: Tab, lesson: Lesson) -> str:
     outcome, mouse = lesson.compute(lesson.start()), tab.page.mouse
     boards = [b for b in outcome.boards if b.knob is not None and b.poles]
     if boards:
-        board = next((b for b in boards if f"/board/{b.id}/" == BEST), boards[0])
+        board = next((b for b in boards if f"/board/{b.id}/" == OBSERVER_BOARD), boards[0])
         slowest = max(range(len(board.poles)), key=lambda i: board.poles[i].real)
         what, (x, y) = f"a pole of {board.id}", on_screen(tab, f"/board/{board.id}/pole{slowest}")
     else:

@@ -25,7 +25,7 @@ from PIL import Image, ImageDraw
 from playwright.sync_api import sync_playwright
 from tab import FLAGS, Tab, eventually  # type: ignore[import-not-found]
 
-from lessons import LESSONS
+from observer_lab.lessons import LESSONS
 
 LESSON, BOARD, MOMENT = "separation", "observer", "0.15"
 WINDOW, SIZE = (1366, 768), (900, 506)  # px of the page, and of the moving picture

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 from tab import Tab
 
-from app.view.sizes import SHEET
+from observer_lab.page.charts.print_sizes import SHEET_MAX_WIDTH_PX
 
 AGAIN = 4  # times that a page with faults is looked at
 MOST_EMPTY = 0.4  # of the figures' column in large print, where there is more to show
@@ -180,7 +180,7 @@ def look(tab: Tab, large: bool = False, every: bool = False) -> Sight:
     """Measure the page as it stands, in large print or not; in a sheet part by part, elsewhere with `every` tab of the figures."""
     size = tab.page.viewport_size
     assert size is not None
-    parts: tuple[str, ...] = PARTS if size["width"] <= SHEET else ("",)
+    parts: tuple[str, ...] = PARTS if size["width"] <= SHEET_MAX_WIDTH_PX else ("",)
     found: list[dict[str, Any]] = []
     knob, screens, further = "", 0.0, list[str]()
     for part in parts:
@@ -190,7 +190,7 @@ def look(tab: Tab, large: bool = False, every: bool = False) -> Sight:
             if part != "curves":  # charts are looked at one after the other
                 screens = max(screens, tab.page.evaluate(REACH))
         if part in ("", "knobs"):
-            knob = tab.page.evaluate(KNOB, SHEET)
+            knob = tab.page.evaluate(KNOB, SHEET_MAX_WIDTH_PX)
         seen, faults = _measured(tab, large)
         found.append(seen)
         further += faults

@@ -10,8 +10,8 @@ from typing import Any, TypeVar
 
 from playwright.sync_api import Error, Locator, Page
 
-from app.view import phrases
-from lessons import LESSONS, OPENING
+from observer_lab.lessons import LESSONS, OPENING
+from observer_lab.page.words import phrases
 
 FLAGS = ["--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking",
          "--disable-component-update", "--disable-sync",

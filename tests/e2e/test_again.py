@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from tab import Tab, eventually
 
-from app.view import phrases
-from app.view.knobs import label_of
-from lessons import LESSONS
+from observer_lab.lessons import LESSONS
+from observer_lab.page.column.knob_widgets import label_of
+from observer_lab.page.words import phrases
 
 GUESS = label_of(LESSONS["error-dynamics"].knob("guess_q"), "en")
 BLURRED = """figure => [...document.querySelectorAll(`.uplot:has([class*=":${figure}:"]) canvas, .ol-figure[data-figure="${figure}"] > *`)]

@@ -11,7 +11,7 @@ from PIL import Image
 from playwright.sync_api import Page
 from tab import Tab, eventually
 
-from lessons import LESSONS
+from observer_lab.lessons import LESSONS
 
 LEAST = 4.5  # WCAG 2.2, 1.4.3
 PALE = """least => {

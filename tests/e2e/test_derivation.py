@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from tab import Tab, eventually
 
-from lessons import LESSONS
+from observer_lab.lessons import LESSONS
 
 
 def test_what_was_opened_of_a_derivation_stays_open_while_its_numbers_change(tab: Tab) -> None:

@@ -9,14 +9,14 @@ import pytest
 from playwright.sync_api import Page
 from tab import Tab, eventually
 
-from app.lesson.knobs import Number
-from app.lesson.lesson import Lesson
-from app.tab.playing import PREDICT_FIRST
-from app.text import name_of
-from app.view import phrases
-from app.view.knobs import label_of
-from app.view.sizes import RIGHT, RUN
-from lessons import LESSONS
+from observer_lab.course.knobs import Number
+from observer_lab.course.lesson import Lesson
+from observer_lab.lessons import LESSONS
+from observer_lab.page.charts.print_sizes import RIGHT_COLUMN_PX, RUN_PANEL_PX
+from observer_lab.page.column.knob_widgets import label_of
+from observer_lab.page.words import phrases
+from observer_lab.session.handlers.playback import PREDICT_FIRST
+from observer_lab.text import name_of
 
 GLYPHS = """() => {
   const pen = new OffscreenCanvas(48, 48).getContext('2d', {willReadFrequently: true});
@@ -106,8 +106,10 @@ def look_at(tab: Tab, lesson: Lesson, language: str, path: Path | None = None) -
     assert tab.page.evaluate(SPILT) == []
     assert tab.page.evaluate(UNDRAWN) == []
     eventually(lambda: tab.page.evaluate(NAMES), lambda wrong: not wrong, "names of curves in their places")
-    eventually(lambda: tab.page.evaluate(COLUMN), lambda wide: wide == -1 or abs(wide - RIGHT) < 8, "the figures' column has its width")
-    eventually(lambda: tab.page.evaluate(RUN_PANEL), lambda wide: abs(wide - RUN) < 30, "the run's panel has its width")
+    eventually(
+        lambda: tab.page.evaluate(COLUMN), lambda wide: wide == -1 or abs(wide - RIGHT_COLUMN_PX) < 8, "the figures' column has its width"
+    )
+    eventually(lambda: tab.page.evaluate(RUN_PANEL), lambda wide: abs(wide - RUN_PANEL_PX) < 30, "the run's panel has its width")
     assert tab.page.locator("math").count() > 0, "no equation on the page"
 
 

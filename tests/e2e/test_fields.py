@@ -10,15 +10,15 @@ from laws import each
 from playwright.sync_api import Page
 from tab import Tab
 
-from app.view import page
-from lessons import LESSONS
+from observer_lab.lessons import LESSONS
+from observer_lab.page import web
 
 WIDTH = "believed Q / true Q"
 
 
 @pytest.fixture
 def reader(blank: Page) -> Page:
-    blank.evaluate("source => { (0, eval)(source); }", page.call("fields", fields={}))
+    blank.evaluate("source => { (0, eval)(source); }", web.script_call("fields", fields={}))
     return blank
 
 

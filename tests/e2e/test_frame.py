@@ -7,9 +7,9 @@ from pathlib import Path
 
 from tab import Tab, eventually
 
-from app.tab.picture import State
-from app.view.sizes import Sizes
-from lessons import LESSONS, OPENING
+from observer_lab.lessons import LESSONS, OPENING
+from observer_lab.page.charts.print_sizes import Sizes
+from observer_lab.session.state.view import State
 
 SLIDER = "stiffness believed wrong by [%]"
 RUN = "() => document.querySelector('.ol-parts').closest('.mantine-Paper-root').getBoundingClientRect().width"

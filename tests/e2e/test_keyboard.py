@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from tab import Tab, eventually
 
-from app.lesson.exam import seed_of
-from app.view.knobs import label_of
-from lessons import LESSONS
+from observer_lab.course.exercises.exam import seed_of
+from observer_lab.lessons import LESSONS
+from observer_lab.page.column.knob_widgets import label_of
 
 SLIDER = "stiffness believed wrong by [%]"
 FOCUS = "() => (document.activeElement?.textContent || document.activeElement?.getAttribute('aria-label') || '').trim()"

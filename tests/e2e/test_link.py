@@ -9,7 +9,7 @@ import pytest
 from playwright.sync_api import Browser, Page
 from tab import Tab, eventually
 
-from app.view import phrases
+from observer_lab.page.words import phrases
 
 SLIDER = "模型刚度误差 [%]"
 COVERED = """() => {
@@ -37,7 +37,7 @@ def test_a_dead_server_is_said_and_a_living_one_goes_on(page: Page, serve: Calla
         tab.answered(rests=True)
         assert not page.locator(".ol-lost").is_visible()
     page.locator(".ol-lost").wait_for(state="visible")
-    assert page.locator(".ol-lost").inner_text() == phrases.LOST("zh")
+    assert page.locator(".ol-lost").inner_text() == phrases.SERVER_LOST("zh")
     with serve(int(address.rpartition(":")[2])) as again:
         assert again == address
         page.locator(".ol-lost").wait_for(state="hidden")

@@ -12,7 +12,7 @@ from pseudo import CODE, doubled, write_language
 from tab import Tab
 from test_chinese_page import KNOWN
 
-from lessons import LESSONS
+from observer_lab.lessons import LESSONS
 
 SHOWN = """() => {
   const found = [], walk = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);

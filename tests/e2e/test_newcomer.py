@@ -8,7 +8,7 @@ import pytest
 from newcomer import WANTED, play, stands_still
 from tab import Tab, eventually
 
-from lessons import LESSONS
+from observer_lab.lessons import LESSONS
 
 CLOCK = "() => Number(document.querySelector('.ol-clock')?.dataset.share ?? 0)"  # there is none while a lesson is laid out
 CURSORS = """() => new Set([document.querySelector('.ol-clock').dataset.share,  // at one moment: the run goes on

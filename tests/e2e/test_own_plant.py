@@ -7,7 +7,7 @@ from pathlib import Path
 
 from tab import Tab, eventually
 
-from lessons import LESSONS
+from observer_lab.lessons import LESSONS
 
 PLANTS = Path(__file__).parents[2] / "app" / "plants" / "data"
 MINE, TORN = "the plant is faster than its model by [%]", "Upload a plant"

@@ -6,7 +6,7 @@ import pytest
 from laws import each
 from playwright.sync_api import Page
 
-from app.view import page
+from observer_lab.page import web
 
 COMPILES = "source => typeof new Function('return (' + source + ')')()"
 RULES = """text => {
@@ -17,23 +17,26 @@ RULES = """text => {
 }"""
 
 
-@each("file", sorted(file.name for file in page.FOLDER.glob("*.js")))
+@each("file", sorted(file.name for file in web.FOLDER.glob("*/*.js")))
 def test_a_script_compiles_to_one_function(blank: Page, file: str) -> None:
-    assert blank.evaluate(COMPILES, page.source(file)) == "function"
+    assert blank.evaluate(COMPILES, web.file_text(file)) == "function"
 
 
 def test_no_rule_of_a_style_is_dropped(blank: Page) -> None:
-    for file in page.FOLDER.glob("*.css"):
-        text = page.source(file.name)
+    for file in web.FOLDER.glob("*/*.css"):
+        text = web.file_text(file.name)
         assert blank.evaluate(RULES, text) == text.count("{"), file.name
 
 
 def test_a_script_that_fails_costs_nothing_that_comes_with_it(blank: Page, monkeypatch: pytest.MonkeyPatch) -> None:
     """viser runs a script in the middle of a batch of messages; what is thrown there would end the batch, half a page with it."""
-    source = page.source
-    monkeypatch.setattr(page, "source", lambda name: source(name) if name == "apart.js" else "() => { null.of; }\n")
+    source = web.file_text
+    monkeypatch.setattr(web, "file_text", lambda name: source(name) if name == "apart.js" else "() => { null.of; }\n")
     with blank.expect_event("pageerror") as told:
-        assert blank.evaluate("source => { new Function(source)(); return 'goes on'; }", page.apart("tab", title="x")) == "goes on"
+        assert (
+            blank.evaluate("source => { new Function(source)(); return 'goes on'; }", web.call_reporting_errors("tab", title="x"))
+            == "goes on"
+        )
     assert "null" in str(told.value)
 
 
@@ -63,13 +66,13 @@ TABS = """([script, comes, again]) => new Promise(done => {
 
 def test_the_chosen_tab_is_told_by_its_place_when_all_tabs_are_new(blank: Page) -> None:
     """Half-way through a new layout the second of four tabs was the third of the old ones: it was turned to, and stayed."""
-    assert blank.evaluate(TABS, [f"({page.source('keep.js')})", 4, None]) == ["new1"]
+    assert blank.evaluate(TABS, [f"({web.file_text('keep.js')})", 4, None]) == ["new1"]
 
 
 @pytest.mark.parametrize("again", [0, 1, 2, 3])
 def test_the_chosen_tab_is_kept_through_two_changes_at_once(blank: Page, again: int) -> None:
     """A language and then a size of print, before the language's tabs were all there: any of them was left chosen."""
-    assert blank.evaluate(TABS, [f"({page.source('keep.js')})", 8, again])[-1] == "new5"
+    assert blank.evaluate(TABS, [f"({web.file_text('keep.js')})", 8, again])[-1] == "new5"
 
 
 CROWDED = """script => {
@@ -89,4 +92,4 @@ CROWDED = """script => {
 
 def test_a_long_name_that_finds_no_free_place_goes_first(blank: Page) -> None:
     """A short name stood in the only row that a long one could have, and was written over."""
-    assert blank.evaluate(CROWDED, f"({page.source('names.js')})") == [3, False]
+    assert blank.evaluate(CROWDED, f"({web.file_text('names.js')})") == [3, False]

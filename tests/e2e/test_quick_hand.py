@@ -9,10 +9,10 @@ from dataclasses import replace
 import pytest
 from tab import Tab
 
-from app.lesson.lesson import Design, Outcome
-from app.tab import history
-from app.view.server import LabServer
-from lessons import LESSONS
+from observer_lab.course.lesson import Design, Outcome
+from observer_lab.lessons import LESSONS
+from observer_lab.page.screen.server import LabServer
+from observer_lab.session.state import history
 
 SLIDER = "stiffness believed wrong by [%]"
 SLOW = 0.3  # s that a draft takes: several steps of the hand come while one is computed
@@ -33,7 +33,7 @@ def server() -> Iterator[str]:
 
 
 def test_every_step_of_a_quick_hand_arrives_on_a_slow_server(new_tab: Callable[..., Tab], monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(history, "MERGE", 1e6)  # s: what is quick is not for a busy machine to say
+    monkeypatch.setattr(history, "MERGE_WINDOW_S", 1e6)  # s: what is quick is not for a busy machine to say
     tab = new_tab(own=True)
     tab.thumb(SLIDER).focus()
     seen = []

@@ -9,9 +9,9 @@ from all_replays import state_in
 from playwright.sync_api import Browser, Request
 from tab import HARMLESS, UNDRAWN, eventually
 
-from app.cli.entry import main
-from app.tab.token import read_token
-from lessons import LESSONS
+from observer_lab.cli.entry import main
+from observer_lab.lessons import LESSONS
+from observer_lab.session.state.token import read_token
 
 LESSON, KNOB, VALUE = "error-dynamics", "guess_q", 1.5
 ROUNDED = 2e-4  # stage units: places are written to four decimals

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from geometry import on_screen
 from tab import Tab, eventually
 
-from lessons import LESSONS
+from observer_lab.lessons import LESSONS
 
 LESSON = LESSONS["saturation"]
 BAR = ".mantine-Progress-root"

@@ -6,9 +6,9 @@ import pytest
 from sight import HALL, KNOB, MEASURE, TABS, WAITING, look
 from tab import Tab, eventually
 
-from app.view import phrases
-from app.view.sizes import SHEET
-from lessons import LESSONS, OPENING
+from observer_lab.lessons import LESSONS, OPENING
+from observer_lab.page.charts.print_sizes import SHEET_MAX_WIDTH_PX
+from observer_lab.page.words import phrases
 
 WALL = 3840, 2160
 OPEN = "() => [...document.querySelectorAll('[role=button][aria-expanded=true]')].map(head => head.textContent)"
@@ -116,7 +116,7 @@ def test_tabs_stand_in_one_row_that_shows_the_chosen_one_and_no_figure_is_cut(wa
         tab.page.set_viewport_size({"width": 1366, "height": high})
         eventually(lambda: tab.page.evaluate(MEASURE), lambda seen: seen["empty"] < 0.2 and not seen["cut"],
                    f"charts in normal print take what the column has left at {high} px")
-    assert tab.page.evaluate(KNOB, SHEET) == "", "all knobs that are turned often stand in their box"
+    assert tab.page.evaluate(KNOB, SHEET_MAX_WIDTH_PX) == "", "all knobs that are turned often stand in their box"
 
 
 def test_folders_scroll_and_the_chosen_figure_survive_language_and_print(walking: Tab) -> None:

@@ -9,9 +9,9 @@ from all_replays import state_in
 from playwright.sync_api import Browser, Locator
 from tab import Tab, eventually
 
-from app.tab.token import read_token
-from app.view import phrases
-from lessons import LESSONS
+from observer_lab.lessons import LESSONS
+from observer_lab.page.words import phrases
+from observer_lab.session.state.token import read_token
 
 STIFFNESS = {"en": "stiffness believed wrong by [%]", "zh": "模型刚度误差 [%]"}
 

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from call_parts import I2, ONE, A, B, C, expand, of, ones, rhs, same, slope
 
-from app import engine
-from app.engine import Belief, KalmanFilter, Plant, functional_observer, lqe, unknown_input_observer
+from observer_lab import engine
+from observer_lab.engine import Belief, KalmanFilter, Plant, functional_observer, lqe, unknown_input_observer
 
 
 def filters(plant: Plant, dplant: Plant) -> dict[str, dict[str, Any]]:

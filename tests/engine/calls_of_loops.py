@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from call_parts import I2, ONE, A, B, C, of
 
-from app import engine
-from app.engine import (
+from observer_lab import engine
+from observer_lab.engine import (
     Belief,
     KalmanFilter,
     Link,
@@ -24,7 +24,7 @@ from app.engine import (
     simulate,
     simulate_network,
 )
-from app.engine.simulation import Gear
+from observer_lab.engine.simulation import Gear
 
 
 def feedback(plant: Plant) -> dict[str, dict[str, Any]]:
@@ -128,7 +128,7 @@ def network(dplant: Plant) -> dict[str, dict[str, Any]]:
         "Link": {"loss": 0.1, "delay": 1, "jitter": 2},
         "Link.draw": {"self": Link(loss=0.1), "steps": 5, "rng": np.random.default_rng(0)},
         "NetworkScenario": scenario,
-        "age_of": {"arrivals": np.array([0, 2, -1])},
+        "newest_packet_age": {"arrivals": np.array([0, 2, -1])},
         "critical_loss": {"A": 1.2 * dplant.A, "C": C},
         "CriticalLoss.bounded": {"self": n.critical_loss([[1.2]], [[1]]), "loss": 0.1},
         "delayed_loop": {"plant": dplant, "K": K, "M": M, "delay": 2, "told": "asked", "ahead": 1},

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 from call_parts import I2, ONE, A, B, C, ones, rhs, same, slope
 
-from app import engine
-from app.engine import Plant, to_control, to_json, to_mat
+from observer_lab import engine
+from observer_lab.engine import Plant, to_control, to_json, to_mat
 
 
 def systems(plant: Plant, dplant: Plant) -> dict[str, dict[str, Any]]:

@@ -34,8 +34,8 @@ from fifty_digits import (
     variances,
 )
 
-from app.engine import EngineError, Plant, design, feedback, structure, systems
-from app.engine.design.riccati import RiccatiProblem, in_balanced_units
+from observer_lab.engine import EngineError, Plant, design, feedback, structure, systems
+from observer_lab.engine.design.riccati import RiccatiProblem, in_balanced_units
 
 FACTOR = 10.0
 EPS = float(np.finfo(float).eps)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from app.engine import Plant, compensator, lqe, lqr
+from observer_lab.engine import Plant, compensator, lqe, lqr
 
 ONES = np.ones((2, 2))
 DOYLE = Plant([[1, 1], [0, 1]], [[0], [1]], [[1, 0]])

@@ -7,8 +7,8 @@ import numpy as np
 from mpmath import mp
 from scipy.optimize import linear_sum_assignment
 
-from app.engine import Plant
-from app.engine.structure import Observability
+from observer_lab.engine import Plant
+from observer_lab.engine.structure import Observability
 
 DIGITS = 60
 

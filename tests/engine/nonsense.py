@@ -29,7 +29,7 @@ if __name__ == "__main__":
 
 from public_calls import calls, the_call
 
-from app.engine import EngineError, Plant
+from observer_lab.engine import EngineError, Plant
 
 MOST_BYTES = 1 << 30  # beyond what the process has when it begins
 WATCHDOG = 60  # s: a call that has not ended by then never will

@@ -1,7 +1,7 @@
 """The examples of the robust observer paper as functional observers."""
 
-from app.engine import functional_observer
-from app.plants.duan import EXAMPLE_1, EXAMPLE_2
+from observer_lab.engine import functional_observer
+from observer_lab.plants.duan import EXAMPLE_1, EXAMPLE_2
 
 ONE, TWO = EXAMPLE_1.plant, EXAMPLE_2.plant
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from app.plants import MODELS
-from app.plants.two_mass import HIDDEN
+from observer_lab.plants import MODELS
+from observer_lab.plants.two_mass import HIDDEN
 
 EVERY = [*MODELS.values(), *(h.model for h in HIDDEN.values())]
 every_model = pytest.mark.parametrize("m", EVERY, ids=lambda m: m.id)

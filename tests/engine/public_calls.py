@@ -16,8 +16,8 @@ import calls_of_loops as loops
 import calls_of_plants as plants
 from call_parts import A, B, C
 
-from app.engine import Plant
-from app.engine.systems import discretise
+from observer_lab.engine import Plant
+from observer_lab.engine.systems import discretise
 
 ROOMS = ("systems", "structure", "design", "feedback", "simulation", "filters", "observers", "sampled", "network")
 ANSWERS = frozenset({
@@ -45,7 +45,7 @@ NO_CALLS = frozenset({  # kinds of error, names of types, words, and kinds of fi
 def public() -> dict[str, Any]:
     """Everything public, by "room.name"."""
     return {f"{room}.{name}": getattr(module, name) for room in ROOMS
-            for module in [importlib.import_module(f"app.engine.{room}")] for name in module.__all__}
+            for module in [importlib.import_module(f"observer_lab.engine.{room}")] for name in module.__all__}
 
 
 @cache
@@ -65,5 +65,5 @@ def _tables() -> dict[str, dict[str, dict[str, Any]]]:
 def the_call(name: str) -> Callable[..., Any]:
     """The call behind a name of `calls()`; of a method, unbound or bound to its class, the record under "self" left out."""
     room, first, *rest = name.split(".")
-    found = getattr(importlib.import_module(f"app.engine.{room}"), first)
+    found = getattr(importlib.import_module(f"observer_lab.engine.{room}"), first)
     return getattr(calls()[name]["self"], rest[0]) if rest else found

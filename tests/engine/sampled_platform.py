@@ -8,12 +8,12 @@ import mpmath
 import numpy as np
 from scipy import signal
 
-from app.engine import Plant, balanced_truncation, compensator, lqe, lqr, sampled_loop
-from app.engine.sampled import Hardware, MonteCarlo, SampledLoop, coil_driver, sampled_controller, simulate_trials
-from app.plants import platform
+from observer_lab.engine import Plant, balanced_truncation, compensator, lqe, lqr, sampled_loop
+from observer_lab.engine.sampled import Hardware, MonteCarlo, SampledLoop, coil_driver, sampled_controller, simulate_trials
+from observer_lab.plants.platform import model
 
 DT = 1e-3
-PLANT = platform.plant()
+PLANT = model.plant()
 W, V = 1e-12 * np.eye(2), 1e-10 * np.eye(4)
 IDEAL = Hardware()
 KICK = np.array([0, 0, 0, 0, 0, 0.015, -0.02, 0.09, -0.02, -0.02])

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from certificates import LAWS, breach
 
-from app.engine import observer_gain, place
-from app.engine.design import polynomial_roots
+from observer_lab.engine import observer_gain, place
+from observer_lab.engine.design import polynomial_roots
 
 
 @pytest.mark.slow

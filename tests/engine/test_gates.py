@@ -10,8 +10,8 @@ import pytest
 from nonsense import cases, findings
 from public_calls import ANSWERS, NO_CALLS, calls, public, the_call
 
-from app import engine
-from app.engine import EngineError, Link, Plant, Scenario, psd
+from observer_lab import engine
+from observer_lab.engine import EngineError, Link, Plant, Scenario, psd
 
 SHARE = 20  # one (call, argument) of so many is fed all nonsense here; `python tests/engine/nonsense.py` feeds them all
 

@@ -1,4 +1,4 @@
-"""What `app.engine` promises: about sixty names, each with an example that runs, options by name, rooms for the rest."""
+"""What `observer_lab.engine` promises: about sixty names, each with an example that runs, options by name, rooms for the rest."""
 
 import ast
 import doctest
@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 from syntax import nodes
 
-import app.engine as engine
+import observer_lab.engine as engine
 
 ROOT = Path(__file__).resolve().parents[2]
 NAMES = {"np": np, **{name: getattr(engine, name) for name in engine.__all__}}
-ROOMS = sorted(found.name for found in pkgutil.walk_packages(engine.__path__, "app.engine.") if not found.ispkg)
+ROOMS = sorted(found.name for found in pkgutil.walk_packages(engine.__path__, "observer_lab.engine.") if not found.ispkg)
 
 
 def test_the_flat_names_are_about_sixty():
@@ -41,7 +41,8 @@ OPERANDS = {"u", "B", "C", "D", "T", "rows"}  # matrices and records that stand 
 def test_an_option_is_given_by_name_in_all_rooms():
     """Of functions and of methods alike."""
     early = []
-    for room in (engine, *(importlib.import_module(f"app.engine.{found.name}") for found in pkgutil.iter_modules(engine.__path__))):
+    rooms = (importlib.import_module(f"observer_lab.engine.{found.name}") for found in pkgutil.iter_modules(engine.__path__))
+    for room in (engine, *rooms):
         for name in getattr(room, "__all__", ()):
             thing = getattr(room, name)
             inside = [(f"{name}.{k}", getattr(v, "__func__", v)) for k, v in vars(thing).items()] if inspect.isclass(thing) else []
@@ -53,7 +54,7 @@ def test_an_option_is_given_by_name_in_all_rooms():
 
 
 def test_outside_the_engine_names_come_from_the_flat_list_or_from_a_room():
-    """`from app.engine.filters import Track`, never `from app.engine.filters.track import Track`."""
+    """`from observer_lab.engine.filters import Track`, never `from observer_lab.engine.filters.track import Track`."""
     deep = []
     for path in [*(ROOT / "app").rglob("*.py"), *(ROOT / "lessons").rglob("*.py")]:
         if (ROOT / "app" / "engine") in path.parents:

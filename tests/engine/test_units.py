@@ -7,8 +7,8 @@ import pytest
 from unit_cases import random_case, random_units
 from unit_laws import LAWS, breach
 
-from app.engine import Plant, controllability, kalman_decomposition, lqe, lqr, observability, place
-from app.engine.systems import balance, transmission_zeros
+from observer_lab.engine import Plant, controllability, kalman_decomposition, lqe, lqr, observability, place
+from observer_lab.engine.systems import balance, transmission_zeros
 
 
 @pytest.mark.parametrize("seed", range(8))

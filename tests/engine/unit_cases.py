@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from app.engine import Plant
-from app.engine.systems import discretise
+from observer_lab.engine import Plant
+from observer_lab.engine.systems import discretise
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,11 +11,11 @@ from collections.abc import Callable
 import numpy as np
 from unit_cases import Case, Units, ones
 
-from app.engine import Plant, design, feedback, filters, observers, structure, systems
-from app.engine import sampled as sampled_room
-from app.engine.filters import error_parts, noise_ladder
-from app.engine.structure import split_stable
-from app.engine.systems import all_stable, transmission_zeros
+from observer_lab.engine import Plant, design, feedback, filters, observers, structure, systems
+from observer_lab.engine import sampled as sampled_room
+from observer_lab.engine.filters import error_parts, noise_ladder
+from observer_lab.engine.structure import split_stable
+from observer_lab.engine.systems import all_stable, transmission_zeros
 
 Answer = dict[str, object]
 

@@ -20,10 +20,10 @@ if __name__ == "__main__":
 from exam_oracles import ORACLES
 from put_in import sides
 
-from app.lesson.derivation import PLACE, fill
-from app.lesson.exam import Exam, ExamItem
-from app.lesson.lesson import Lesson
-from lessons import LESSONS
+from observer_lab.course.exercises.derivation import PLACE, fill_placeholders
+from observer_lab.course.exercises.exam import Exam, ExamItem
+from observer_lab.course.lesson import Lesson
+from observer_lab.lessons import LESSONS
 
 EQUATION = re.compile(r"\$\$(.+?)\$\$", re.S)
 MARKED = re.compile(r"[_^](\{[^{}]*\}|\\?\w+)")  # indices and powers are no numbers given
@@ -49,7 +49,7 @@ def wrong_item(lesson: Lesson, exam: Exam, item: ExamItem) -> Iterator[str]:
     if not digits.accepts(answer, said) or any(digits.accepts(answer, said + slip * unit) for slip in (-1, 1)):
         yield f"{digits.written(answer)} for {answer!r} is judged wrongly"
     for language, prose in lesson.words.items():
-        statement = fill(prose.exams[exam.id].statement, item.given)
+        statement = fill_placeholders(prose.exams[exam.id].statement, item.given)
         shown = [float(n) for n in NUMBER.findall(MARKED.sub("", statement))]
         if any(abs(n - abs(answer)) <= unit * 0.5 for n in shown):
             yield f"{language}: the statement contains the answer {answer!r}: {statement}"
@@ -58,7 +58,10 @@ def wrong_item(lesson: Lesson, exam: Exam, item: ExamItem) -> Iterator[str]:
             yield f"{language}: the statement rounds a number: {item.given}: {statement}"
     if answer < 0 and MAGNITUDE.search(lesson.words["en"].exams[exam.id].statement):
         yield f"the statement asks how large, the answer is {answer}"
-    shown = fill(lesson.words["en"].exams[exam.id].statement, item.given), exam.derived(lesson.words["en"].exams[exam.id].derivation, item)
+    shown = (
+        fill_placeholders(lesson.words["en"].exams[exam.id].statement, item.given),
+        exam.derived(lesson.words["en"].exams[exam.id].derivation, item),
+    )
     yield from (f"written raw: {found[0]}" for text in shown for law in (IDLE, ENTRY) for found in law.finditer(text))
     yield from (f"printed: {line}" for line in EQUATION.findall(shown[1]) if not printed_leads(line, digits.written(answer), unit))
     for line in EQUATION.findall(lesson.words["en"].exams[exam.id].derivation):

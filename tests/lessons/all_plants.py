@@ -19,12 +19,12 @@ if __name__ == "__main__":
 from lesson_checks import check_figures, numbers_of
 from unit_cases import ones, random_case, random_units  # type: ignore[import-not-found]
 
-from app.engine import EngineError, Plant
-from app.lesson.knobs import KnobError
-from app.lesson.lesson import Lesson, Outcome
-from app.plants.beyond import Beyond
-from app.plants.own import canonical
-from lessons import LESSONS
+from observer_lab.course.knobs import KnobError
+from observer_lab.course.lesson import Lesson, Outcome
+from observer_lab.engine import EngineError, Plant
+from observer_lab.lessons import LESSONS
+from observer_lab.plants.own_plant import canonical_text
+from observer_lab.plants.plant_extras import PlantExtras
 
 ABOVE = (("J", "J_least"), ("J", "J_known"), ("rms", "least_rms"))  # the first is never below the second
 NEVER_NEGATIVE = ("J", "J_least", "J_known", "J_open", "rms", "least_rms", "nis_mean", "nis_expected", "nees_mean",
@@ -69,10 +69,10 @@ def random_plant(seed: tuple[int, ...], sampled: bool = False, bilinear: bool = 
     z = ones(case) if rng.random() < 0.5 else random_units(case, rng)
     plant = case.to(z).plant
     if not bilinear or sampled:
-        return canonical(plant)
+        return canonical_text(plant)
     k = 1 if rng.random() < 0.5 else plant.m
     F, K = rng.standard_normal((plant.n, k * plant.n)), rng.standard_normal((int(rng.integers(1, 4)), plant.n))
-    return canonical(Plant(plant.A, plant.B[:, :k], plant.C), Beyond(z.tau * F * np.kron(z.U[:k], z.X) / z.X[:, None], K * z.X))
+    return canonical_text(Plant(plant.A, plant.B[:, :k], plant.C), PlantExtras(z.tau * F * np.kron(z.U[:k], z.X) / z.X[:, None], K * z.X))
 
 
 def main(plants: int = 200, seed: int = 1, *ids: str) -> None:

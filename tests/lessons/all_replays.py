@@ -21,13 +21,13 @@ if __name__ == "__main__":
     tests = Path(__file__).resolve().parents[1]
     sys.path[:0] = [str(tests.parent), str(tests), str(tests / "lessons")]
 
-from app.lesson.figures import LineFigure, MapFigure
-from app.lesson.lesson import Lesson
-from app.tab.picture import Picture, State
-from app.tab.state import Saved
-from app.tab.token import read_token, write_token
-from app.view.replay import replay
-from lessons import LESSONS
+from observer_lab.course.figures.records import LineFigure, MapFigure
+from observer_lab.course.lesson import Lesson
+from observer_lab.lessons import LESSONS
+from observer_lab.page.replay.replay import replay
+from observer_lab.session.state.saved_state import SavedState
+from observer_lab.session.state.token import read_token, write_token
+from observer_lab.session.state.view import Picture, State
 
 LARGEST = 10_000_000  # bytes
 NEAR = 1.5e-4  # stage units: positions are written to four decimals
@@ -93,7 +93,7 @@ def check(lesson: Lesson, language: str = "en") -> int:
     outcome = lesson.compute(design)
     figures, stage = tuple(lesson.figures(outcome)), outcome.stage
     assert stage is not None
-    page = replay(Picture(lesson, design, outcome, figures, State(language=language), True), write_token(lesson, Saved(design)))
+    page = replay(Picture(lesson, design, outcome, figures, State(language=language), True), write_token(lesson, SavedState(design)))
     size = len(page.encode())
     assert size <= LARGEST, size
     read, words = Reader(page), lesson.words[language]

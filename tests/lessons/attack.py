@@ -12,9 +12,9 @@ from typing import Any
 
 import numpy as np
 
-from app.engine import EngineError
-from app.lesson.knobs import Choice, Knob, KnobError, Number, Poles, Switch, Track
-from app.lesson.lesson import Design, Lesson, Outcome, Task
+from observer_lab.course.knobs import Choice, Knob, KnobError, Number, Poles, Switch, Track
+from observer_lab.course.lesson import Design, Lesson, Outcome, Task
+from observer_lab.engine import EngineError
 
 RANDOM = 200  # designs of a lesson in the whole attack
 Move = tuple[str, Any]
@@ -128,7 +128,7 @@ def attack(lesson: Lesson) -> Iterator[str]:
 
 
 if __name__ == "__main__":
-    from lessons import LESSONS
+    from observer_lab.lessons import LESSONS
     for name in sys.argv[1:] or LESSONS:
         for line in attack(LESSONS[name]):
             print(line, flush=True)

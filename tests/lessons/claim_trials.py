@@ -24,14 +24,14 @@ from witnesses_of_sensors import WITNESSES as SENSORS
 from witnesses_of_the_arm import WITNESSES as ARM
 from witnesses_of_variances import WITNESSES as VARIANCES
 
-from app.engine import EngineError
-from app.lesson.claims import Claim, claims_in
-from app.lesson.knobs import KnobError
-from app.lesson.lesson import Design, Lesson, Outcome
-from app.text.numbers import has_powers
-from lessons.showdown.effort import equal_effort
-from lessons.showdown.players import ORDER
-from lessons.showdown.study import Trials
+from observer_lab.course.figures.claims import Claim, claims_in
+from observer_lab.course.knobs import KnobError
+from observer_lab.course.lesson import Design, Lesson, Outcome
+from observer_lab.engine import EngineError
+from observer_lab.lessons.showdown.controllers import ORDER
+from observer_lab.lessons.showdown.equal_effort import equal_effort
+from observer_lab.lessons.showdown.study import Trials
+from observer_lab.text.numbers import has_powers
 
 RANDOM = 200
 TABLES = (LOOPS, SENSORS, VARIANCES, NOISE, FUNCTIONS, FAULTS, EFFORT, ARM)
@@ -119,7 +119,7 @@ def tried(lesson: Lesson, designs: Iterable[Design]) -> Trial:
 
 
 if __name__ == "__main__":
-    from lessons import LESSONS
+    from observer_lab.lessons import LESSONS
     for name in sys.argv[1:] or LESSONS:
         told = tried(LESSONS[name], [*extremes(LESSONS[name]), *random_designs(LESSONS[name], RANDOM, 7),
                                     *aimed(LESSONS[name], RANDOM, 8)])

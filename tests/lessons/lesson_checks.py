@@ -11,20 +11,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from app.lesson.figures import (
-    COLOURS,
-    Figure,
-    LineFigure,
-    MapFigure,
-    MatrixFigure,
-    PlaneFigure,
-    TableFigure,
-)
-from app.lesson.knobs import Choice, Knob, Number, Poles, Switch, Track
-from app.lesson.lesson import Design, Lesson, Outcome, Task
-from app.text import Text
-from app.view.prose import mathml, render
-from lessons import LESSONS
+from observer_lab.course.figures.records import COLOURS, Figure, LineFigure, MapFigure, MatrixFigure, PlaneFigure, TableFigure
+from observer_lab.course.knobs import Choice, Knob, Number, Poles, Switch, Track
+from observer_lab.course.lesson import Design, Lesson, Outcome, Task
+from observer_lab.lessons import LESSONS
+from observer_lab.page.words.prose import mathml, render_markdown
+from observer_lab.text import Text
 
 CJK = re.compile(r"[\u4e00-\u9fff]")
 WORD = re.compile(r"[A-Za-z]{4,}")
@@ -182,7 +174,7 @@ def check_markdown(text: str, where: str) -> None:
     """Every formula of a text becomes MathML and no dollar sign is left."""
     for formula in MATH.findall(text):
         check_mathml(mathml(formula.strip("$").strip(), formula.startswith("$$")), f"{where}: {formula}")
-    drawn = render(text)
+    drawn = render_markdown(text)
     assert "$" not in drawn and "<code>" not in drawn, f"{where}: {drawn[:120]}"
     assert not re.search(r"\{\w*\}", re.sub(r"<math.*?</math>", "", drawn, flags=re.S)), f"{where}: a placeholder is left"
 

@@ -11,10 +11,10 @@ from typing import Any
 from laws import each
 from lesson_checks import every_lesson
 
-from app.lesson.lesson import Lesson
-from app.text import languages
-from app.view.prediction import LETTERS
-from lessons import LESSONS
+from observer_lab.course.lesson import Lesson
+from observer_lab.lessons import LESSONS
+from observer_lab.page.column.prediction_panel import LETTERS
+from observer_lab.text import languages
 
 Metrics = Mapping[str, float]
 

@@ -10,10 +10,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from lesson_checks import CJK, every_lesson
 
-from app.lesson.claims import Claim, claim, claims_in
-from app.lesson.lesson import Lesson
-from app.text import NO_WORDS, joined, text
-from app.text.languages import translated
+from observer_lab.course.figures.claims import Claim, claim, claims_in
+from observer_lab.course.lesson import Lesson
+from observer_lab.text import NO_WORDS, joined, text
+from observer_lab.text.languages import translated
 
 SAID, ELSE = text("It dies out."), text("It grows.")
 

@@ -14,15 +14,15 @@ from laws import each
 from lesson_checks import CJK, check_markdown, check_mathml, every_lesson, without_math
 from put_in import Reader, sides
 
-from app.lesson.derivation import Derived, derived_step, put_in
-from app.lesson.lesson import Lesson, Outcome
-from app.plants.examples import example
-from app.plants.own import canonical, plant_of
-from app.text import languages
-from app.view import phrases
-from app.view.derivation import present
-from app.view.prose import mathml
-from lessons import LESSONS
+from observer_lab.course.exercises.derivation import DerivationStep, derived_step, insert_numbers
+from observer_lab.course.lesson import Lesson, Outcome
+from observer_lab.lessons import LESSONS
+from observer_lab.page.column.derivation_panel import numbers_of_step
+from observer_lab.page.words import phrases
+from observer_lab.page.words.prose import mathml
+from observer_lab.plants.examples import example
+from observer_lab.plants.own_plant import canonical_text, plant_of
+from observer_lab.text import languages
 
 MOST_WORDS, MOST_CHARACTERS = 120, 260  # of a step with its why, in English and in Chinese
 RANDOM = 6  # designs of a lesson tried here; `python tests/lessons/test_all_derivations.py` tries two hundred
@@ -62,7 +62,7 @@ def broken(lesson: Lesson, outcome: Outcome) -> Iterator[str]:
     """The equations whose two sides differ with the numbers of this design put in."""
     values = lesson.derived(outcome)
     for step in lesson.words["en"].derivation:
-        if not put_in(step, values):
+        if not insert_numbers(step, values):
             continue
         for equation, found in sides(step.now, values):
             scale = max(1e-9, *(float(np.max(np.abs(values[name]))) for name in re.findall(r"\[\[(\w+)\]\]", equation)))
@@ -93,8 +93,8 @@ def test_the_numbers_put_in_obey_their_equations_at_the_start_and_at_random_knob
     start = lesson.compute(lesson.start())
     values = lesson.derived(start)
     for step in lesson.words["en"].derivation:
-        assert put_in(step, values), f"{step.heading}: no numbers at the start"
-        for line in put_in(step, values).split("\n"):
+        assert insert_numbers(step, values), f"{step.heading}: no numbers at the start"
+        for line in insert_numbers(step, values).split("\n"):
             check_mathml(mathml(line, True), step.heading)
             assert not list(apart(line)), step.heading
     assert list(sides(lesson.words["en"].derivation[-1].now, values)), "the last line has no two sides to compare"
@@ -111,18 +111,18 @@ THEIR_OWN = frozenset({"hidden-modes", "noise", "kalman"})  # lessons whose step
 def test_on_a_persons_own_plant_a_step_has_its_numbers_or_says_why_not(lesson: Lesson) -> None:
     """Numbers that stand there are the plant's own and obey their equations; where none can stand, one sentence says so."""
     put = 0
-    for plant in (canonical(plant_of(SMALL)), example("aircraft"), example("motor")):
+    for plant in (canonical_text(plant_of(SMALL)), example("aircraft"), example("motor")):
         own = lesson.fit(plant)
         for design in (own.start(), *random_designs(own, 1)):
             outcome = outcome_of(own, design)
             if outcome is None:
                 continue
             values = own.derived(outcome)
-            lines = [put_in(step, values) for step in own.words["en"].derivation]
+            lines = [insert_numbers(step, values) for step in own.words["en"].derivation]
             put += sum(map(bool, lines))
             assert not list(broken(own, outcome)), (own.plant[:40], design)
             for step, line in zip(own.words["en"].derivation, lines, strict=True):
-                said = present(step, values, own.origin is not None, "en")
+                said = numbers_of_step(step, values, own.origin is not None, "en")
                 assert (phrases.NOT_YOURS("en") in said) == (not line) and (phrases.PUT_IN("en") in said) == bool(line)
     assert (put == 0) == (lesson.id in THEIR_OWN), "where some lesson learns to put a plant's numbers in, it leaves THEIR_OWN"
 
@@ -137,7 +137,7 @@ STEP = derived_step(" Two  ", "$$a=b$$\n$$=c$$\nHow.\n### why\nWhy.\n### now\n$$
 
 
 def test_a_step_is_read_in_its_parts() -> None:
-    assert Derived("Two", "a=b\n=c", "How.", "Why.", r"a=[[p]]\cdot[[q]]=[[r]]") == STEP and STEP.places == ("p", "q", "r")
+    assert DerivationStep("Two", "a=b\n=c", "How.", "Why.", r"a=[[p]]\cdot[[q]]=[[r]]") == STEP and STEP.places == ("p", "q", "r")
 
 
 @each("values, line", [
@@ -147,7 +147,7 @@ def test_a_step_is_read_in_its_parts() -> None:
      r"a=\begin{bmatrix} 1 & -2 \end{bmatrix}\cdot1=-1 + 2\,j,\;-1 - 2\,j,\;3"),
 ])
 def test_numbers_stand_in_their_places_or_the_line_is_not_there(values: dict, line: str) -> None:
-    assert put_in(STEP, values) == line
+    assert insert_numbers(STEP, values) == line
 
 
 @each("latex, value", [(r"-[[a]]\,([[b]] - 1)^2", -8.0), (r"\frac{[[a]]}{4}+\sqrt{[[c]]}", 3.5), (r"\det([[M]])\cdot[[a]]", -4.0),

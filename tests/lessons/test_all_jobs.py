@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from lesson_checks import check_figures, contents, every_lesson, shown
 
-from app.lesson.figures import MapFigure
-from app.lesson.lesson import Lesson
+from observer_lab.course.figures.records import MapFigure
+from observer_lab.course.lesson import Lesson
 
 
 @pytest.mark.slow

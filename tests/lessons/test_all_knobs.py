@@ -14,12 +14,12 @@ from laws import each, holds_for_all
 from lesson_checks import boards_of, check_figures, contents, every_lesson, others, satisfied, shown
 from strategies import designs
 
-from app.engine import EngineError
-from app.lesson.figures import COLOURS
-from app.lesson.knobs import Choice, Knob, KnobError, Number, Poles, Switch
-from app.lesson.lesson import KEYS, Design, Lesson
-from app.plants.examples import example
-from lessons import LESSONS
+from observer_lab.course.figures.records import COLOURS
+from observer_lab.course.knobs import Choice, Knob, KnobError, Number, Poles, Switch
+from observer_lab.course.lesson import KEYS, Design, Lesson
+from observer_lab.engine import EngineError
+from observer_lab.lessons import LESSONS
+from observer_lab.plants.examples import example
 
 EXAMPLES, VALUES = 15, 3  # random designs of each lesson; other values of each number, its extremes among them
 

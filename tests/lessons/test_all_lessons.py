@@ -12,10 +12,10 @@ from hypothesis import strategies as st
 from lesson_checks import check_figures, contents, every_lesson, numbers_of, others, shown
 from strategies import values_of
 
-from app.engine import EngineError
-from app.lesson.lesson import Lesson
-from app.text import languages
-from lessons import LESSONS, OPENING
+from observer_lab.course.lesson import Lesson
+from observer_lab.engine import EngineError
+from observer_lab.lessons import LESSONS, OPENING
+from observer_lab.text import languages
 
 
 # --- designs -------------------------------------------------------------------------------------------------------

@@ -11,8 +11,8 @@ import pytest
 import scipy.linalg
 from lesson_checks import numbers_of
 
-from app.lesson.lesson import Lesson
-from lessons import LESSONS
+from observer_lab.course.lesson import Lesson
+from observer_lab.lessons import LESSONS
 
 TURNED = {"observability": {"stage x", "stage xhat"}}  # an ellipsoid's axes, of which each may point either way
 OURS = ("app.", "lessons.")

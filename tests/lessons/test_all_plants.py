@@ -15,16 +15,16 @@ from hypothesis import strategies as st
 from laws import holds_for_all
 from lesson_checks import boards_of, check_figures, check_mathml, complete, contents, every_lesson, numbers_of, others
 
-from app.cli.entry import main
-from app.engine import EngineError, Plant, Scenario, from_json, load_plant, simulate, to_json, to_mat
-from app.lesson.knobs import KnobError, Poles
-from app.lesson.lesson import Lesson, Stage
-from app.plants import spring_damper
-from app.plants.examples import DATA, EXAMPLES, example
-from app.plants.own import canonical, own_model, plant_of
-from app.tab.state import Saved, read_state, write_state
-from app.view.prose import mathml
-from lessons import LESSONS
+from observer_lab.cli.entry import main
+from observer_lab.course.knobs import KnobError, Poles
+from observer_lab.course.lesson import Lesson, Stage
+from observer_lab.engine import EngineError, Plant, Scenario, from_json, load_plant, simulate, to_json, to_mat
+from observer_lab.lessons import LESSONS
+from observer_lab.page.words.prose import mathml
+from observer_lab.plants import spring_damper
+from observer_lab.plants.examples import DATA, EXAMPLES, example
+from observer_lab.plants.own_plant import canonical_text, own_model, plant_of
+from observer_lab.session.state.saved_state import SavedState, read_state, write_state
 
 ADAPTABLE = [lesson for lesson in LESSONS.values() if lesson.adapt is not None]
 adaptable = pytest.mark.parametrize("lesson", ADAPTABLE, ids=[lesson.id for lesson in ADAPTABLE])
@@ -59,7 +59,7 @@ def plants(draw: st.DrawFn) -> str:
     elif kind == "units":
         scale = 10.0 ** rng.uniform(-5, 5, n)
         A, B, C = A * scale / scale[:, None], B / scale[:, None], C * scale
-    return canonical(Plant(A, B, C, D, dt))
+    return canonical_text(Plant(A, B, C, D, dt))
 
 
 def opens(lesson: Lesson, plant: str) -> None:
@@ -126,7 +126,7 @@ def test_every_plant_becomes_a_model_whose_numbers_make_sense(plant: str) -> Non
 @settings(max_examples=60, derandomize=True, database=None)
 @given(plant=plants())
 def test_the_canonical_text_is_its_own_canonical_text(plant: str) -> None:
-    assert canonical(plant_of(plant)) == plant and from_json(plant) == plant_of(plant)
+    assert canonical_text(plant_of(plant)) == plant and from_json(plant) == plant_of(plant)
 
 
 @lru_cache(maxsize=64)
@@ -254,16 +254,16 @@ def test_a_lesson_about_its_own_plant_refuses_others_in_both_languages(lesson: L
 # --- files and the command line ----------------------------------------------------------------------------------------
 def test_a_design_with_a_plant_travels_as_a_state_file() -> None:
     motor = plant_of(example("motor"))
-    own = LESSONS["separation"].fit(canonical(replace(motor, name="My motor")))
+    own = LESSONS["separation"].fit(canonical_text(replace(motor, name="My motor")))
     design = own.apply(own.start(), {"mismatch": 7.0})
-    text = write_state(LESSONS["separation"], Saved(design))
+    text = write_state(LESSONS["separation"], SavedState(design))
     assert json.loads(text)["plant"]["name"] == "My motor"
-    assert read_state(text, LESSONS).design == design == read_state(write_state(own, Saved(design)), LESSONS).design
+    assert read_state(text, LESSONS).design == design == read_state(write_state(own, SavedState(design)), LESSONS).design
 
 
 @pytest.mark.parametrize("plant", [3, [], {}, {"A": [[1]]}, {"A": [[float("nan")]], "B": [[1]], "C": [[1]]}, "x" * 1000])
 def test_a_state_file_with_a_torn_plant_is_refused(plant: object) -> None:
-    data = json.loads(write_state(LESSONS["separation"], Saved(LESSONS["separation"].start()))) | {"plant": plant}
+    data = json.loads(write_state(LESSONS["separation"], SavedState(LESSONS["separation"].start()))) | {"plant": plant}
     with pytest.raises(KnobError) as problem:
         read_state(json.dumps(data), LESSONS)
     assert "\n" not in str(problem.value)
@@ -281,7 +281,7 @@ def test_run_takes_a_plant_from_json_from_mat_and_by_name(capsys, tmp_path: Path
     assert found[0]["plant"]["A"] == plant.A.tolist() and np.shape(found[0]["gains"]["L"]) == (4, 1)
     state = tmp_path / "state.json"
     start = LESSONS["error-dynamics"].fit(example("motor")).start()
-    state.write_text(write_state(LESSONS["error-dynamics"], Saved(start)), encoding="utf-8")
+    state.write_text(write_state(LESSONS["error-dynamics"], SavedState(start)), encoding="utf-8")
     assert main(["run", "error-dynamics", "--json", "--state", str(state), "--set", "amplitude=0"]) in (0, 1)
     assert json.loads(capsys.readouterr().out) == found[0]
 

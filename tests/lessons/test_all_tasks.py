@@ -10,9 +10,9 @@ import pytest
 from laws import each
 from lesson_checks import complete, every_lesson, shown
 
-from app.lesson.lesson import Lesson
-from app.text import languages
-from lessons import LESSONS
+from observer_lab.course.lesson import Lesson
+from observer_lab.lessons import LESSONS
+from observer_lab.text import languages
 
 
 def every_task() -> list[Any]:

@@ -22,15 +22,15 @@ from lesson_checks import (
     without_math,
 )
 
-import app
-from app.engine import EngineError
-from app.lesson.figures import LineFigure, PlaneFigure, TableFigure, tabs
-from app.lesson.lesson import Lesson
-from app.lesson.prose import Asked, Prose
-from app.text import Text, languages
-from app.view import phrases
-from app.view.prose import mathml
-from lessons import folder
+import observer_lab
+from observer_lab.course.figures.records import LineFigure, PlaneFigure, TableFigure, tab_names
+from observer_lab.course.lesson import Lesson
+from observer_lab.course.prose import PredictionWords, Prose
+from observer_lab.engine import EngineError
+from observer_lab.lessons import folder
+from observer_lab.page.words import phrases
+from observer_lab.page.words.prose import mathml
+from observer_lab.text import Text, languages
 
 MOST_WORDS, MOST_CHARACTERS = 120, 260  # of a step, in English and in Chinese
 MOST_REVEALED = 80  # words of the reveal
@@ -97,7 +97,7 @@ def test_what_is_shown_speaks_both_languages(lesson: Lesson) -> None:
 @every_lesson
 def test_a_tab_holds_at_most_three_figures(lesson: Lesson) -> None:
     _, figures = shown(lesson.start())
-    for tab in tabs(figures):
+    for tab in tab_names(figures):
         assert sum(f.tab == tab for f in figures) <= 3, tab("en")
 
 
@@ -118,9 +118,9 @@ def test_figures_keep_their_ids_when_knobs_move(lesson: Lesson) -> None:
                 assert {f.id for f in drawn} == ids, (knob.name, value)
 
 
-def predictions(prose: Prose) -> list[Asked]:
+def predictions(prose: Prose) -> list[PredictionWords]:
     """The first prediction and the second."""
-    first = Asked(prose.predict, prose.options, prose.refutations, prose.reveal)
+    first = PredictionWords(prose.predict, prose.options, prose.refutations, prose.reveal)
     return [first] if prose.again is None else [first, prose.again]
 
 
@@ -217,7 +217,7 @@ TERMS = {
 def test_one_thing_has_one_chinese_word() -> None:
     """Each line of the list holds a word that is not used, and the one that is."""
     others = [line.split()[0] for line in Path(__file__).with_name("other_words.txt").read_text("utf-8").splitlines()]
-    files = sorted((Path(app.__file__).parent / "locale" / "zh").iterdir())
+    files = sorted((Path(observer_lab.__file__).parent / "locale" / "zh").iterdir())
     assert len(others) > 5 and [(file.name, word) for file in files for word in others if word in file.read_text("utf-8")] == []
 
 
@@ -228,7 +228,7 @@ CROWDED = re.compile(r"[\u4e00-\u9fff][A-Za-z0-9$,;:!?]|[A-Za-z0-9$%°,;:!?][\u4
 def test_chinese_stands_apart_from_latin_and_has_its_own_marks() -> None:
     assert all(CROWDED.search(words) for words in ("就是Hankel", "秩为$n$", "成员数, 故障数", "卡尔曼—布西"))
     assert not CROWDED.search("秩为 $n$，离 −1 最近；卡尔曼–布西")
-    files = sorted((Path(app.__file__).parent / "locale" / "zh").iterdir())
+    files = sorted((Path(observer_lab.__file__).parent / "locale" / "zh").iterdir())
     assert [(file.name, found) for file in files for found in CROWDED.findall(file.read_text("utf-8"))] == []
 
 
@@ -239,7 +239,7 @@ def test_chinese_quotes_what_english_sets_apart_as_the_page_calls_it(lesson: Les
     called: dict[str, set[str]] = {}
     for name in names:
         called.setdefault(name("en"), set()).add(f"\u201c{name('zh')}\u201d")
-    pages = (folder(lesson.id) / "en.md", Path(app.__file__).parent / "locale" / "zh" / f"{lesson.id}.md")
+    pages = (folder(lesson.id) / "en.md", Path(observer_lab.__file__).parent / "locale" / "zh" / f"{lesson.id}.md")
     for english, chinese in zip(*(page.read_text("utf-8").splitlines() for page in pages), strict=True):
         for found in re.findall(r"(?<!\*)\*([^*]+)\*(?!\*)", MATH.sub("", english)):
             assert any(it in chinese for it in called.get(found, {""})), found
@@ -253,13 +253,13 @@ GAP = re.compile(r"[\u4e00-\u9fff\uff0c\u3002\uff1b\uff1a] +[\u4e00-\u9fff]")
 
 
 def test_chinese_counts_no_fall_in_times_and_leaves_no_gap() -> None:
-    texts = {file.name: file.read_text("utf-8") for file in sorted((Path(app.__file__).parent / "locale" / "zh").iterdir())}
+    texts = {file.name: file.read_text("utf-8") for file in sorted((Path(observer_lab.__file__).parent / "locale" / "zh").iterdir())}
     assert texts and [(name, found[0]) for name, text in texts.items() for law in (TIMES, GAP) for found in law.finditer(text)] == []
 
 
 @each("id", TERMS)
 def test_a_lesson_names_its_english_terms_once(id: str) -> None:
-    chinese = (Path(app.__file__).parent / "locale" / "zh" / f"{id}.md").read_text("utf-8")
+    chinese = (Path(observer_lab.__file__).parent / "locale" / "zh" / f"{id}.md").read_text("utf-8")
     english = (folder(id) / "en.md").read_text("utf-8").lower()
     for term in TERMS[id]:
         assert chinese.count(f"\uff08{term}\uff09") == 1 and term.lower() in english, term

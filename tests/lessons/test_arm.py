@@ -9,12 +9,12 @@ import pytest
 from laws import each
 from scipy.linalg import expm
 
-from app.engine import observability
-from app.lesson.lesson import Outcome
-from app.plants.arm import LOAD, PARAMETERS, SHEET, plant
-from lessons import LESSONS
-from lessons.arm.study import Study, sheet_rows
-from lessons.arm.system import LOAD_AT, WINDING
+from observer_lab.course.lesson import Outcome
+from observer_lab.engine import observability
+from observer_lab.lessons import LESSONS
+from observer_lab.lessons.arm.loop import LOAD_AT, WINDING
+from observer_lab.lessons.arm.study import Study, sheet_rows
+from observer_lab.plants.arm import LOAD_INDEX, MOTOR_DATA, PARAMETERS, plant
 
 LESSON = LESSONS["arm"]
 FAST = (-30 - 10j, -30 + 10j, -30 + 0j)
@@ -34,8 +34,8 @@ def test_the_plant_is_the_motor_behind_the_gear() -> None:
     """Driven to a constant speed by 24 V without friction the joint turns at the motor's ideal no-load speed over the ratio."""
     p = PARAMETERS
     A = plant().A
-    still = np.linalg.solve(np.array([[A[0, 0], A[0, 1]], [A[1, 0], 0.0]]), [-SHEET.voltage / SHEET.inductance, 0.0])
-    assert still == pytest.approx([0.0, SHEET.voltage / (p.ratio * SHEET.torque_constant)], abs=1e-9)
+    still = np.linalg.solve(np.array([[A[0, 0], A[0, 1]], [A[1, 0], 0.0]]), [-MOTOR_DATA.voltage / MOTOR_DATA.inductance, 0.0])
+    assert still == pytest.approx([0.0, MOTOR_DATA.voltage / (p.ratio * MOTOR_DATA.torque_constant)], abs=1e-9)
     assert p.reflected == pytest.approx((91 / 6) ** 2 * 142e-7) and observability(plant()).rank == 4
 
 
@@ -43,7 +43,7 @@ def test_the_plant_is_the_motor_behind_the_gear() -> None:
 def test_a_constant_load_is_found_without_bias_and_the_arm_comes_back(load: float) -> None:
     found = outcome(load=load, observer_poles=FAST)
     run = found.run
-    assert run is not None and abs(run.e[-1, LOAD]) < 1e-9 and abs(found.metrics["droop"]) < 0.01
+    assert run is not None and abs(run.e[-1, LOAD_INDEX]) < 1e-9 and abs(found.metrics["droop"]) < 0.01
     assert outcome(load=load, load_state=False).metrics["load_error"] == pytest.approx(abs(load))
 
 
@@ -55,14 +55,14 @@ def test_the_error_is_the_exponential_of_a_less_lc_whatever_the_controller_and_t
         error = plant().A - found.gains["L"] @ plant().C
         begin = run.index(LOAD_AT)
         for k in (0, 5, 40, 200):
-            assert np.allclose(run.e[begin + k], expm(error * run.scenario.dt * k)[:, LOAD] * 1.5, atol=1e-8), values
+            assert np.allclose(run.e[begin + k], expm(error * run.scenario.dt * k)[:, LOAD_INDEX] * 1.5, atol=1e-8), values
         assert np.poly(error / 100) == pytest.approx(np.real(np.poly(np.array([WINDING, *FAST]) / 100)), rel=1e-8)
 
 
 def test_the_gain_of_the_load_is_the_product_of_the_poles() -> None:
     L = outcome(observer_poles=FAST).gains["L"]
     product = np.prod([WINDING, *FAST]).real
-    assert L[LOAD, 0] == pytest.approx(-PARAMETERS.inertia * SHEET.inductance / SHEET.resistance * product, rel=1e-9)
+    assert L[LOAD_INDEX, 0] == pytest.approx(-PARAMETERS.inertia * MOTOR_DATA.inductance / MOTOR_DATA.resistance * product, rel=1e-9)
 
 
 def test_the_loop_at_rest_is_that_of_its_equations() -> None:
@@ -95,7 +95,7 @@ def test_on_the_motor_the_joint_has_more_counts() -> None:
 def test_the_determinant_of_the_observability_matrix_is_what_the_task_says() -> None:
     p, P = PARAMETERS, plant()
     rows = np.vstack([P.C @ np.linalg.matrix_power(P.A, k) for k in range(4)])
-    assert np.linalg.det(rows) == pytest.approx(p.torque * SHEET.resistance / (p.inertia**2 * SHEET.inductance), rel=1e-9)
+    assert np.linalg.det(rows) == pytest.approx(p.torque * MOTOR_DATA.resistance / (p.inertia**2 * MOTOR_DATA.inductance), rel=1e-9)
 
 
 def test_the_numbers_in_the_words_are_those_of_the_lesson() -> None:

@@ -8,13 +8,20 @@ from mpmath import mp, mpf
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
-from app.lesson.figures import TableFigure
-from app.plants.bilinear import PLANT, X0, fitting_functional, with_sensors
-from app.plants.bilinear import K as WANTED
-from lessons.bilinear_observer.lesson import KNOBS, LESSON
-from lessons.bilinear_observer.page import DOUBTED, FATAL, LINES, OPTIONS
-from lessons.bilinear_observer.problems import BLIND, PAPER, PROBLEMS, STUCK, TUNED, nearest_gain
-from lessons.bilinear_observer.study import KICK, signal
+from observer_lab.course.figures.records import TableFigure
+from observer_lab.lessons.bilinear_observer.lesson import KNOBS, LESSON
+from observer_lab.lessons.bilinear_observer.paper_example import DOUBTED, FATAL, OPTIONS, PRINTED_LINES
+from observer_lab.lessons.bilinear_observer.problems import (
+    FITTING_SENSORS,
+    NO_SOLUTION,
+    PAPER_PROBLEM,
+    PROBLEMS,
+    THREE_SENSORS,
+    nearest_gain,
+)
+from observer_lab.lessons.bilinear_observer.study import STATE_JUMP, signal
+from observer_lab.plants.bilinear import BILINEAR_PLANT, X0, fitting_functional, with_sensors
+from observer_lab.plants.bilinear import WANTED_ROW as WANTED
 
 HAND = ((0.0, 2.5), (0.31, -4.0), (0.4, 4.0), (0.9, 0.0), (1.2, -3.0))
 EVERY_INPUT = [
@@ -90,7 +97,7 @@ def test_the_plant_moves_as_an_adaptive_solver_says():
     run = outcome().study.run
 
     def rate(t, x):
-        return PLANT.A @ x + np.sin(2 * t) * (PLANT.B[:, 0] + PLANT.F @ x)
+        return BILINEAR_PLANT.A @ x + np.sin(2 * t) * (BILINEAR_PLANT.B[:, 0] + BILINEAR_PLANT.F @ x)
     peer = solve_ivp(rate, (0, 2), np.ones(6), "DOP853", [0.5, 1.0, 2.0], rtol=1e-11, atol=1e-13).y.T
     np.testing.assert_allclose(run.x[[100, 200, 400]], peer, atol=1e-7)
     np.testing.assert_allclose(run.g, run.x @ WANTED[0], atol=1e-12)
@@ -104,7 +111,7 @@ def test_with_the_printed_gain_the_observer_runs_away():
 
 
 def test_only_one_printed_line_moves_the_pole_far():
-    o = PROBLEMS[PAPER].solved
+    o = PROBLEMS[PAPER_PROBLEM].solved
     alone = {line.id: line.alone(o) for line in DOUBTED if line.alone is not None}
     assert round(alone.pop(FATAL), 2) == 5.02
     assert max(abs(pole + 30) for pole in alone.values()) < 0.1
@@ -112,9 +119,9 @@ def test_only_one_printed_line_moves_the_pole_far():
 
 
 def test_printed_lines_are_ours_to_their_digits_except_the_two_slips():
-    o = PROBLEMS[PAPER].solved
+    o = PROBLEMS[PAPER_PROBLEM].solved
     wrong = []
-    for line in LINES:
+    for line in PRINTED_LINES:
         printed = np.array([float(word) for word in line.printed.replace("−", "-").split(",")])
         ours = line.ours(o)
         assert ours is not None and printed.size == np.size(ours), line.id
@@ -135,18 +142,18 @@ def test_the_pole_moves_by_five_for_one_of_l4(l4):
 
 
 def test_what_is_not_shown_changes_nothing():
-    one, two = outcome(problem=TUNED), outcome(problem=TUNED, gain="printed", l4=1.0, pole=[-5.0])
+    one, two = outcome(problem=FITTING_SENSORS), outcome(problem=FITTING_SENSORS, gain="printed", l4=1.0, pole=[-5.0])
     np.testing.assert_array_equal(one.study.run.errors, two.study.run.errors)
 
 
 # --- three cases ---------------------------------------------------------------------------------------------------
 def test_each_problem_lights_its_case():
     lit = {name: "".join("X" if c.holds else "." for c in outcome(problem=name).checks[:5]) for name in PROBLEMS}
-    assert lit == {PAPER: "..XXX", BLIND: "X...X", TUNED: ".X..X", STUCK: "..X.."}
+    assert lit == {PAPER_PROBLEM: "..XXX", THREE_SENSORS: "X...X", FITTING_SENSORS: ".X..X", NO_SOLUTION: "..X.."}
 
 
 def test_ranks_as_numpy_counts_them():
-    for name, (of_q, of_both) in {PAPER: (3, 3), BLIND: (3, 4), TUNED: (3, 3), STUCK: (3, 3)}.items():
+    for name, (of_q, of_both) in {PAPER_PROBLEM: (3, 3), THREE_SENSORS: (3, 4), FITTING_SENSORS: (3, 3), NO_SOLUTION: (3, 3)}.items():
         o = PROBLEMS[name].solved
         both = np.vstack([o.Q, o.right])
         assert (np.linalg.matrix_rank(o.Q), np.linalg.matrix_rank(both, tol=1e-9)) == (of_q, of_both), name
@@ -154,16 +161,16 @@ def test_ranks_as_numpy_counts_them():
 
 
 def test_without_a_solution_the_input_drives_the_error():
-    calm, driven = outcome(problem=BLIND, input="none"), outcome(problem=BLIND, input="step", amplitude=3.0)
+    calm, driven = outcome(problem=THREE_SENSORS, input="none"), outcome(problem=THREE_SENSORS, input="step", amplitude=3.0)
     assert driven.metrics["late_error"] > 100 * calm.metrics["late_error"] > 0.1
-    o = PROBLEMS[BLIND].solved
+    o = PROBLEMS[THREE_SENSORS].solved
     assert np.linalg.norm(o.right - nearest_gain(o) @ o.Q) > 1e-3 * np.linalg.norm(o.right)
 
 
 def test_three_sensors_watch_the_number_that_fits_them():
-    drawn = outcome(problem=TUNED, input="step", amplitude=3.0)
+    drawn = outcome(problem=FITTING_SENSORS, input="step", amplitude=3.0)
     assert drawn.metrics["pole"] == pytest.approx(-24.4355, abs=5e-5) and drawn.metrics["law_gap"] < 1e-9
-    assert np.round(PROBLEMS[TUNED].K[0], 2).tolist() == [1, 2, 3, 0.67, 5, -3.06]
+    assert np.round(PROBLEMS[FITTING_SENSORS].K[0], 2).tolist() == [1, 2, 3, 0.67, 5, -3.06]
 
 
 def test_the_fitting_functional_meets_the_conditions_by_definition():
@@ -174,10 +181,10 @@ def test_the_fitting_functional_meets_the_conditions_by_definition():
 
 
 def test_a_family_whose_pole_cannot_be_moved():
-    o = PROBLEMS[STUCK].solved
+    o = PROBLEMS[NO_SOLUTION].solved
     assert o.case == 3 and o.controllable is False and not o.B_star.any()
-    assert outcome(problem=STUCK).metrics["pole"] == pytest.approx(240 / 17, abs=1e-9)
-    board = outcome(problem=STUCK).boards[1]
+    assert outcome(problem=NO_SOLUTION).metrics["pole"] == pytest.approx(240 / 17, abs=1e-9)
+    board = outcome(problem=NO_SOLUTION).boards[1]
     assert board.knob is None and board.fixed and not board.poles
 
 
@@ -198,7 +205,7 @@ def test_a_kick_is_an_error_that_dies_out_too(form):
     run = outcome(kick=0.5, form=form).study.run
     index = ("plain", "exact").index(form)
     jump = run.errors[100, index] - run.errors[99, index] * np.exp(-30 * 0.005)
-    assert jump == pytest.approx(-WANTED[0] @ KICK, abs=1e-8)
+    assert jump == pytest.approx(-WANTED[0] @ STATE_JUMP, abs=1e-8)
     after = run.t >= 0.5
     law = run.errors[100, index] * np.exp(-30 * (run.t[after] - 0.5))
     np.testing.assert_allclose(run.errors[after, index], law, atol=2e-9)
@@ -239,31 +246,41 @@ def test_what_noise_does_is_as_the_step_says():
 
 def test_sizes_and_the_pair_are_lights():
     lit = {name: "".join("X" if c.holds else "." for c in outcome(problem=name).checks[6:]) for name in PROBLEMS}
-    assert lit == {PAPER: "XXX", BLIND: "X.X", TUNED: "X.X", STUCK: "XXX"}
+    assert lit == {PAPER_PROBLEM: "XXX", THREE_SENSORS: "X.X", FITTING_SENSORS: "X.X", NO_SOLUTION: "XXX"}
     n, m = 6, {name: len(problem.measured) for name, problem in PROBLEMS.items()}
     assert all((lit[name][1] == "X") == (3 * m[name] + 1 >= 2 * n) for name in PROBLEMS)
 
 
 # --- tasks are not solved by the wrong design, nor by a knob at its stop -----------------------------------------------------
-@pytest.mark.parametrize("task, values", [
-    ("slip", {"line": FATAL, "gain": "printed"}), ("slip", {"line": FATAL, "gain": "typed"}), ("slip", {"gain": "typed", "l4": 9.29}),
-    ("runaway", {"input": "step", "amplitude": 4.0}), ("runaway", {"input": "step", "amplitude": 3.0}),
-    ("lag", {"form": "filtered", "tau": 0.001}), ("lag", {"form": "filtered", "tau": 0.005}), ("lag", {"form": "plain"}),
-    ("three-sensors", {"problem": TUNED}), ("three-sensors", {"problem": TUNED, "chi0": 15.5}), ("three-sensors", {"problem": BLIND}),
-])
+@pytest.mark.parametrize(
+    "task, values",
+    [
+        ("slip", {"line": FATAL, "gain": "printed"}),
+        ("slip", {"line": FATAL, "gain": "typed"}),
+        ("slip", {"gain": "typed", "l4": 9.29}),
+        ("runaway", {"input": "step", "amplitude": 4.0}),
+        ("runaway", {"input": "step", "amplitude": 3.0}),
+        ("lag", {"form": "filtered", "tau": 0.001}),
+        ("lag", {"form": "filtered", "tau": 0.005}),
+        ("lag", {"form": "plain"}),
+        ("three-sensors", {"problem": FITTING_SENSORS}),
+        ("three-sensors", {"problem": FITTING_SENSORS, "chi0": 15.5}),
+        ("three-sensors", {"problem": THREE_SENSORS}),
+    ],
+)
 def test_a_task_is_not_solved_by_a_click_or_a_stop(task: str, values: dict[str, object]) -> None:
     assert not next(t for t in LESSON.tasks if t.id == task).check(outcome(**values)).solved
 
 
 def test_the_first_chi_of_the_third_task_is_g_less_what_the_sensors_say() -> None:
-    o = outcome(problem=TUNED, chi0=4.5)
+    o = outcome(problem=FITTING_SENSORS, chi0=4.5)
     assert abs(o.metrics["first_error"]) < 0.05 and o.metrics["law_gap"] <= 1e-6
 
 
 def test_an_observer_that_runs_away_leaves_the_plants_motion_as_it_is() -> None:
-    run = outcome(problem=STUCK, input="none").study.run
+    run = outcome(problem=NO_SOLUTION, input="none").study.run
     assert np.abs(run.estimates).max() > 1e11
-    own = np.array([expm(PROBLEMS[STUCK].plant.A * t) @ X0 for t in run.t[::50]])
+    own = np.array([expm(PROBLEMS[NO_SOLUTION].plant.A * t) @ X0 for t in run.t[::50]])
     np.testing.assert_allclose(run.x[::50], own, rtol=0, atol=1e-9)
 
 
@@ -274,13 +291,13 @@ def test_what_the_offsets_of_sensors_do_is_what_a_long_run_shows():
     def off(pole):
         o = outcome(pole=[pole])
         form = o.study.observer.forms(o.gains["L"])[1]
-        both = np.block([[PLANT.A, np.zeros((6, 1))], [form.Y @ PLANT.C, form.A]])
+        both = np.block([[BILINEAR_PLANT.A, np.zeros((6, 1))], [form.Y @ BILINEAR_PLANT.C, form.A]])
         ends = []
         for offset in np.eye(4):
             whole = np.zeros((8, 8))
             whole[:7, :7], whole[:7, 7] = both, np.concatenate([np.zeros(6), form.Y @ offset])
             x = (expm(60.0 * whole) @ np.append(X0, [0.0, 1.0]))[:7]
-            ends.append((form.G_y @ (PLANT.C @ x[:6] + offset) + form.G_z @ x[6:] - WANTED @ x[:6]).item())
+            ends.append((form.G_y @ (BILINEAR_PLANT.C @ x[:6] + offset) + form.G_z @ x[6:] - WANTED @ x[:6]).item())
         return float(np.linalg.norm(ends)), task.check(o)
     for pole, said in ((-30.0, "25.2"), (-2.0, "85.2"), (-8.4, "16.6")):
         long, verdict = off(pole)

@@ -12,17 +12,17 @@ from scipy.integrate import solve_ivp
 from scipy.io import savemat
 from test_all_derivations import broken
 
-from app.cli.entry import main
-from app.engine import EngineError, Plant
-from app.lesson.knobs import KnobError
-from app.lesson.lesson import Lesson, Outcome
-from app.plants.beyond import Beyond
-from app.plants.examples import example
-from app.plants.own import canonical, cleaned, read
-from app.tab.state import Saved, read_state, write_state
-from app.tab.token import read_token, write_token
-from lessons import LESSONS
-from lessons.bilinear_observer.lesson import LESSON
+from observer_lab.cli.entry import main
+from observer_lab.course.knobs import KnobError
+from observer_lab.course.lesson import Lesson, Outcome
+from observer_lab.engine import EngineError, Plant
+from observer_lab.lessons import LESSONS
+from observer_lab.lessons.bilinear_observer.lesson import LESSON
+from observer_lab.plants.examples import example
+from observer_lab.plants.own_plant import canonical_text, clean_plant_json, read_plant_file
+from observer_lab.plants.plant_extras import PlantExtras
+from observer_lab.session.state.saved_state import SavedState, read_state, write_state
+from observer_lab.session.state.token import read_token, write_token
 
 # n, m, r, inputs, and the case that is to be expected
 SHAPES = ((7, 5, 1, 1, 3), (8, 5, 2, 1, 3), (5, 3, 1, 1, 2), (6, 2, 1, 1, 1), (9, 7, 2, 1, 3), (6, 5, 1, 3, 3), (7, 5, 1, 2, 2))
@@ -42,8 +42,8 @@ def random_plant(seed: int, shape: tuple[int, int, int, int], decades: float) ->
     B, F, C, K = (rng.standard_normal(size) for size in ((n, k), (n, k * n), (m, n), (r, n)))
     X, Y, S, U = (10 ** rng.uniform(-decades, decades, count) for count in (n, m, r, k))
     tau = 10 ** rng.uniform(-decades / 2, decades / 2)
-    return canonical(Plant(tau * A * X / X[:, None], tau * B * U / X[:, None], C * X / Y[:, None]),
-                     Beyond(tau * F * np.kron(U, X) / X[:, None], K * X / S[:, None]))
+    return canonical_text(Plant(tau * A * X / X[:, None], tau * B * U / X[:, None], C * X / Y[:, None]),
+                     PlantExtras(tau * F * np.kron(U, X) / X[:, None], K * X / S[:, None]))
 
 
 @pytest.mark.slow
@@ -85,13 +85,13 @@ def test_the_run_is_that_of_an_adaptive_solver() -> None:
 # --- the door ----------------------------------------------------------------------------------------------------------
 def test_json_and_mat_say_the_same_and_come_back_whole(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     words = json.dumps(SMALL)
-    text = read("mine.json", words.encode())
+    text = read_plant_file("mine.json", words.encode())
     savemat(tmp_path / "mine.mat", {key: np.array(value, dtype=float) for key, value in SMALL.items()})
-    assert read("mine.mat", (tmp_path / "mine.mat").read_bytes()) == text == cleaned(text) == cleaned(words)
+    assert read_plant_file("mine.mat", (tmp_path / "mine.mat").read_bytes()) == text == clean_plant_json(text) == clean_plant_json(words)
     assert json.loads(text)["F"] == SMALL["F"] and json.loads(text)["K"] == SMALL["K"]
     (tmp_path / "mine.json").write_text(words, encoding="utf-8")
     start = LESSON.fit(text).start()
-    for back in (read_token(write_token(LESSON, Saved(start)), LESSONS), read_state(write_state(LESSON, Saved(start)), LESSONS)):
+    for back in (read_token(write_token(LESSON, SavedState(start)), LESSONS), read_state(write_state(LESSON, SavedState(start)), LESSONS)):
         assert back.design == start and "F" in json.loads(back.design.plant)
     told = []
     for name in ("mine.json", "mine.mat"):
@@ -115,7 +115,7 @@ def test_elsewhere_the_plant_is_the_linear_one_and_the_page_says_so() -> None:
 ])
 def test_what_does_not_fit_is_one_sentence_in_both_languages(change: dict[str, object], words: str) -> None:
     with pytest.raises((EngineError, KnobError)) as problem:
-        LESSON.fit(read("mine.json", json.dumps(SMALL | change).encode()))
+        LESSON.fit(read_plant_file("mine.json", json.dumps(SMALL | change).encode()))
     said = str(problem.value)
     assert words in said and said.endswith(".") and said.count(". ") == 0 and "\n" not in said
 
@@ -127,27 +127,27 @@ def test_where_a_condition_fails_the_sentence_says_which_and_what_to_change() ->
     lone = {"A": [[-1, 1], [0, 2]], "B": [[1], [0]], "C": [[1, 0]], "F": [[0, 1], [0, 0.5]], "K": [[0, 1]]}  # L = 0.5, the pole 2 − L
     for plant, which, change in ((blind, "(21) fails", "measure more, or want another g"), (stuck, "stays put", "Measure other states"),
                                  (lone, "its pole 1.5 is not on the left", "Measure more, or want another g")):
-        live = outcome(LESSON.fit(read("mine.json", json.dumps(plant).encode()))).live
+        live = outcome(LESSON.fit(read_plant_file("mine.json", json.dumps(plant).encode()))).live
         assert which in live("en") and change in live("en") and live("zh").endswith("。")
 
 
 def test_without_f_the_page_says_so_and_a_k_of_another_kind_is_no_concern_of_ours() -> None:
     matrices = {key: SMALL[key] for key in "ABC"}
-    assert "F is zero" in LESSON.fit(canonical(Plant(*matrices.values()))).words["en"].introduction
-    assert read("gain.json", json.dumps(matrices | {"K": [[1, 2]]}).encode()) == canonical(Plant(*matrices.values()))
+    assert "F is zero" in LESSON.fit(canonical_text(Plant(*matrices.values()))).words["en"].introduction
+    assert read_plant_file("gain.json", json.dumps(matrices | {"K": [[1, 2]]}).encode()) == canonical_text(Plant(*matrices.values()))
 
 
 def test_at_u_zero_an_error_that_u_would_drive_is_not_said_to_be_free_of_it() -> None:
     """(21) fails through F alone, so with u = 0 the error of the nearest L has a law of its own."""
     driven = {"A": [[-1, 1, 0], [0, -2, 0], [0, 0, -3]], "C": [[1, 0, 0]], "F": [[0, 0, 0], [0, 0, 1], [0, 0, 0]], "K": [[0, 1, 0]]}
-    own = LESSON.fit(cleaned(json.dumps(SMALL | driven)))
+    own = LESSON.fit(clean_plant_json(json.dumps(SMALL | driven)))
     still = outcome(own, input="none")
     assert still.metrics["law_gap"] < 1e-9 and still.metrics["case"] == 1
     assert next(f for f in own.figures(still) if f.id == "error").caption("en").startswith("No L frees")
 
 
 def test_rows_that_follow_from_others_are_not_counted_in_r() -> None:
-    own = LESSON.fit(cleaned(json.dumps(SMALL | {"K": [[0, 0, 1], [1, 0, 1]]})))
+    own = LESSON.fit(clean_plant_json(json.dumps(SMALL | {"K": [[0, 0, 1], [1, 0, 1]]})))
     assert "the 2 numbers wanted have rank 1" in next(f for f in own.figures(outcome(own)) if f.id == "conditions").caption("en")
 
 
@@ -155,9 +155,9 @@ def test_each_of_several_inputs_has_a_matrix_and_a_drive_of_its_own(tmp_path: Pa
     """F1 and F2 in JSON and .mat are one plant; the run of both drives is that of an adaptive solver; a matrix left out is zero."""
     two = {key: SMALL[key] for key in "AC"} | {"B": [[1, 0], [0, 1], [1, 1]], "K": [[0, 0, 1]], "F1": SMALL["F"],
                                                "F2": [[0, 0.2, 0], [0, 0, 0.1], [0.3, 0, 0]]}
-    words = read("two.json", json.dumps(two).encode())
+    words = read_plant_file("two.json", json.dumps(two).encode())
     savemat(tmp_path / "two.mat", {key: np.array(value, dtype=float) for key, value in two.items()})
-    assert read("two.mat", (tmp_path / "two.mat").read_bytes()) == words == cleaned(words)
+    assert read_plant_file("two.mat", (tmp_path / "two.mat").read_bytes()) == words == clean_plant_json(words)
     own = LESSON.fit(words)
     shown = outcome(own, input="step", input2="sine", amplitude2=own.knob("amplitude2").default / 2)
     d, run, form = shown.design, shown.study.run, shown.study.plain
@@ -172,7 +172,7 @@ def test_each_of_several_inputs_has_a_matrix_and_a_drive_of_its_own(tmp_path: Pa
     np.testing.assert_allclose(run.x[at], peer[:, :3], rtol=1e-7, atol=1e-8)
     seen = peer[:, :3] @ C.T @ form.G_y.T + peer[:, 3:] @ form.G_z.T
     np.testing.assert_allclose(run.estimates[at, 0, 0], seen[:, 0], rtol=1e-6, atol=1e-7)
-    lone = json.loads(read("one.json", json.dumps({k: v for k, v in two.items() if k != "F2"}).encode()))
+    lone = json.loads(read_plant_file("one.json", json.dumps({k: v for k, v in two.items() if k != "F2"}).encode()))
     assert not np.any(lone["F2"]) and lone["F1"] == two["F1"]
 
 
@@ -180,7 +180,7 @@ def test_every_input_has_the_choice_of_signals_that_the_first_has() -> None:
     """Random values with a seed of their own, and a hand's; what drives one leaves the other alone."""
     two = {key: SMALL[key] for key in "AC"} | {"B": [[1, 0], [0, 1], [1, 1]], "K": [[0, 0, 1]], "F1": SMALL["F"],
                                                "F2": [[0, 0.2, 0], [0, 0, 0.1], [0.3, 0, 0]]}
-    own = LESSON.fit(cleaned(json.dumps(two)))
+    own = LESSON.fit(clean_plant_json(json.dumps(two)))
     assert own.knob("input").options == own.knob("input2").options
     assert {"amplitude2", "omega2", "seed2"} <= set(own.aside)
     most, t_end = own.knob("amplitude2").high, own.knob("kick").high

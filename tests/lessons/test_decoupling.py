@@ -8,18 +8,18 @@ import numpy as np
 import pytest
 from scipy.signal import welch
 
-from app.engine import Plant, Scenario, frequency_response, loop_margins, simulate
-from app.engine.design import diagonal_controller
-from app.lesson.figures import axis_range
-from app.lesson.lesson import Outcome
-from app.plants import platform
-from app.plants import platform_siso as siso
-from app.plants.platform_channels import HORIZONTAL, T_y
-from app.text.numbers import written
-from lessons.decoupling.lesson import LESSON
-from lessons.decoupling.loops import DT, HORIZON, bare_run, channels, close, lower_of, run, shaking, three
-from lessons.decoupling.margins import margins
-from lessons.decoupling.report import LEVELS, apart
+from observer_lab.course.figures.records import axis_range
+from observer_lab.course.lesson import Outcome
+from observer_lab.engine import Plant, Scenario, frequency_response, loop_margins, simulate
+from observer_lab.engine.design import diagonal_controller
+from observer_lab.lessons.decoupling.lesson import LESSON
+from observer_lab.lessons.decoupling.loops import DT, HORIZON, bare_run, channels, close, lower_of, run, shaking, three
+from observer_lab.lessons.decoupling.margins import margins
+from observer_lab.lessons.decoupling.report_levels import LEVELS, apart
+from observer_lab.plants.platform import model
+from observer_lab.plants.platform import siso_loops as siso
+from observer_lab.plants.platform.channels import HORIZONTAL, T_y
+from observer_lab.text.numbers import format_number
 
 POLES = {"horizontal": "poles"}
 CLOSE = next(t for t in LESSON.tasks if t.id == "close-pitch")
@@ -140,7 +140,7 @@ def test_the_careless_controller_is_unstable_by_itself_and_the_careful_one_is_no
 
 def test_the_zero_by_hand_is_the_circle_on_the_board() -> None:
     """√(κ/(J + m h²)) of the task, 7.43 rad/s; the test masses move the circle to 7.42."""
-    p = platform.Parameters()
+    p = model.Parameters()
     by_hand = float(np.sqrt(2 * p.kz * p.a**2 / (p.J + p.m * p.h**2)))
     found = [abs(z) for board in outcome().boards for z in board.zeros if abs(z.imag) > 1]
     assert f"{by_hand:.2f}" == "7.43" and found and {f"{z:.2f}" for z in found} == {"7.42"}
@@ -166,7 +166,7 @@ def test_poles_are_placed_for_the_mixed_plant() -> None:
 def test_the_zeros_on_the_boards_are_those_of_the_horizontal_channel() -> None:
     for board in outcome().boards:
         for zero in board.zeros:
-            deck = platform.deck()
+            deck = model.deck()
             H = T_y[2] @ deck.C @ np.linalg.solve(zero * np.eye(6) - deck.A, deck.B[:, 2])
             near = T_y[2] @ deck.C @ np.linalg.solve((zero + 1) * np.eye(6) - deck.A, deck.B[:, 2])
             assert abs(H) < 1e-9 * abs(near)
@@ -175,7 +175,7 @@ def test_the_zeros_on_the_boards_are_those_of_the_horizontal_channel() -> None:
 
 # --- the run ---------------------------------------------------------------------------------------------------------
 def test_the_bare_run_is_that_of_the_engine() -> None:
-    plant, motion = platform.plant(), shaking(3, "white")
+    plant, motion = model.plant(), shaking(3, "white")
     push = np.zeros((len(motion), 5))
     push[:, 3:] = motion
     peer = simulate(Scenario(plant, horizon=HORIZON, dt=DT, reference=push))
@@ -207,7 +207,7 @@ def test_the_ground_has_its_density() -> None:
 def test_the_closed_spectrum_is_the_loops_own_response() -> None:
     """By the feedback formula at single frequencies: z = (I − G K)⁻¹ G_d d."""
     found = outcome(**POLES, pitch=True, bandwidth=0.2)
-    s, K, plant = found.study.spectra, found.study.controllers.whole, platform.plant()
+    s, K, plant = found.study.spectra, found.study.controllers.whole, model.plant()
     for k in np.linspace(5, len(s.f) - 5, 6).astype(int):
         w = [2 * np.pi * s.f[k]]
         G = frequency_response(plant.A, plant.B, plant.C, plant.D, w)[0]
@@ -226,7 +226,7 @@ def test_the_largest_force_is_that_of_the_run_and_not_that_of_the_axis() -> None
     found = outcome(horizontal="poles")
     said = next(f.caption("en") for f in LESSON.figures(found) if f.id == "forces")
     largest = 1e3 * float(np.abs(found.study.shaken.u).max())
-    assert said == f"Largest force: {written(largest, '.3g')} mN." and largest > 1e5
+    assert said == f"Largest force: {format_number(largest, '.3g')} mN." and largest > 1e5
 
 
 def test_an_open_loop_neither_lifts_nor_lowers_its_peak() -> None:
@@ -249,7 +249,7 @@ def test_the_rigid_deck_gets_the_eight_poles_wherever_the_coil_pushes(lower: flo
     """Step 4: A E + B F = Φ is solved for the geometry on the page, so its residual is rounding and the boards show its zeros."""
     found = outcome(**POLES, lower=lower)
     assert found.metrics["placement_residual"] < 1e-9
-    B, _ = siso.rigid_polynomials(HORIZONTAL, None, platform.Parameters(lower=1e-3 * lower))
+    B, _ = siso.rigid_polynomials(HORIZONTAL, None, model.Parameters(lower=1e-3 * lower))
     drawn = [z for z in found.boards[0].zeros if z.imag > 0]
     assert len(drawn) == 1 and abs(np.polyval(B, drawn[0])) < 1e-9 * np.abs(B).max() * abs(drawn[0]) ** 3
 

@@ -8,10 +8,10 @@ from lesson_checks import by_knobs
 from scipy.integrate import solve_ivp
 from scipy.linalg import solve_continuous_are
 
-from lessons.duality.knobs import MODEL
-from lessons.duality.lesson import LESSON
-from lessons.duality.study import turned
-from lessons.duality.twins import filter_riccati, gap, observer_by_polynomial, output_energy, run_pair
+from observer_lab.lessons.duality.dual_quantities import filter_riccati, gap, observer_by_polynomial, output_energy, run_pair
+from observer_lab.lessons.duality.knobs import MODEL
+from observer_lab.lessons.duality.lesson import LESSON
+from observer_lab.lessons.duality.study import turned
 
 
 def outcome(**changes):

@@ -8,14 +8,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from mpmath import expm, matrix
 
-from app.engine import Plant
-from app.lesson.figures import columns
-from app.lesson.knobs import KnobError
-from app.plants.own import own_model
-from lessons.error_dynamics.knobs import DT, HORIZON
-from lessons.error_dynamics.lesson import LESSON
-from lessons.error_dynamics.notes import PLANT, PRINTED_MATRIX, notes_figures, printed_model, taken_at_its_word
-from lessons.error_dynamics.study import force
+from observer_lab.course.figures.records import columns
+from observer_lab.course.knobs import KnobError
+from observer_lab.engine import Plant
+from observer_lab.lessons.error_dynamics.knobs import DT, HORIZON
+from observer_lab.lessons.error_dynamics.lesson import LESSON
+from observer_lab.lessons.error_dynamics.notes_page import PLANT, PRINTED_MATRIX, notes_figures, printed_model, taken_at_its_word
+from observer_lab.lessons.error_dynamics.study import force
+from observer_lab.plants.own_plant import own_model
 
 INPUTS = ({"input": "none"}, {"input": "step", "amplitude": 2.0}, {"input": "sine", "frequency": 0.16},
           {"input": "square", "frequency": 0.5}, {"input": "random", "seed": 7},

@@ -5,15 +5,28 @@ import pytest
 from lesson_checks import carried
 from scipy.stats import chi2
 
-from app.engine import Plant, observability, residual_generator
-from app.engine.observers import FaultBank, binomial_band
-from lessons.fault_diagnosis.bank import COUNT, DT, PLACES, gain, guard, model, truth
-from lessons.fault_diagnosis.diagnosis import ENERGY, HOLD, MEAN, Rule, judge
-from lessons.fault_diagnosis.lesson import LESSON
-from lessons.fault_diagnosis.many import residuals_of
-from lessons.fault_diagnosis.reach import TONES, gathered, least, over_tones
-from lessons.fault_diagnosis.runs import BLIND, DRIFT, NONE, OPEN, STUCK, SWITCH, Case, Fault, drawn, quiet, simulate, switched
-from lessons.fault_diagnosis.study import unknown_coil
+from observer_lab.engine import Plant, observability, residual_generator
+from observer_lab.engine.observers import FaultBank, binomial_band
+from observer_lab.lessons.fault_diagnosis.diagnosis import ALARM_HOLD_SAMPLES, ENERGY, MEAN, Rule, judge
+from observer_lab.lessons.fault_diagnosis.lesson import LESSON
+from observer_lab.lessons.fault_diagnosis.many_runs import residuals_of
+from observer_lab.lessons.fault_diagnosis.observer_bank import DT, FAULT_PLACES, SAMPLE_COUNT, gain, guard, model, truth
+from observer_lab.lessons.fault_diagnosis.runs import (
+    DRIFT_FAULT,
+    KEEP_LOOP_OPEN,
+    NO_REACTION,
+    NONE,
+    STUCK_FAULT,
+    SWITCH_LOOP,
+    Case,
+    Fault,
+    drawn,
+    quiet,
+    simulate,
+    switched,
+)
+from observer_lab.lessons.fault_diagnosis.sensitivity import TONES, gathered, least, over_tones
+from observer_lab.lessons.fault_diagnosis.study import unknown_coil
 
 SEEDS = range(30)
 
@@ -29,10 +42,10 @@ def worked_through(**values):
 
 # --- isolation ---------------------------------------------------------------------------------------------------------
 FAULTS = (
-    *(pytest.param(Case(p, size=10.0), Rule(), id=f"{p}-bias") for p in PLACES[:4]),
-    *(pytest.param(Case(p, DRIFT, 4.0), Rule(), id=f"{p}-drift") for p in PLACES[:4]),
-    *(pytest.param(Case(p, STUCK, force=2.0), Rule(MEAN), id=f"{p}-stuck") for p in PLACES[:4]),
-    *(pytest.param(Case(p, size=0.6, loop=OPEN, tone=1.4), Rule(), id=f"{p}-weak") for p in PLACES[4:]),
+    *(pytest.param(Case(p, size=10.0), Rule(), id=f"{p}-bias") for p in FAULT_PLACES[:4]),
+    *(pytest.param(Case(p, DRIFT_FAULT, 4.0), Rule(), id=f"{p}-drift") for p in FAULT_PLACES[:4]),
+    *(pytest.param(Case(p, STUCK_FAULT, force=2.0), Rule(MEAN), id=f"{p}-stuck") for p in FAULT_PLACES[:4]),
+    *(pytest.param(Case(p, size=0.6, loop=KEEP_LOOP_OPEN, tone=1.4), Rule(), id=f"{p}-weak") for p in FAULT_PLACES[4:]),
 )
 
 
@@ -41,7 +54,7 @@ def test_each_single_fault_is_isolated_on_every_seed(case, test):
     for seed in SEEDS:
         verdict = judge(test, simulate(case, drawn(seed)))
         assert verdict.who == case.place, seed
-        assert verdict.decided >= case.start + HOLD - 1
+        assert verdict.decided >= case.start + ALARM_HOLD_SAMPLES - 1
 
 
 def test_every_fault_has_a_row_of_its_own():
@@ -66,7 +79,7 @@ def test_the_model_tells_apart_what_the_sum_cannot(liar, honest):
     total = (lie.y - sane.y)[case.start:, [1, 3]].sum(axis=1)
     assert np.allclose(total, 3e-3, atol=1e-12)
     strength = np.abs(lie.residuals - sane.residuals).max(axis=(0, 2))
-    assert strength[PLACES.index(liar)] < 1e-9 < 1 < strength[PLACES.index(honest)]
+    assert strength[FAULT_PLACES.index(liar)] < 1e-9 < 1 < strength[FAULT_PLACES.index(honest)]
     assert outcome(place=liar).study.right
 
 
@@ -97,21 +110,23 @@ def test_no_observer_of_six_states_but_a_residual_of_five(coil):
 
 @pytest.mark.parametrize("coil", ["u1", "u2", "u3"])
 def test_a_weak_coil_leaves_its_member_untouched_and_a_constant_one_leaves_all(coil):
-    healthy, weak = (simulate(c, drawn(2)) for c in (Case(loop=OPEN), Case(coil, size=0.7, loop=OPEN)))
+    healthy, weak = (simulate(c, drawn(2)) for c in (Case(loop=KEEP_LOOP_OPEN), Case(coil, size=0.7, loop=KEEP_LOOP_OPEN)))
     change = np.abs(weak.residuals - healthy.residuals).max(axis=(0, 2))
-    assert change[PLACES.index(coil)] < 1e-9 and np.all(np.delete(change, PLACES.index(coil)) > 0.1)
-    at_rest = np.linalg.norm(guard().bank.response(1.0)[:, :, PLACES.index(coil)], axis=1)
+    assert change[FAULT_PLACES.index(coil)] < 1e-9 and np.all(np.delete(change, FAULT_PLACES.index(coil)) > 0.1)
+    at_rest = np.linalg.norm(guard().bank.response(1.0)[:, :, FAULT_PLACES.index(coil)], axis=1)
     assert np.all(at_rest < 1e-9)
 
 
 def test_what_nobody_asks_for_cannot_be_missed():
-    healthy, dead = (simulate(c, drawn(5)) for c in (Case(loop=OPEN, force=0.0), Case("u1", size=1.0, loop=OPEN, force=0.0)))
+    healthy, dead = (
+        simulate(c, drawn(5)) for c in (Case(loop=KEEP_LOOP_OPEN, force=0.0), Case("u1", size=1.0, loop=KEEP_LOOP_OPEN, force=0.0))
+    )
     assert np.abs(healthy.residuals - dead.residuals).max() < 1e-10
 
 
 def test_a_good_loop_hides_a_weak_coil():
     """Near a mode the loop pushes against the known force; 1 N is left with 0.13 N at 1.3 Hz."""
-    asked = [np.abs(quiet(Case(loop=loop, tone=1.3)).asked[300:, 0]).max() for loop in (BLIND, OPEN)]
+    asked = [np.abs(quiet(Case(loop=loop, tone=1.3)).asked[300:, 0]).max() for loop in (NO_REACTION, KEEP_LOOP_OPEN)]
     assert asked[0] < 0.15 and asked[1] == pytest.approx(1.0, abs=0.01)
 
 
@@ -132,7 +147,7 @@ def test_the_threshold_is_the_quantile(statistic, window, rate):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("values", [{"rate": 1e-2}, {"rate": 0.05, "statistic": MEAN, "window": 10},
-                                    {"rate": 1e-2, "loop": OPEN, "force": 4.0}])
+                                    {"rate": 1e-2, "loop": KEEP_LOOP_OPEN, "force": 4.0}])
 def test_false_alarms_come_as_designed(values):
     trials = worked_through(place=NONE, **values)
     low, high = binomial_band(trials.windows, values["rate"], level=1 - 0.01 / 7)
@@ -148,7 +163,7 @@ def test_a_wrong_model_breaks_the_promise():
 
 @pytest.mark.slow
 def test_many_runs_accuse_the_right_one_and_never_another():
-    trials = worked_through(place="VR", kind=DRIFT)
+    trials = worked_through(place="VR", kind=DRIFT_FAULT)
     assert trials.right == trials.runs and trials.wrong == 0
 
 
@@ -156,7 +171,7 @@ def test_many_runs_accuse_the_right_one_and_never_another():
 def test_the_promised_delay_holds_for_nine_runs_in_ten():
     """Six members at 99 % each: at least 94 % of the runs have all six alarms at the promised time."""
     for place in ("HL", "u3"):
-        o = outcome(place=place, loop=OPEN)
+        o = outcome(place=place, loop=KEEP_LOOP_OPEN)
         s = o.study
         at = s.case.start + s.forecast.delay
         alarms = np.array([s.test.values(simulate(s.case, drawn(seed)).residuals)[at] > s.test.threshold for seed in range(200)])
@@ -183,12 +198,12 @@ def step_by_step(case, noise, decided, who):
     """The same run, one sample after another: the oracle of the legs and scans."""
     kf, g = model(), guard()
     A, B = truth(case.stiffer)
-    index = PLACES.index(who)
+    index = FAULT_PLACES.index(who)
     x, xhat, frozen = np.zeros(6), noise.whole.copy(), {}
     z = [noise.bank[s].copy() for s in g.bank.slices]
     used, K, active = None, gain(), np.ones(3)
     xs, beliefs = [], []
-    for k in range(COUNT):
+    for k in range(SAMPLE_COUNT):
         if k == decided:
             if index < 4:
                 used, xhat = g.bank.members[index], z[index].copy()
@@ -204,8 +219,8 @@ def step_by_step(case, noise, decided, who):
             if k >= fault.start and fault.sensor is not None:
                 i = fault.sensor
                 frozen.setdefault(i, y[i])
-                y[i] = frozen[i] if fault.kind == STUCK else y[i] + 1e-3 * fault.size * (
-                    DT * (k - fault.start) if fault.kind == DRIFT else 1.0)
+                y[i] = frozen[i] if fault.kind == STUCK_FAULT else y[i] + 1e-3 * fault.size * (
+                    DT * (k - fault.start) if fault.kind == DRIFT_FAULT else 1.0)
             if k >= fault.start and fault.coil is not None:
                 push[fault.coil] *= 1 - fault.size
         xs.append(x)
@@ -216,9 +231,16 @@ def step_by_step(case, noise, decided, who):
     return np.array(xs), np.array(beliefs)
 
 
-@pytest.mark.parametrize("case", [Case("VR", DRIFT, 4.0, loop=SWITCH), Case("HL", STUCK, loop=SWITCH, force=3.0, stiffer=0.05),
-                                  Case("u2", size=1.0, loop=SWITCH, force=3.0),
-                                  Case("VR", DRIFT, 4.0, loop=SWITCH, also=Fault("HL", STUCK, at=9.0))], ids=lambda c: c.place)
+@pytest.mark.parametrize(
+    "case",
+    [
+        Case("VR", DRIFT_FAULT, 4.0, loop=SWITCH_LOOP),
+        Case("HL", STUCK_FAULT, loop=SWITCH_LOOP, force=3.0, stiffer=0.05),
+        Case("u2", size=1.0, loop=SWITCH_LOOP, force=3.0),
+        Case("VR", DRIFT_FAULT, 4.0, loop=SWITCH_LOOP, also=Fault("HL", STUCK_FAULT, at=9.0)),
+    ],
+    ids=lambda c: c.place,
+)
 def test_the_run_is_what_stepping_through_it_gives(case):
     before = simulate(case, drawn(3))
     verdict = judge(Rule(), before)
@@ -232,7 +254,7 @@ def test_the_run_is_what_stepping_through_it_gives(case):
 
 def test_faults_to_come_come_to_a_loop_that_was_switched_before_them():
     """Accused for nothing at 2 s: the readings that stick at 4 s are those of the run that follows, and u1 is whole until 6 s."""
-    case = Case("HL", STUCK, force=3.0, loop=SWITCH, also=Fault("u1", size=1.0, at=6.0))
+    case = Case("HL", STUCK_FAULT, force=3.0, loop=SWITCH_LOOP, also=Fault("u1", size=1.0, at=6.0))
     after = switched(case, drawn(3), simulate(case, drawn(3)), 100, "VR")
     x, xhat = step_by_step(case, drawn(3), 100, "VR")
     assert np.allclose(after.x, x, atol=1e-12) and np.allclose(after.xhat, xhat, atol=1e-12)
@@ -241,9 +263,16 @@ def test_faults_to_come_come_to_a_loop_that_was_switched_before_them():
 
 def test_runs_beside_each_other_are_those_one_by_one():
     noises = [drawn(seed) for seed in (1, 2, 3)]
-    for case in (Case(), Case("VL", size=1.0), Case("HR", DRIFT, 2.0, at=7.0), Case("u2", size=0.6, loop=OPEN, stiffer=0.1),
-                 Case("VR", STUCK, at=3.0, loop=OPEN), Case("HL", size=1.0, at=0.0),
-                 Case("VR", STUCK, at=3.0, also=Fault("HL", DRIFT, 2.0, 5.0)), Case("u2", size=1.0, also=Fault("u3", size=0.5, at=8.0))):
+    for case in (
+        Case(),
+        Case("VL", size=1.0),
+        Case("HR", DRIFT_FAULT, 2.0, at=7.0),
+        Case("u2", size=0.6, loop=KEEP_LOOP_OPEN, stiffer=0.1),
+        Case("VR", STUCK_FAULT, at=3.0, loop=KEEP_LOOP_OPEN),
+        Case("HL", size=1.0, at=0.0),
+        Case("VR", STUCK_FAULT, at=3.0, also=Fault("HL", DRIFT_FAULT, 2.0, 5.0)),
+        Case("u2", size=1.0, also=Fault("u3", size=0.5, at=8.0)),
+    ):
         together = residuals_of(case, noises)
         for run, noise in enumerate(noises):
             alone = simulate(case, noise).residuals
@@ -252,14 +281,16 @@ def test_runs_beside_each_other_are_those_one_by_one():
 
 def test_a_drift_that_nobody_notices_tilts_the_deck_and_acting_levels_it():
     """The numbers of the task: 13 mrad, 1.9 with the sum of squares, 1.1 with the mean, due after 2.5 and 1.8 s."""
-    blind, energy, mean = (outcome(place="VR", kind=DRIFT, **v) for v in ({}, {"loop": SWITCH}, {"loop": SWITCH, "statistic": MEAN}))
+    blind, energy, mean = (
+        outcome(place="VR", kind=DRIFT_FAULT, **v) for v in ({}, {"loop": SWITCH_LOOP}, {"loop": SWITCH_LOOP, "statistic": MEAN})
+    )
     assert [round(1e3 * o.metrics["pitch"], 1) for o in (blind, energy, mean)] == [13.2, 1.9, 1.1]
     assert energy.metrics["expected_delay"] == pytest.approx(2.5) and mean.metrics["expected_delay"] == pytest.approx(1.82)
     s = blind.study.record
     assert abs(s.xhat[-100:, 2].mean()) > 3 * abs(s.x[-100:, 2].mean())  # and the estimate wanders off farther
 
 
-@pytest.mark.parametrize("loop", [OPEN, BLIND, SWITCH])
+@pytest.mark.parametrize("loop", [KEEP_LOOP_OPEN, NO_REACTION, SWITCH_LOOP])
 def test_a_kick_accuses_nobody(loop):
     for seed in range(20):
         s = outcome(place=NONE, kick=3.0 + 0.3 * seed, seed=seed, loop=loop).study
@@ -282,22 +313,22 @@ def test_a_slow_drift_is_seen_soonest_through_a_window_of_its_own():
     """The numbers of the task, at one false alarm an hour: a valley over the window, and the sum of squares above it."""
     def due(window, statistic=MEAN):
         rate = window * DT / (7 * 3600)
-        o = outcome(place="HR", kind=DRIFT, drift=1.0, statistic=statistic, window=window, rate=rate)
+        o = outcome(place="HR", kind=DRIFT_FAULT, drift=1.0, statistic=statistic, window=window, rate=rate)
         return round(o.metrics["expected_delay"], 2)
     assert [due(n) for n in (25.0, 64.0, 150.0)] == [2.44, 2.04, 2.34]
     assert min(due(n, "energy") for n in (60.0, 75.0, 90.0)) == 2.98
     task = next(t for t in LESSON.tasks if t.id == "ramp")
     tried = [(50.0, 4e-5), (55.0, 4.4e-5), (64.0, 5.7e-5), (64.0, 4.4e-5), (75.0, 6e-5)]
-    found = [outcome(place="HR", kind=DRIFT, drift=1.0, statistic=MEAN, window=window, rate=rate) for window, rate in tried]
+    found = [outcome(place="HR", kind=DRIFT_FAULT, drift=1.0, statistic=MEAN, window=window, rate=rate) for window, rate in tried]
     assert [task.check(o).solved for o in found] == [False, True, False, False, True]
 
 
 @pytest.mark.slow
 def test_counts_carry_over_to_another_reaction_only():
     *_, (_, done) = LESSON.job.outcomes(outcome())
-    assert carried(LESSON, done.design, done.study.trials, outcome(loop=SWITCH)).study.trials is done.study.trials
+    assert carried(LESSON, done.design, done.study.trials, outcome(loop=SWITCH_LOOP)).study.trials is done.study.trials
     assert carried(LESSON, done.design, done.study.trials, outcome(kick=2.0)).study.trials is done.study.trials
-    for other in ({"window": 26}, {"bias": 4.0}, {"loop": OPEN}, {"stiffer": 5.0}, {"seed": 2}):
+    for other in ({"window": 26}, {"bias": 4.0}, {"loop": KEEP_LOOP_OPEN}, {"stiffer": 5.0}, {"seed": 2}):
         assert carried(LESSON, done.design, done.study.trials, outcome(**other)).study.trials is None
 
 
@@ -311,7 +342,7 @@ def test_the_stage_marks_the_liar_and_flags_the_accused():
 
 
 # --- what the page claims ----------------------------------------------------------------------------------------------------
-@pytest.mark.parametrize("loop", [OPEN, BLIND, SWITCH])
+@pytest.mark.parametrize("loop", [KEEP_LOOP_OPEN, NO_REACTION, SWITCH_LOOP])
 def test_a_kick_without_a_fault_accuses_nobody_with_the_test_of_the_start(loop):
     for seed in (1, 2, 3):
         for kick in (0.0, 1.0, 2.5, 4.0, 7.0, 11.0):
@@ -320,7 +351,13 @@ def test_a_kick_without_a_fault_accuses_nobody_with_the_test_of_the_start(loop):
 
 def test_what_the_design_expects_is_said_without_a_promise():
     said = 0
-    for values in ({}, {"place": "VR", "kind": DRIFT}, {"place": "u1", "loss": 100.0}, {"place": "HL", "window": 100.0}, {"kick": 4.2}):
+    for values in (
+        {},
+        {"place": "VR", "kind": DRIFT_FAULT},
+        {"place": "u1", "loss": 100.0},
+        {"place": "HL", "window": 100.0},
+        {"kick": 4.2},
+    ):
         o = outcome(**values)
         if "expects" in o.live("en"):
             said += 1

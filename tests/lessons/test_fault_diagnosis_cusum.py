@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from scipy.stats import chi2
 
-from lessons.fault_diagnosis.bank import PLACES, guard
-from lessons.fault_diagnosis.cusum import cusum, run_length, threshold
-from lessons.fault_diagnosis.diagnosis import MEAN, Rule
-from lessons.fault_diagnosis.lesson import LESSON
-from lessons.fault_diagnosis.runs import Case, draw, simulate
+from observer_lab.lessons.fault_diagnosis.cusum import cusum, run_length, threshold
+from observer_lab.lessons.fault_diagnosis.diagnosis import MEAN, Rule
+from observer_lab.lessons.fault_diagnosis.lesson import LESSON
+from observer_lab.lessons.fault_diagnosis.observer_bank import FAULT_PLACES, guard
+from observer_lab.lessons.fault_diagnosis.runs import Case, draw, simulate
 
 RECORDS = 14
 
@@ -53,7 +53,7 @@ def test_large_faults_are_seen_sooner_by_the_sum_and_small_ones_by_the_window() 
         case, rule, counts = Case("HL", size=size), Rule(), np.zeros(2, dtype=int)
         for seed in range(RECORDS):
             record = simulate(case, draw(2000 + seed))
-            for member in (i for i in range(4) if i != PLACES.index("HL")):
+            for member in (i for i in range(4) if i != FAULT_PLACES.index("HL")):
                 first = [int(np.argmax(np.append(values[case.start:, member] > 1, True)))
                          for values in (cusum(rule, record).values, rule.values(record.residuals) / rule.threshold)]
                 counts += (first[0] < first[1], first[0] > first[1])

@@ -8,14 +8,26 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from app.engine.observers import needed_noncentrality
-from lessons.fault_diagnosis.bank import COUNT, DT, PLACES, guard, model
-from lessons.fault_diagnosis.diagnosis import Rule
-from lessons.fault_diagnosis.lesson import LESSON
-from lessons.fault_diagnosis.pair_reach import least_beside
-from lessons.fault_diagnosis.pairs import NEVER, PAIRS, SETS, SURE, due, isolable, judge_pairs, pair_bank, pattern, rank_of, rivals
-from lessons.fault_diagnosis.reach import least
-from lessons.fault_diagnosis.runs import OPEN, Case, Fault, drawn, quiet, simulate
+from observer_lab.engine.observers import needed_noncentrality
+from observer_lab.lessons.fault_diagnosis.diagnosis import Rule
+from observer_lab.lessons.fault_diagnosis.fault_pairs import (
+    ALWAYS_ISOLABLE,
+    NEVER_ISOLABLE,
+    PAIRS,
+    SETS,
+    due,
+    isolable,
+    judge_pairs,
+    pair_bank,
+    pattern,
+    rank_of,
+    rivals,
+)
+from observer_lab.lessons.fault_diagnosis.lesson import LESSON
+from observer_lab.lessons.fault_diagnosis.observer_bank import DT, FAULT_PLACES, SAMPLE_COUNT, guard, model
+from observer_lab.lessons.fault_diagnosis.pair_sensitivity import least_beside
+from observer_lab.lessons.fault_diagnosis.runs import KEEP_LOOP_OPEN, Case, Fault, drawn, quiet, simulate
+from observer_lab.lessons.fault_diagnosis.sensitivity import least
 
 Z = 3  # a point at which directions are compared exactly: neither pole nor zero
 
@@ -46,11 +58,11 @@ def exact_rank(faults: tuple[int, ...]) -> int:
 def test_ranks_are_those_of_exact_arithmetic_and_so_is_what_can_be_told_apart() -> None:
     exact = {frozenset(s): exact_rank(s) for size in (1, 2, 3, 4) for s in combinations(range(7), size)}
     assert {s: rank_of(s) for s in exact} == exact
-    five = {PLACES.index(k) for k in ("VL", "VR", "u1", "u2", "u3")}  # none of them moves HL + HR
+    five = {FAULT_PLACES.index(k) for k in ("VL", "VR", "u1", "u2", "u3")}  # none of them moves HL + HR
     assert {s for s in exact if exact[s] < len(s)} == {s for s in exact if len(s) == 4 and s < five}
     for p in PAIRS:
         assert set(rivals()[p]) == {q for q in PAIRS if q != p and exact[frozenset(p + q)] < len({*p, *q})}
-        assert isolable(p) != NEVER and (isolable(p) == SURE) == (not five.issuperset(p)), p
+        assert isolable(p) != NEVER_ISOLABLE and (isolable(p) == ALWAYS_ISOLABLE) == (not five.issuperset(p)), p
 
 
 def test_each_set_of_faults_has_a_column_of_its_own_in_the_bank_of_pairs() -> None:
@@ -71,18 +83,18 @@ def test_what_a_rival_can_imitate_and_another_pair_cannot() -> None:
 @pytest.mark.parametrize("one, other", [(Fault("HL", size=6.0), Fault("VR", size=10.0, at=7.0)),
                                         (Fault("VL", size=20.0, at=4.0), Fault("HR", size=6.0, at=4.0))], ids=["later", "together"])
 def test_the_bank_of_pairs_names_both_where_seven_members_can_only_say_that_something_fails(one: Fault, other: Fault) -> None:
-    case, wanted = Case(one.place, one.kind, one.size, one.at, loop=OPEN, also=other), None
-    wanted = tuple(sorted(PLACES.index(f.place) for f in case.faults))
+    case, wanted = Case(one.place, one.kind, one.size, one.at, loop=KEEP_LOOP_OPEN, also=other), None
+    wanted = tuple(sorted(FAULT_PLACES.index(f.place) for f in case.faults))
     for seed in range(6):
         record = simulate(case, drawn(seed))
         found = judge_pairs(Rule(), record, seed)
         assert found.both is not None and found.both[1] == wanted, seed
-        assert found.both[0] >= case.faults[-1].start and (found.alone is None or found.alone[1] == (PLACES.index(one.place),))
+        assert found.both[0] >= case.faults[-1].start and (found.alone is None or found.alone[1] == (FAULT_PLACES.index(one.place),))
         late = Rule().values(record.residuals)[case.faults[-1].start + 100:] > Rule().threshold
-        assert late.all(axis=1).mean() > 0.9 or not late[:, PLACES.index(one.place)].any()
+        assert late.all(axis=1).mean() > 0.9 or not late[:, FAULT_PLACES.index(one.place)].any()
     assert due(Rule(), quiet(case), wanted, case.faults[-1].start) is not None
     ignoring = pair_bank().run(quiet(case).y, quiet(case).asked, pair_bank().start(np.zeros(6)))[0][:, PAIRS.index(wanted)]
-    assert np.abs(ignoring).max() < 1e-7 * guard().bank.dof * COUNT
+    assert np.abs(ignoring).max() < 1e-7 * guard().bank.dof * SAMPLE_COUNT
 
 
 def test_a_second_fault_of_the_same_part_or_of_none_is_no_second_fault_and_order_is_that_of_time() -> None:
@@ -116,7 +128,7 @@ def test_the_least_faults_that_the_bank_of_pairs_sees_are_those_of_its_responses
     assert np.diag(values) == pytest.approx([seven[:, i][np.isfinite(seven[:, i])].max() for i in range(7)])
     cheaper = np.sqrt(needed_noncentrality(2 * 25, 1e-3, 0.99) / test.needed)
     assert (values >= cheaper * np.diag(values)[:, None] * (1 - 1e-9)).all()
-    unseen = {(PLACES[i], PLACES[j]) for i, j in np.argwhere(values > 1.0) if i < 4}
+    unseen = {(FAULT_PLACES[i], FAULT_PLACES[j]) for i, j in np.argwhere(values > 1.0) if i < 4}
     assert unseen == {("VL", "VR"), ("VL", "u1"), ("VL", "u2"), ("VR", "VL"), ("VR", "u1"), ("VR", "u2"),
                       ("HL", "HR"), ("HL", "u3"), ("HR", "HL"), ("HR", "u3")}
     shown = LESSON.compute(LESSON.apply(LESSON.start(), {"place2": "VR"}))
@@ -133,7 +145,7 @@ def test_the_experiment_that_finds_a_weak_coil_beside_a_liar_is_not_that_which_f
     assert [tried(tone=f) for f in (1.16, 1.18, 1.22, 1.4, 1.46)] == [False, True, True, False, False]
     assert tried(window=70.0, rate=5.5e-5) and not tried(window=85.0) and not tried(rate=7e-5) and not tried(window=60.0, rate=4.7e-5)
     assert not tried(loss=60.0) and not tried(force=0.9) and not tried(place2="VR") and not tried(loop="blind")
-    rule, u1, VL = Rule(window=75, rate=5.9e-5), PLACES.index("u1"), PLACES.index("VL")
+    rule, u1, VL = Rule(window=75, rate=5.9e-5), FAULT_PLACES.index("u1"), FAULT_PLACES.index("VL")
     assert [least_beside(rule, f)[u1, k] for f in (1.2, 1.46) for k in (VL, u1)] == pytest.approx([0.48, 0.38, 0.85, 0.31], abs=0.005)
     first = least_beside(Rule(), 0.5)
     assert (first[u1, u1], first[u1, VL]) == pytest.approx((2.69, 16.3), abs=0.005) and round(first[u1, VL] / first[u1, u1]) == 6

@@ -9,14 +9,14 @@ from lesson_checks import by_knobs, carried
 from scipy.linalg import expm, solve_discrete_are
 from scipy.stats import binom, chi2
 
-from app.engine import chi2_band
-from lessons.kalman.filters import ADC, SIGMA, SKIP, compare, truth, tuned, watch, watcher
-from lessons.kalman.identify import fitted
-from lessons.kalman.job import RUNS
-from lessons.kalman.knobs import DT, MODEL
-from lessons.kalman.lesson import LESSON
-from lessons.kalman.report import PRINTED_MEAN, PRINTED_SAMPLES, PRINTED_SIGMA
-from lessons.kalman.study import expected
+from observer_lab.engine import chi2_band
+from observer_lab.lessons.kalman.filters import ADC, SENSOR_SIGMA, UNTESTED_SAMPLES, compare, truth, tuned, watch, watcher
+from observer_lab.lessons.kalman.job import RUN_COUNT
+from observer_lab.lessons.kalman.knobs import DT, MODEL
+from observer_lab.lessons.kalman.lesson import LESSON
+from observer_lab.lessons.kalman.noise_identification import fitted
+from observer_lab.lessons.kalman.report_lines import PRINTED_MEAN, PRINTED_SAMPLES, PRINTED_SIGMA
+from observer_lab.lessons.kalman.study import expected
 
 
 def outcome(**changes):
@@ -32,7 +32,7 @@ def tried():
     """The button pressed for three filters: NIS and NEES of many runs."""
     def press(**changes):
         *_, (fraction, done) = LESSON.job.outcomes(outcome(**changes))
-        assert fraction == 1.0 and done.study.trials.count == RUNS
+        assert fraction == 1.0 and done.study.trials.count == RUN_COUNT
         return done.metrics
     return {"tuned": press(q=1.0, r=1.0), "decoy": press(), "carried": press(noise="carried", q=1.0, r=1.0)}
 
@@ -52,7 +52,7 @@ def test_the_recursion_ends_at_the_riccati_solution(q, r, p0):
 def test_the_model_is_sampled_exactly():
     kf = tuned()
     assert np.allclose(kf.A, expm(MODEL.plant.A * DT), atol=1e-12)
-    assert np.allclose(kf.R, SIGMA**2 * np.eye(4))
+    assert np.allclose(kf.R, SENSOR_SIGMA**2 * np.eye(4))
 
 
 def test_one_step_by_hand_is_the_first_step_of_the_record():
@@ -74,9 +74,9 @@ def test_one_step_by_hand_is_the_first_step_of_the_record():
 def test_tuned_nis_is_the_number_of_measurements_and_nees_of_states(tried):
     """NIS of different samples are independent: χ² over all of them. NEES is not: a wider look, from a tenth of them."""
     for name in ("tuned", "carried"):
-        low, high = chi2.ppf([5e-4, 1 - 5e-4], 4 * 251 * RUNS) / (251 * RUNS)
+        low, high = chi2.ppf([5e-4, 1 - 5e-4], 4 * 251 * RUN_COUNT) / (251 * RUN_COUNT)
         assert low < tried[name]["trials_nis"] < high, name
-        low, high = chi2.ppf([5e-4, 1 - 5e-4], 6 * 5 * RUNS) / (5 * RUNS)
+        low, high = chi2.ppf([5e-4, 1 - 5e-4], 6 * 5 * RUN_COUNT) / (5 * RUN_COUNT)
         assert low < tried[name]["trials_nees"] < high, name
 
 
@@ -159,7 +159,7 @@ def test_a_converter_taken_for_white_is_flagged_nearly_always():
 def test_whiteness_sees_a_wrong_ratio_and_nis_a_wrong_scale():
     """The gain depends on Q/R alone, and so do the innovations: a common factor changes S only."""
     good, scaled = outcome(q=1.0, r=1.0), outcome(q=3.0, r=3.0, p0=3.0)
-    assert np.allclose(scaled.study.track.innovations, good.study.track.innovations, atol=1e-9 * SIGMA)
+    assert np.allclose(scaled.study.track.innovations, good.study.track.innovations, atol=1e-9 * SENSOR_SIGMA)
     assert scaled.metrics["nis_mean"] == pytest.approx(good.metrics["nis_mean"] / 3, rel=1e-6)
     assert {c.id for c in scaled.checks if not c.holds} == {"nis", "nees"}
 
@@ -194,7 +194,7 @@ def test_joseph_is_the_true_covariance_for_any_gain_and_the_short_form_is_not():
     keep, joseph, short = np.eye(6) - M @ kf.C, who.start.covariance, who.start.covariance
     e = rng.multivariate_normal(np.zeros(6), joseph, runs)
     for _ in range(6):
-        e = e @ keep.T - rng.normal(0, SIGMA, (runs, 4)) @ M.T
+        e = e @ keep.T - rng.normal(0, SENSOR_SIGMA, (runs, 4)) @ M.T
         e = e @ kf.A.T + rng.multivariate_normal(np.zeros(6), kf.Q, runs)
         joseph = kf.A @ (keep @ joseph @ keep.T + M @ kf.R @ M.T) @ kf.A.T + kf.Q
         short = kf.A @ keep @ short @ kf.A.T + kf.Q
@@ -284,7 +284,7 @@ def test_the_likelihood_of_a_record_is_that_of_its_filter_and_finds_the_truth() 
         kept.append(found.low <= 1 <= found.high)
     assert sum(kept) >= 6, kept
     outcome = LESSON.compute(LESSON.apply(LESSON.start(), {"seed": 8, "q": found.q, "r": found.r}))
-    nu, S = outcome.study.track.innovations[SKIP:], outcome.study.track.S[SKIP:]
+    nu, S = outcome.study.track.innovations[UNTESTED_SAMPLES:], outcome.study.track.S[UNTESTED_SAMPLES:]
     level = np.mean([np.log(np.linalg.det(s)) + n @ np.linalg.inv(s) @ n for n, s in zip(nu, S, strict=True)])
     assert abs(level - found.least) < 5e-3  # its gain is still on the way at the start
     assert found.excess.min() == 0.0 and abs(found.low - found.high) > 0

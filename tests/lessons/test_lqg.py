@@ -8,17 +8,17 @@ from lesson_checks import carried
 from witnesses import Shown
 from witnesses_of_variances import least_cost
 
-from app.engine import EngineError, compensator, loop_margins, lqg, recover
-from app.engine.feedback import state_feedback_margins
-from app.lesson.figures import Curve, LineFigure
-from app.lesson.lesson import Outcome
-from app.plants import MODELS, doyle
-from app.text import same
-from lessons.lqg.cases import case_of
-from lessons.lqg.job import bench_of
-from lessons.lqg.lesson import LESSON, on_model
-from lessons.lqg.loops import setting_of, trace
-from lessons.toolkit.figures import within
+from observer_lab.course.figures.records import Curve, LineFigure
+from observer_lab.course.lesson import Outcome
+from observer_lab.engine import EngineError, compensator, loop_margins, lqg, recover
+from observer_lab.engine.feedback import state_feedback_margins
+from observer_lab.lessons.lqg.cases import case_of
+from observer_lab.lessons.lqg.job import bench_of
+from observer_lab.lessons.lqg.lesson import LESSON, on_model
+from observer_lab.lessons.lqg.loops import setting_of, trace
+from observer_lab.lessons.toolkit.figures import within
+from observer_lab.plants import MODELS, doyle
+from observer_lab.text import same
 
 
 def at(**values: object) -> Outcome:
@@ -28,7 +28,7 @@ def at(**values: object) -> Outcome:
 # --- Doyle 1978 --------------------------------------------------------------------------------------------------------
 @pytest.mark.parametrize("q, sigma", [(1.0, 1.0), (5.0, 21.0), (60.0, 5.0), (1000.0, 1000.0), (1e4, 1e4)])
 def test_doyles_gains_and_the_edge_of_stability_are_his_closed_forms(q: float, sigma: float) -> None:
-    p, one = doyle.plant(), doyle.TOGETHER
+    p, one = doyle.plant(), doyle.BOTH_STATES
     d = lqg(p, q * one @ one.T, 1.0, sigma, 1.0, G=one)
     f, dd = doyle.gains(q, sigma)
     assert pytest.approx(np.full((1, 2), f), rel=1e-9) == d.K
@@ -56,7 +56,7 @@ def test_lqr_keeps_its_margins_on_both_plants() -> None:
 
 
 def test_the_lessons_recovery_is_the_engines() -> None:
-    one, p = doyle.TOGETHER, doyle.plant()
+    one, p = doyle.BOTH_STATES, doyle.plant()
     outcome = at(case="doyle", q=60.0, sigma=60.0, recovery=3.0)
     unit = np.trace(one @ one.T) / np.trace(p.B @ p.B.T)
     found = recover(p, outcome.gains["K"], 60.0, 1.0, float(np.sqrt((10**3 - 1) * unit * 60.0)), G=one)

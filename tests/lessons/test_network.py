@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 from lesson_checks import by_knobs, carried
 
-from app.engine.network import mean_square_growth
-from app.lesson.knobs import Choice, Number
-from app.lesson.lesson import Design, Outcome
-from app.plants import MODELS
-from lessons.network.cases import CART, CHIP, DECK, KINDS, SAMPLES, SCALAR, TWO, sampled
-from lessons.network.lesson import LESSON
-from lessons.network.study import HELD, LOSSES, OVER, bounds_over_loss, key
-from lessons.network.tasks import TASKS
+from observer_lab.course.knobs import Choice, Number
+from observer_lab.course.lesson import Design, Outcome
+from observer_lab.engine.network import mean_square_growth
+from observer_lab.lessons.network.cases import CART_CASE, CASE_KINDS, CHIP_CASE, DECK_CASE, RUN_SAMPLES, SCALAR_CASE, TWO, sampled
+from observer_lab.lessons.network.lesson import LESSON
+from observer_lab.lessons.network.study import AUTONOMOUS_TOLERANCE, LOSSES, OVER, bounds_over_loss, key
+from observer_lab.lessons.network.tasks import TASKS
+from observer_lab.plants import MODELS
 
 SEEDS = range(1, 9)
 
@@ -46,19 +46,19 @@ def test_the_lower_bound_diverges_above_the_edge_and_the_upper_one_settles_below
 
 
 def test_the_numbers_of_the_second_step() -> None:
-    shares = {case: outcome(case=case).metrics for case in (CHIP, CART, DECK, TWO)}
-    assert 100 * shares[CHIP]["critical"] == pytest.approx(88.4, abs=0.05)
-    assert 100 * shares[CART]["critical"] == pytest.approx(71.0, abs=0.05)
-    assert shares[DECK]["critical"] == shares[DECK]["safe"] == 1.0
+    shares = {case: outcome(case=case).metrics for case in (CHIP_CASE, CART_CASE, DECK_CASE, TWO)}
+    assert 100 * shares[CHIP_CASE]["critical"] == pytest.approx(88.4, abs=0.05)
+    assert 100 * shares[CART_CASE]["critical"] == pytest.approx(71.0, abs=0.05)
+    assert shares[DECK_CASE]["critical"] == shares[DECK_CASE]["safe"] == 1.0
     assert 100 * shares[TWO]["critical"] == pytest.approx(64, abs=1e-9)
     assert 100 * shares[TWO]["safe"] == pytest.approx(52.9, abs=0.05)
-    for case in (CHIP, CART):  # the edge from the continuous plant: e^{−2 s h}
+    for case in (CHIP_CASE, CART_CASE):  # the edge from the continuous plant: e^{−2 s h}
         s = float(np.max(np.linalg.eigvals(MODELS[case].plant.A).real))
         assert shares[case]["critical"] == pytest.approx(np.exp(-2 * s * shares[case]["period"]), rel=1e-9)
 
 
 def test_faster_sampling_lets_more_packets_be_lost() -> None:
-    slow, fast = outcome(case=CART).metrics, outcome(case=CART, stretch=0.5).metrics
+    slow, fast = outcome(case=CART_CASE).metrics, outcome(case=CART_CASE, stretch=0.5).metrics
     assert (slow["radius"], fast["radius"]) == pytest.approx((1.187, 1.089), abs=5e-4)
     assert 100 * fast["critical"] == pytest.approx(84.3, abs=0.05)
 
@@ -74,7 +74,7 @@ def test_the_variance_climbs_where_a_packet_is_lost_and_falls_where_one_comes() 
 def test_many_runs_lie_between_the_bounds_below_the_edge_and_their_median_stays_small_above() -> None:
     o = finished(outcome(loss=0.3))
     t, (lower, upper) = o.study.trials, bounds_over_loss(key(o.design))
-    assert len(t.mean) == SAMPLES + 1 and len(t.means) == len(OVER)
+    assert len(t.mean) == RUN_SAMPLES + 1 and len(t.means) == len(OVER)
     assert o.study.lower[-1] < t.mean[20:].mean() < 1.02 * o.study.upper[-1]
     for p, mean in zip(OVER[OVER < 0.5], t.means, strict=False):
         assert np.interp(p, LOSSES, lower) < mean < 1.1 * np.interp(p, LOSSES, upper)
@@ -89,7 +89,7 @@ def test_averages_go_over_only_where_they_still_hold() -> None:
     assert told.study.trials is o.study.trials
     loss = carried(LESSON, o.design, o.study.trials, outcome(loss=0.5))
     assert loss.study.trials.means == o.study.trials.means and not len(loss.study.trials.mean)
-    for other in (dict(noise=2.0), dict(a=1.3), dict(case=CHIP), dict(seed=2)):
+    for other in (dict(noise=2.0), dict(a=1.3), dict(case=CHIP_CASE), dict(seed=2)):
         assert carried(LESSON, o.design, o.study.trials, outcome(**other)).study.trials is None
 
 
@@ -98,7 +98,7 @@ def designs(count: int) -> list[Design]:
     """Designs of every case, each knob at an end, at rest or anywhere between."""
     rng, found = np.random.default_rng(18), []
     for index in range(count):
-        values: dict[str, Any] = {"case": list(KINDS)[index % len(KINDS)]}
+        values: dict[str, Any] = {"case": list(CASE_KINDS)[index % len(CASE_KINDS)]}
         for knob in LESSON.knobs:
             if knob.name in ("case", "seed", "kick"):
                 continue
@@ -110,7 +110,7 @@ def designs(count: int) -> list[Design]:
     return found
 
 
-@pytest.mark.parametrize("case", list(KINDS))
+@pytest.mark.parametrize("case", list(CASE_KINDS))
 def test_the_light_of_the_bounded_mean_goes_out_at_the_critical_share_and_nowhere_else(case: str) -> None:
     for stretch, a in ((0.5, 1.01), (1.0, 1.2), (1.7, 1.6), (3.0, 2.0)):
         o = outcome(case=case, stretch=stretch, a=a, loss=0.0)
@@ -125,7 +125,7 @@ def test_the_light_of_the_bounded_mean_goes_out_at_the_critical_share_and_nowher
 
 
 def test_a_deck_that_loses_everything_stays_bounded() -> None:
-    s = sampled(DECK, 1.2, 3.0)
+    s = sampled(DECK_CASE, 1.2, 3.0)
     assert s.radius < 1 and s.edge.bounded(1.0)
 
 
@@ -135,7 +135,7 @@ def test_nothing_is_said_to_leave_the_error_alone_where_the_meter_reads() -> Non
     for design in designs(60):
         o = LESSON.compute(design)
         said = {f.id: f.caption("en") for f in LESSON.figures(o) if f.id in ("blocks", "error")}
-        alone = o.metrics["separation_meter"] < HELD
+        alone = o.metrics["separation_meter"] < AUTONOMOUS_TOLERANCE
         assert ("do not drive the error" not in said["blocks"]) or alone, design
         assert ("whatever the controller does" in said["error"]) == alone, design
         quiet += alone
@@ -156,14 +156,14 @@ def test_late_measurements_put_in_their_place_keep_the_wall_and_the_edge() -> No
 
 
 # --- delay ---------------------------------------------------------------------------------------------------------------
-@pytest.mark.parametrize("case", [SCALAR, TWO, CHIP, CART, DECK])
+@pytest.mark.parametrize("case", [SCALAR_CASE, TWO, CHIP_CASE, CART_CASE, DECK_CASE])
 def test_a_delay_unknown_to_the_observer_breaks_separation_and_a_known_one_does_not(case: str) -> None:
     for seed in SEEDS:
         assert outcome(case=case, delay=2, told="asked", loss_u=0.0, seed=seed).metrics["separation_meter"] > 0.1
         assert outcome(case=case, delay=2, told="applied", seed=seed).metrics["separation_meter"] < 1e-9
 
 
-@pytest.mark.parametrize("case", [SCALAR, TWO, CHIP, CART, DECK])
+@pytest.mark.parametrize("case", [SCALAR_CASE, TWO, CHIP_CASE, CART_CASE, DECK_CASE])
 def test_looking_ahead_brings_the_loop_back_to_its_crosses(case: str) -> None:
     o = outcome(case=case, delay=2, told="ahead")
     chosen = np.concatenate([o.poles["controller"], o.poles["observer"]])
@@ -176,14 +176,14 @@ def test_looking_ahead_brings_the_loop_back_to_its_crosses(case: str) -> None:
 
 
 def test_being_told_is_not_enough_for_the_pole_on_a_cart() -> None:
-    told, ahead = (outcome(case=CART, delay=2, told=how).metrics for how in ("applied", "ahead"))
+    told, ahead = (outcome(case=CART_CASE, delay=2, told=how).metrics for how in ("applied", "ahead"))
     assert told["separation_meter"] < 1e-9 and told["loop_radius"] > 1
     assert ahead["loop_radius"] == pytest.approx(0.907, abs=5e-4)
 
 
 # --- lost inputs -----------------------------------------------------------------------------------------------------------
 def test_neither_holding_nor_zero_always_wins() -> None:
-    s = sampled(CHIP, 1.2, 1.0)
+    s = sampled(CHIP_CASE, 1.2, 1.0)
     growth = {(p, how): mean_square_growth(s.plant, s.K, p, how) for p in (0.3, 0.5) for how in ("hold", "zero")}  # type: ignore[arg-type]
     assert growth[0.3, "hold"] == pytest.approx(0.729, abs=5e-4) and growth[0.3, "zero"] == pytest.approx(0.781, abs=5e-4)
     assert growth[0.5, "hold"] == pytest.approx(0.920, abs=5e-4) and growth[0.5, "zero"] == pytest.approx(0.840, abs=5e-4)
@@ -200,10 +200,10 @@ def test_no_task_turns_on_the_noise(task: Any) -> None:
 def test_near_misses_of_the_tasks() -> None:
     edge, faster, gap, wall = by_knobs(TASKS)
     assert not edge.check(outcome(a=1.4, loss=0.52)).solved and not edge.check(outcome(a=1.4, loss=0.45)).solved
-    assert not faster.check(outcome(case=CART, loss=0.8)).solved
+    assert not faster.check(outcome(case=CART_CASE, loss=0.8)).solved
     assert not gap.check(outcome(case=TWO, loss=0.5)).solved and not gap.check(outcome(case=TWO, loss=0.7)).solved
-    assert not wall.check(outcome(case=CART, delay=2, told="asked")).solved
-    assert not wall.check(outcome(case=CART, delay=2, told="applied")).solved
+    assert not wall.check(outcome(case=CART_CASE, delay=2, told="asked")).solved
+    assert not wall.check(outcome(case=CART_CASE, delay=2, told="applied")).solved
 
 
 @pytest.mark.parametrize("stretch", [0.5, 0.7, 1.0, 2.0, 3.0])
@@ -211,20 +211,20 @@ def test_near_misses_of_the_tasks() -> None:
 def test_the_wall_is_not_mended_without_looking_ahead(told: str, stretch: float) -> None:
     wall = TASKS[3]
     for delay in (2, 3, 4):
-        assert not wall.check(outcome(case=CART, delay=delay, told=told, stretch=stretch)).solved
+        assert not wall.check(outcome(case=CART_CASE, delay=delay, told=told, stretch=stretch)).solved
 
 
 def test_the_fastest_sampling_is_not_the_answer() -> None:
     faster = TASKS[1]
-    solved = [stretch for stretch in np.arange(10, 21) / 20 if faster.check(outcome(case=CART, loss=0.8, stretch=stretch)).solved]
+    solved = [stretch for stretch in np.arange(10, 21) / 20 if faster.check(outcome(case=CART_CASE, loss=0.8, stretch=stretch)).solved]
     assert solved == [0.6, 0.65]
 
 
 def test_the_stage_lights_a_lamp_where_a_packet_has_come() -> None:
     o = outcome(loss=0.5)
     assert o.stage is not None
-    at = [int(np.searchsorted(o.stage.t, k * 0.1 - 1e-9)) for k in range(SAMPLES)]
+    at = [int(np.searchsorted(o.stage.t, k * 0.1 - 1e-9)) for k in range(RUN_SAMPLES)]
     assert np.array_equal(o.stage.x[at, 1] > 0.5, o.study.heard)
     assert o.stage.x[at, 0] == pytest.approx(o.study.x[:, 0])
-    lit, dark = (KINDS[SCALAR].body.pose([0.0, heard, 1.0], 1.0)["sensor lamp"] for heard in (1.0, 0.0))
+    lit, dark = (CASE_KINDS[SCALAR_CASE].body.pose([0.0, heard, 1.0], 1.0)["sensor lamp"] for heard in (1.0, 0.0))
     assert lit.colour != dark.colour and lit.scale != dark.scale

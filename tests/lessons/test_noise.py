@@ -10,11 +10,11 @@ from scipy.linalg import expm
 from scipy.optimize import minimize
 from scipy.stats import chi2
 
-from app.engine import error_parts
-from lessons.noise.job import RUNS
-from lessons.noise.knobs import PLANT
-from lessons.noise.lesson import LESSON
-from lessons.noise.study import ray_of
+from observer_lab.engine import error_parts
+from observer_lab.lessons.noise.job import RUN_COUNT
+from observer_lab.lessons.noise.knobs import SPRING_PLANT
+from observer_lab.lessons.noise.lesson import LESSON
+from observer_lab.lessons.noise.study import ray_of
 
 W, V = 0.04, 4e-4
 
@@ -26,7 +26,7 @@ def outcome(**changes):
 def variances_of(gain) -> np.ndarray:
     """Lyapunov by python-control, for any stabilising gain."""
     L = np.reshape(gain, (2, 1))
-    return control.lyap(PLANT.A - L @ PLANT.C, W * PLANT.B @ PLANT.B.T + V * L @ L.T)
+    return control.lyap(SPRING_PLANT.A - L @ SPRING_PLANT.C, W * SPRING_PLANT.B @ SPRING_PLANT.B.T + V * L @ L.T)
 
 
 @pytest.mark.parametrize("weights", [(1.0, 0.0), (0.0, 1.0), (1.0, 0.3)])
@@ -57,22 +57,22 @@ def test_kalmans_speed_is_the_fourth_root_that_spectral_factorisation_gives():
 
 def test_the_ray_equals_one_lyapunov_equation_after_another():
     pattern = (-3 - 1j, -3 + 1j)
-    ray = ray_of(PLANT, pattern, np.array([0.5, 4.0, 60.0]), W, V)
+    ray = ray_of(SPRING_PLANT, pattern, np.array([0.5, 4.0, 60.0]), W, V)
     for k, speed in enumerate(ray.speed):
         q = np.array(pattern) / np.sqrt(10) * speed
-        L = control.place(PLANT.A.T, PLANT.C.T, q).T
+        L = control.place(SPRING_PLANT.A.T, SPRING_PLANT.C.T, q).T
         assert np.allclose(ray.process[k] + ray.sensor[k], np.diag(variances_of(L)), rtol=1e-8)
-        parts = error_parts(PLANT, L, PLANT.B, W, V)
+        parts = error_parts(SPRING_PLANT, L, SPRING_PLANT.B, W, V)
         assert np.allclose(ray.sensor[k], np.diag(parts.sensor), rtol=1e-8)
 
 
 @pytest.mark.parametrize("pattern", [(-2 - 3j, -2 + 3j), (-2.0, -2.0), (-1.0, -7.0)])
 def test_the_peak_is_that_of_the_matrix_exponential(pattern):
     speed = float(np.sqrt(abs(pattern[0] * pattern[1])))
-    peak = ray_of(PLANT, pattern, np.array([speed]), W, V).peak[0]
+    peak = ray_of(SPRING_PLANT, pattern, np.array([speed]), W, V).peak[0]
     l1 = -np.real(sum(pattern)) - 0.5
     L = np.array([[l1], [np.real(pattern[0] * pattern[1]) - 1 - 0.5 * l1]])
-    F = PLANT.A - L @ PLANT.C
+    F = SPRING_PLANT.A - L @ SPRING_PLANT.C
     assert peak == pytest.approx(max(abs(expm(F * t)[1, 0]) for t in np.linspace(0, 5, 4001)), rel=1e-5)
 
 
@@ -106,8 +106,8 @@ def test_lyapunov_is_the_variance_of_many_runs(speed, seed):
     """At single instants the mean square over independent runs is exactly χ²: 99.99 % bands, no tuning."""
     *_, (fraction, done) = LESSON.job.outcomes(outcome(speed=speed, seed=seed))
     trials, promised = done.study.trials, np.diagonal(done.study.grown, axis1=1, axis2=2)
-    assert fraction == 1.0 and trials.count == RUNS
-    low, high = chi2.ppf([5e-5, 1 - 5e-5], RUNS) / RUNS
+    assert fraction == 1.0 and trials.count == RUN_COUNT
+    low, high = chi2.ppf([5e-5, 1 - 5e-5], RUN_COUNT) / RUN_COUNT
     for k in (20, 100, 250, -1):
         assert (low < trials.square[k] / promised[k]).all() and (trials.square[k] / promised[k] < high).all()
     settled = np.diag(done.study.parts.total)
@@ -138,7 +138,7 @@ def test_the_bottom_is_reached_by_the_poles_and_not_by_the_noises() -> None:
 
 def test_sensor_noise_falls_with_speed_left_of_the_blocks_own_pace() -> None:
     """What the text says of the valley's left side."""
-    none = error_parts(PLANT, np.zeros((2, 1)), PLANT.B, [[0.04]], [[4e-4]]).total
+    none = error_parts(SPRING_PLANT, np.zeros((2, 1)), SPRING_PLANT.B, [[0.04]], [[4e-4]]).total
     slow, turn, fast = (outcome(speed=v) for v in (0.1, 0.4, 1.0))
     sensor = [o.study.parts.sensor[1, 1] for o in (slow, turn, fast)]
     assert sensor[0] > sensor[1] < sensor[2]

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from lesson_checks import by_knobs, carried
 
-from app.engine import chi2_band
-from app.engine.filters import simulate_filters
-from app.engine.systems import slopes
-from lessons.nonlinear.cases import EKF, FALL, KF, PENDULUM, PLATFORM, UKF, case_of
-from lessons.nonlinear.lesson import LESSON
-from lessons.nonlinear.report import linear_spreads
-from lessons.nonlinear.runs import FILTERS, MANY, Study, experiment_of, studies
-from lessons.nonlinear.study import verdict
+from observer_lab.engine import chi2_band
+from observer_lab.engine.filters import simulate_filters
+from observer_lab.engine.systems import slopes
+from observer_lab.lessons.nonlinear.cases import EKF, FALL_CASE, KF, PENDULUM_CASE, PLATFORM, UKF, case_of
+from observer_lab.lessons.nonlinear.lesson import LESSON
+from observer_lab.lessons.nonlinear.report_algorithms import linear_spreads
+from observer_lab.lessons.nonlinear.runs import FILTERS, JOB_RUNS, Study, experiment_of, studies
+from observer_lab.lessons.nonlinear.study import verdict
 
 SEEDS = range(1, 7)
 LINEAR = {"hardening": 0.0, "weakening": 0.0}
@@ -23,7 +23,7 @@ LINEAR = {"hardening": 0.0, "weakening": 0.0}
 def many(**values) -> Study:
     """Of a design of the platform, or of another case, the runs of the button; several laws are asked of one study."""
     design = LESSON.apply(LESSON.start(), {"case": PLATFORM, **values})
-    *_, study = studies(design, MANY, case_of(design["case"]).full, 50)
+    *_, study = studies(design, JOB_RUNS, case_of(design["case"]).full, 50)
     assert study is not None
     return study
 
@@ -53,7 +53,7 @@ def test_without_bends_extended_and_unscented_are_the_kalman_filter_to_rounding(
 @pytest.mark.parametrize("seed", SEEDS)
 def test_all_three_are_consistent_where_nothing_bends(seed):
     study = many(**LINEAR, seed=seed)
-    low, high = chi2_band(6, count=MANY, level=0.99999)
+    low, high = chi2_band(6, count=JOB_RUNS, level=0.99999)
     assert ((study.nees[KF] > low) & (study.nees[KF] < high)).all()
 
 
@@ -72,10 +72,10 @@ def test_algorithm_3_as_printed_is_not_the_kalman_filter_where_nothing_bends(see
 def test_the_printed_gain_costs_what_the_text_says():
     right, believed, real, apart = linear_spreads(PLATFORM, 10.0, 0.1)
     assert 5.5 < real[-1] / right[-1] < 7 and apart > 0.1
-    for name in (PLATFORM, PENDULUM):
+    for name in (PLATFORM, PENDULUM_CASE):
         right, believed, real, apart = linear_spreads(name, 1.0, 1.0)
         assert (real >= right * (1 - 1e-12)).all() and believed[-1] > right[-1] and apart > 1e-3
-    right, believed, real, apart = linear_spreads(FALL, 1.0, 1.0)  # Q = 0: nothing to redraw for
+    right, believed, real, apart = linear_spreads(FALL_CASE, 1.0, 1.0)  # Q = 0: nothing to redraw for
     np.testing.assert_allclose(believed, right, rtol=1e-9)
     np.testing.assert_allclose(real, right, rtol=1e-9)
 
@@ -83,7 +83,7 @@ def test_the_printed_gain_costs_what_the_text_says():
 @pytest.mark.parametrize("seed", range(30))
 def test_on_the_falling_body_the_extended_filter_is_overconfident_and_the_unscented_is_not(seed):
     """χ²(3): 99 % of the runs belong below its 99 % point. Means: EKF ten thousandfold; UKF as it should, but for strays."""
-    study = many(case=FALL, seed=seed)
+    study = many(case=FALL_CASE, seed=seed)
     assert study.honest[UKF] > 0.95 and study.honest[EKF] < 0.15
     assert says(study, EKF) == "overconfident"
     assert study.ratio(EKF) > 3e3 and study.ratio(UKF) < 4 and study.nees[EKF][-1] > 1000 * study.nees[UKF][-1]
@@ -94,7 +94,7 @@ def test_least_squares_over_all_readings_reach_the_bound_that_the_unscented_filt
     """Gauss and Newton over the start of each run, with slopes by a complex step; so the bound is no empty threat."""
     design, runs = LESSON.start(), 50
     rng = np.random.default_rng([int(design["seed"]), 14])
-    case, e = experiment_of(design, runs, case_of(FALL).full, rng)
+    case, e = experiment_of(design, runs, case_of(FALL_CASE).full, rng)
     samples, none = list(simulate_filters(e, rng)), np.zeros((0, 1))
     true, unit = samples[0].x, case.spread
     found = true.copy()
@@ -109,15 +109,15 @@ def test_least_squares_over_all_readings_reach_the_bound_that_the_unscented_filt
             seen = (H @ S)[:, 0]
             J, g = J + seen[:, :, None] * seen[:, None] / e.R.item(), g + seen * (sample.y - y).T / e.R.item()
         found = found + unit[:, None] * np.linalg.solve(J, g[..., None])[..., 0].T
-    bound = many(case=FALL).bound
+    bound = many(case=FALL_CASE).bound
     assert 0.7 < np.sqrt(np.mean((found - true)[2]**2)) / bound.rms[-1] < 1.3
     assert 2.5 < bound.times[UKF] < 4.5 and bound.times[EKF] > 8
 
 
 @pytest.mark.slow
 def test_on_the_falling_body_most_ensembles_of_the_unscented_filter_lie_in_the_band():
-    low, high = chi2_band(3, count=MANY, level=0.99)
-    studies_ = [many(case=FALL, seed=seed) for seed in range(30)]
+    low, high = chi2_band(3, count=JOB_RUNS, level=0.99)
+    studies_ = [many(case=FALL_CASE, seed=seed) for seed in range(30)]
     ends = np.array([s.nees[UKF][-1] for s in studies_])
     assert low < np.median(ends) < high and np.mean(ends < high) > 0.5 and (ends > low * 0.8).all()
     errors = np.median([[1e3 * s.rms[EKF][20, 1], 1e3 * s.rms[UKF][20, 1]] for s in studies_], axis=0)
@@ -127,13 +127,13 @@ def test_on_the_falling_body_most_ensembles_of_the_unscented_filter_lie_in_the_b
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", SEEDS)
 def test_the_pole_makes_the_extended_filter_overconfident_and_falls_with_the_linear_one(seed):
-    by = {name: many(case=PENDULUM, filter=name, seed=seed) for name in FILTERS}
+    by = {name: many(case=PENDULUM_CASE, filter=name, seed=seed) for name in FILTERS}
     assert by[KF].fallen >= 35 and max(by[EKF].fallen, by[UKF].fallen) <= 10
     assert says(by[UKF], EKF) == "overconfident" and says(by[UKF], KF) == "overconfident"
     assert by[UKF].nees[EKF].max() > 7 * 4
     assert 0.6 * np.median(by[UKF].nees[EKF]) > np.median(by[UKF].nees[UKF]) * 0.6
     assert np.median(by[UKF].nees[UKF]) < 4.8
-    wide = many(case=PENDULUM, filter=UKF, seed=seed, size=2.0)
+    wide = many(case=PENDULUM_CASE, filter=UKF, seed=seed, size=2.0)
     assert wide.fallen > 15 and says(wide, UKF) != "consistent"
 
 
@@ -145,7 +145,7 @@ def test_on_the_platform_the_extended_filter_is_honest_up_to_an_amplitude(seed):
     assert says(small, EKF) == says(small, UKF) == says(one, UKF) == "consistent"
     assert all(0.9 < one.bound.times[name] < 1.12 for name in (EKF, UKF)) and one.bound.times[KF] > 3
     assert says(small, KF) == says(one, KF) == says(two, KF) == "overconfident"
-    high = chi2_band(6, count=MANY, level=0.9999)[1]
+    high = chi2_band(6, count=JOB_RUNS, level=0.9999)[1]
     after = one.t > 0.6
     assert one.nees[EKF].max() > high and (one.nees[EKF][after] < 1.1 * high).all()
     assert two.nees[EKF].max() > 3000 and 15 < two.nees[UKF].max() < 3000
@@ -162,14 +162,14 @@ def test_tasks_hold_for_any_seed(task):
 
 
 def test_the_job_keeps_what_only_the_view_changes():
-    first = LESSON.compute(LESSON.apply(LESSON.start(), {"case": FALL}))
+    first = LESSON.compute(LESSON.apply(LESSON.start(), {"case": FALL_CASE}))
     assert LESSON.job is not None
     *_, (_, last) = LESSON.job.outcomes(first)
-    assert last.study.runs == MANY
+    assert last.study.runs == JOB_RUNS
     for values, kept in (({"line": "S"}, True), ({"filter": UKF}, True), ({"size": 0.7}, False), ({"seed": 3}, False)):
         after = LESSON.compute(LESSON.apply(first.design, values))
-        assert (carried(LESSON, last.design, last.study, after).study.runs == MANY) == kept, values
-    steered = LESSON.compute(LESSON.apply(LESSON.start(), {"case": PENDULUM}))
+        assert (carried(LESSON, last.design, last.study, after).study.runs == JOB_RUNS) == kept, values
+    steered = LESSON.compute(LESSON.apply(LESSON.start(), {"case": PENDULUM_CASE}))
     *_, (_, done) = LESSON.job.outcomes(steered)
     after = LESSON.compute(LESSON.apply(steered.design, {"filter": UKF}))
     assert carried(LESSON, done.design, done.study, after) is after  # another filter steers: other runs
@@ -188,7 +188,7 @@ def test_a_known_start_leaves_the_kf_five_times_overconfident_and_the_ekf_honest
 def test_innovations_of_the_falling_ekf_average_about_two():
     ratios = []
     for seed in SEEDS:
-        first = LESSON.compute(LESSON.apply(LESSON.start(), {"case": FALL, "seed": seed}))
+        first = LESSON.compute(LESSON.apply(LESSON.start(), {"case": FALL_CASE, "seed": seed}))
         *_, (_, last) = LESSON.job.outcomes(first)
         ratios.append(last.metrics["nis_ekf"])
         assert last.metrics["nees_ekf"] > 1000

@@ -8,16 +8,16 @@ import pytest
 from scipy.integrate import quad_vec
 from scipy.linalg import expm
 
-from app.engine import Plant, observability, observer_gain
-from app.lesson.figures import PlaneFigure
-from app.lesson.lesson import Stage
-from app.plants.own import own_model
-from lessons.observability.cases import CASES, READING, sensed
-from lessons.observability.criteria import DET, GRAMIAN, PBH, RANK
-from lessons.observability.knowledge import KNOWN, learn
-from lessons.observability.lesson import LESSON
-from lessons.observability.study import Study, judged
-from lessons.observability.sweep import least_distance, least_ratio
+from observer_lab.course.figures.records import PlaneFigure
+from observer_lab.course.lesson import Stage
+from observer_lab.engine import Plant, observability, observer_gain
+from observer_lab.lessons.observability.cases import PLANT_CASES, READING, sensed
+from observer_lab.lessons.observability.criteria import DET, GRAMIAN, PBH, RANK_CRITERION
+from observer_lab.lessons.observability.initial_state import KNOWN_SHARE, learn
+from observer_lab.lessons.observability.knob_sweep import least_distance, least_ratio
+from observer_lab.lessons.observability.lesson import LESSON
+from observer_lab.lessons.observability.study import Study, judged
+from observer_lab.plants.own_plant import own_model
 
 
 def outcome(**changes):
@@ -122,7 +122,7 @@ def test_middle_sensor_sees_the_vertical_motion_only():
     assert judged(f) == "hidden" and f.sensed.seen.rank == 2 and hidden == {6.25, 7.49}
     spread = np.sqrt(np.diagonal(f.belief.P[-1]))
     np.testing.assert_allclose(spread[[0, 2, 3, 5]], 1.0, atol=1e-9)  # x, θ and their rates: as wide as before
-    assert np.all(spread[[1, 4]] < KNOWN)
+    assert np.all(spread[[1, 4]] < KNOWN_SHARE)
 
 
 def test_horizontal_sensor_misses_the_vertical_motion():
@@ -141,7 +141,7 @@ def test_one_sensor_off_the_middle_sees_all_and_farther_is_better(place):
 
 def test_typical_sizes_change_numbers_not_the_plant():
     f = found(left=-0.1, right_on=True, across_on=True)
-    S = np.diag(CASES["deck"].scale)
+    S = np.diag(PLANT_CASES["deck"].scale)
     own = Plant(S @ f.sensed.plant.A @ np.linalg.inv(S), np.zeros((6, 1)), READING * f.sensed.plant.C @ np.linalg.inv(S))
     np.testing.assert_allclose(own.C, [[0, 0, 0, 0, 1, -0.1], [0, 0, 0, 0, 1, 0.072], [0, 0, 0, 1, 0, 0.014978]], atol=1e-12)
     np.testing.assert_allclose(observability(own).rank, f.sensed.seen.rank)
@@ -157,7 +157,7 @@ def test_blind_directions_of_the_notes_sensor():
         f = found(plant="notes", angle=angle)
         assert not f.sensed.seen.observable or f.weakest.distance < 1e-12
         assert f.weakest.pole.real == pytest.approx(pole, abs=1e-3)
-        assert {c.id: c.says for c in f.criteria} == {DET: None, RANK: False, GRAMIAN: False, PBH: False}
+        assert {c.id: c.says for c in f.criteria} == {DET: None, RANK_CRITERION: False, GRAMIAN: False, PBH: False}
 
 
 @pytest.mark.parametrize("changes", [{"plant": "notes"}, {"left": -0.15}, {"plant": "pair", "gap": 0.1},
@@ -203,11 +203,11 @@ def test_less_noise_means_a_smaller_ellipsoid_but_not_for_a_hidden_direction():
 def test_the_sentence_of_the_notes_says_nothing():
     """C e^{At} is 1×2 at every t, so there is no determinant; the other three agree, and refuse a blind direction."""
     says = {c.id: c.says for c in found(plant="notes").criteria}
-    assert says == {DET: None, RANK: True, GRAMIAN: True, PBH: True}
+    assert says == {DET: None, RANK_CRITERION: True, GRAMIAN: True, PBH: True}
     s = found(plant="notes").sensed
     assert all(np.linalg.matrix_rank(s.plant.C @ phi) == 1 for phi in s.powers)
     says = {c.id: c.says for c in found().criteria}
-    assert says == {DET: None, RANK: False, GRAMIAN: False, PBH: False}
+    assert says == {DET: None, RANK_CRITERION: False, GRAMIAN: False, PBH: False}
 
 
 def test_a_gramian_below_rounding_does_not_say_no_where_nothing_is_hidden():

@@ -12,8 +12,8 @@ from scipy.linalg import eigvals, expm, solve_continuous_are, solve_continuous_l
 from scipy.optimize import brentq, minimize_scalar
 from scipy.signal import cont2discrete
 
-from app.lesson.typed import value_of
-from lessons import LESSONS
+from observer_lab.course.exercises.typed_answers import evaluate_typed
+from observer_lab.lessons import LESSONS
 
 Letters = Mapping[str, float]
 POINTS = 6
@@ -310,4 +310,4 @@ def test_the_right_answer_is_what_a_computation_finds(place: tuple[str, str]) ->
     rng = np.random.default_rng(len(place[1]))
     for _ in range(POINTS):
         point = {letter: float(rng.uniform(*typed.span)) for letter in typed.letters}
-        assert value_of(typed.answer, point) == pytest.approx(COMPUTED[place](point), rel=2e-6), point
+        assert evaluate_typed(typed.answer, point) == pytest.approx(COMPUTED[place](point), rel=2e-6), point

@@ -7,9 +7,9 @@ from typing import Any
 
 from laws import each
 
-from app.text import languages
-from app.view.prediction import LETTERS
-from lessons import LESSONS
+from observer_lab.lessons import LESSONS
+from observer_lab.page.column.prediction_panel import LETTERS
+from observer_lab.text import languages
 
 DOYLE = {"case": "doyle", "q": 5.0, "sigma": 5.0}
 QUIET = {"sensor": 1e-14}

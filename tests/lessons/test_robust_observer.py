@@ -8,16 +8,16 @@ import pytest
 from lesson_checks import carried
 from scipy.integrate import solve_ivp
 
-from app.engine import EngineError, ShapeError, functional_observer, rlo, simulate_functional
-from app.engine.observers import Region, vertices, worst_error_gain
-from app.lesson.knobs import KnobError
-from app.plants.duan import EXAMPLE_1, EXAMPLE_2, push
-from lessons.robust_observer.criterion import criterion_1, criterion_2, steering
-from lessons.robust_observer.job import swept
-from lessons.robust_observer.knobs import COLUMNS, LINES, REMARKS
-from lessons.robust_observer.lesson import LESSON
-from lessons.robust_observer.paper import claimed_columns, free_columns, remark_3, true_size
-from lessons.robust_observer.study import FREQUENCIES, errors, observer_of
+from observer_lab.course.knobs import KnobError
+from observer_lab.engine import EngineError, ShapeError, functional_observer, rlo, simulate_functional
+from observer_lab.engine.observers import Region, vertices, worst_error_gain
+from observer_lab.lessons.robust_observer.criterion import criterion_1, criterion_2, steering
+from observer_lab.lessons.robust_observer.job import swept
+from observer_lab.lessons.robust_observer.knobs import COLUMNS, REMARKS, SENSITIVITY_LINES
+from observer_lab.lessons.robust_observer.lesson import LESSON
+from observer_lab.lessons.robust_observer.paper_slips import claimed_columns, free_columns, remark_3, true_size
+from observer_lab.lessons.robust_observer.study import FREQUENCIES, errors, observer_of
+from observer_lab.plants.duan import EXAMPLE_1, EXAMPLE_2, outer_input
 
 START = LESSON.start()
 SECOND = LESSON.apply(START, {"example": "2"})
@@ -274,7 +274,7 @@ def test_of_the_readings_of_remark_3_one_meets_both_conditions():
 
 
 def test_of_the_lines_of_example_2_one_has_a_wrong_size():
-    sizes = {name: true_size(name) for name in LINES}
+    sizes = {name: true_size(name) for name in SENSITIVITY_LINES}
     assert sizes == {"TA": (2, 3), "LC": (2, 3), "MC": (1, 3), "N": (1, 2)}
 
 
@@ -301,7 +301,7 @@ def test_a_transient_is_not_called_an_amplitude(s: float) -> None:
         assert "unstable" in caption and np.isinf(o.study.steady)
         return
     dA, dC = errors(o.design)
-    long = simulate_functional(o.study.observer, push, x0=EXAMPLE_1.x0, z0=EXAMPLE_1.z0, horizon=max(20.0, 12 / -slowest),
+    long = simulate_functional(o.study.observer, outer_input, x0=EXAMPLE_1.x0, z0=EXAMPLE_1.z0, horizon=max(20.0, 12 / -slowest),
                                dt=0.01, dA=dA, dC=dC)
     settled = np.abs(long.e_u[-500:, 0]).max()
     assert o.study.steady == pytest.approx(settled, rel=0.01)

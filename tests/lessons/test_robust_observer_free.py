@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from scipy.linalg import null_space
 
-from app.engine.observers import existence, vertices, worst_error_gain
-from app.plants.duan import EXAMPLE_1, EXAMPLE_2
-from lessons.robust_observer.criterion import criterion_3, steering_3
-from lessons.robust_observer.lesson import LESSON
-from lessons.robust_observer.study import observer_of
+from observer_lab.engine.observers import existence, vertices, worst_error_gain
+from observer_lab.lessons.robust_observer.criterion import criterion_3, steering_3
+from observer_lab.lessons.robust_observer.lesson import LESSON
+from observer_lab.lessons.robust_observer.study import observer_of
+from observer_lab.plants.duan import EXAMPLE_1, EXAMPLE_2
 
 PAIRS = ((-4.0, -2.5), (-0.7, -9.0), (-3 - 2j, -3 + 2j))
 

@@ -9,16 +9,16 @@ from hypothesis import strategies as st
 from lesson_checks import carried
 from scipy.linalg import expm
 
-from app.engine import EngineError, Plant, observability, simulate_functional
-from app.engine.observers import criterion, perturbed_loop
-from app.lesson.figures import TableFigure
-from app.lesson.knobs import KnobError
-from app.lesson.lesson import Lesson, Outcome
-from app.plants.examples import EXAMPLES, example
-from app.plants.own import canonical
-from lessons.robust_observer.lesson import LESSON
-from lessons.robust_observer.own_loop import errors, loop_of, run_of
-from lessons.robust_observer.own_plant import Here, fitted
+from observer_lab.course.figures.records import TableFigure
+from observer_lab.course.knobs import KnobError
+from observer_lab.course.lesson import Lesson, Outcome
+from observer_lab.engine import EngineError, Plant, observability, simulate_functional
+from observer_lab.engine.observers import criterion, perturbed_loop
+from observer_lab.lessons.robust_observer.lesson import LESSON
+from observer_lab.lessons.robust_observer.own_loop import errors, loop_of, run_of
+from observer_lab.lessons.robust_observer.own_plant import Here, fitted
+from observer_lab.plants.examples import EXAMPLES, example
+from observer_lab.plants.own_plant import canonical_text
 
 FITS = tuple(name for name in EXAMPLES if name != "exchanger")
 SMALL = tuple(name for name in FITS if name != "beam")  # RLO on sixteen states takes long
@@ -183,7 +183,7 @@ def test_the_ghost_is_the_whole_state_where_z_and_y_give_it() -> None:
 ])
 def test_a_plant_that_does_not_fit_is_refused_in_one_sentence(plant: Plant, words: tuple[str, str]) -> None:
     with pytest.raises(KnobError) as problem:
-        LESSON.fit(canonical(plant))
+        LESSON.fit(canonical_text(plant))
     assert words[0] in problem.value.text("en") and words[1] in problem.value.text("zh")
 
 
@@ -208,7 +208,7 @@ def observable(draw: st.DrawFn) -> Plant:
 @given(plant=observable())
 def test_any_observable_plant_gives_an_observer_or_one_sentence(plant: Plant) -> None:
     try:
-        lesson = LESSON.fit(canonical(plant))
+        lesson = LESSON.fit(canonical_text(plant))
         outcome = lesson.compute(lesson.start())
     except (EngineError, KnobError) as problem:
         assert str(problem).strip() and "\n" not in str(problem)
@@ -228,7 +228,7 @@ def test_any_observable_plant_gives_an_observer_or_one_sentence(plant: Plant) ->
 @given(plant=observable())
 def test_rlo_on_any_plant_is_no_worse_than_the_start_or_one_sentence(plant: Plant) -> None:
     try:
-        lesson = LESSON.fit(canonical(plant))
+        lesson = LESSON.fit(canonical_text(plant))
         start = lesson.compute(lesson.start())
         end = finished(lesson, start)
     except (EngineError, KnobError) as problem:

@@ -9,18 +9,18 @@ import pytest
 from lesson_checks import carried
 from scipy.linalg import solve_discrete_are
 
-from app.engine import Plant, closed_loop, controllability, hankel_singular_values, loop_margins, observability
-from app.engine.filters.filter_trial import simulate_filter
-from app.lesson.figures import TableFigure
-from app.lesson.lesson import Lesson, Outcome
-from app.plants.examples import EXAMPLES, example
-from app.plants.own import canonical, own_model, plant_of
-from lessons.sandbox.analyses import RUNGS, SAMPLES, SKIP, Refusal, noises, trial
-from lessons.sandbox.lesson import LESSON
+from observer_lab.course.figures.records import TableFigure
+from observer_lab.course.lesson import Lesson, Outcome
+from observer_lab.engine import Plant, closed_loop, controllability, hankel_singular_values, loop_margins, observability
+from observer_lab.engine.filters.filter_trial import simulate_filter
+from observer_lab.lessons.sandbox.analyses import ASSUMED_NOISE_RATIOS, RECORD_SAMPLES, UNTESTED_SAMPLES, Refusal, noises, trial
+from observer_lab.lessons.sandbox.lesson import LESSON
+from observer_lab.plants.examples import EXAMPLES, example
+from observer_lab.plants.own_plant import canonical_text, own_model, plant_of
 
 
 def opened(plant: Plant | str, **changes: object) -> tuple[Lesson, Outcome]:
-    lesson = LESSON.fit(plant if isinstance(plant, str) else canonical(plant))
+    lesson = LESSON.fit(plant if isinstance(plant, str) else canonical_text(plant))
     return lesson, lesson.compute(lesson.apply(lesson.start(), changes))
 
 
@@ -112,9 +112,9 @@ def test_an_unstable_loop_that_clips_keeps_no_error_below_its_peak() -> None:
 def test_the_nis_of_the_words_is_that_of_a_filter_written_out_by_hand() -> None:
     """1.66, 0.41 and 9.1: the record of the start through Kalman's two steps, with a plant and noise sampled by a Taylor series."""
     model = own_model(plant_of(example("aircraft")))
-    A, B, C, h = model.plant.A, model.plant.B, model.plant.C, model.horizon / SAMPLES
+    A, B, C, h = model.plant.A, model.plant.B, model.plant.C, model.horizon / RECORD_SAMPLES
     G, W, V = noises(model, 0.01)
-    record = simulate_filter(model.plant, G, W, V, h, SAMPLES, seed=int(LESSON.start()["seed"])).run
+    record = simulate_filter(model.plant, G, W, V, h, RECORD_SAMPLES, seed=int(LESSON.start()["seed"])).run
     powers = [np.linalg.matrix_power(A, k) * h**k / factorial(k) for k in range(25)]
     F, H = sum(powers), sum(p * h / (k + 1) for k, p in enumerate(powers)) @ B
     Q = sum(p @ G @ W @ G.T @ q.T * h / (i + j + 1) for i, p in enumerate(powers) for j, q in enumerate(powers))
@@ -127,7 +127,7 @@ def test_the_nis_of_the_words_is_that_of_a_filter_written_out_by_hand() -> None:
             M = P @ C.T @ np.linalg.inv(S)
             nis.append(nu @ np.linalg.solve(S, nu))
             x, P = F @ (x + M @ nu) + H @ u, F @ (P - M @ S @ M.T) @ F.T + belief * Q
-        assert f"{np.mean(nis[SKIP:]):.{len(said) - 2}f}" == said
+        assert f"{np.mean(nis[UNTESTED_SAMPLES:]):.{len(said) - 2}f}" == said
         assert all(said in prose.again.question + prose.again.reveal for prose in LESSON.words.values())
 
 
@@ -136,7 +136,7 @@ def test_the_bottom_of_the_valley_is_the_true_belief() -> None:
         _, outcome = opened(example(name))
         found = outcome.study.noise
         sizes = [np.trace(part.total / np.outer(found.unit, found.unit)) for part in found.ladder.parts]
-        assert RUNGS[int(np.argmin(sizes))] == pytest.approx(1.0)
+        assert ASSUMED_NOISE_RATIOS[int(np.argmin(sizes))] == pytest.approx(1.0)
 
 
 def test_recovery_brings_the_margin_of_a_minimum_phase_plant_back() -> None:

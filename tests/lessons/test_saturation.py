@@ -9,27 +9,27 @@ from lesson_checks import by_knobs
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
-from app.engine import Plant, Scenario, autonomous_error, observer_gain, place, simulate
-from app.engine.simulation import simulate_recovery
-from app.lesson.lesson import Design, Outcome
-from lessons.saturation import job
-from lessons.saturation.job import JOB, map_scenario
-from lessons.saturation.lesson import LESSON
-from lessons.saturation.study import (
+from observer_lab.course.lesson import Design, Outcome
+from observer_lab.engine import Plant, Scenario, autonomous_error, observer_gain, place, simulate
+from observer_lab.engine.simulation import simulate_recovery
+from observer_lab.lessons.saturation import job
+from observer_lab.lessons.saturation.job import JOB, map_scenario
+from observer_lab.lessons.saturation.lesson import LESSON
+from observer_lab.lessons.saturation.study import (
+    CART_PLANT,
     FALLEN,
-    FAR,
-    GRID,
-    HOME,
-    HOPELESS,
-    NEAR,
-    PLANT,
-    UNKNOWN,
+    LOST_NORM,
+    NOT_COMPUTED,
+    RECOVERED,
+    RECOVERED_NORM,
+    START_GRID_DEG,
+    UNRECOVERABLE,
     ceiling,
     comes_home,
     march,
     scenario_of,
 )
-from lessons.saturation.tasks import FAST
+from observer_lab.lessons.saturation.tasks import FAST_POLES
 
 
 def design(**changes: object) -> Design:
@@ -49,7 +49,7 @@ def told_truth() -> Outcome:
 
 @pytest.fixture(scope="module")
 def fast_observer() -> Outcome:
-    return mapped(fed="applied", observer_poles=FAST)
+    return mapped(fed="applied", observer_poles=FAST_POLES)
 
 
 @pytest.fixture(scope="module")
@@ -73,7 +73,7 @@ def test_double_integrator_of_the_tutorial_loses_its_error_law_only_when_fed_the
 def test_told_the_truth_the_error_is_the_matrix_exponential_although_clipped() -> None:
     outcome = LESSON.compute(design(fed="applied"))
     run, L = outcome.run, outcome.gains["L"]
-    promised = np.array([expm((PLANT.A - L @ PLANT.C) * t) @ run.e[0] for t in run.t])
+    promised = np.array([expm((CART_PLANT.A - L @ CART_PLANT.C) * t) @ run.e[0] for t in run.t])
     assert outcome.metrics["clipped_for"] > 0.1
     assert np.abs(run.e - promised).max() < 1e-9 * np.linalg.norm(run.e, axis=1).max()
     assert {check.id: check.holds for check in outcome.checks} == {"autonomous": True, "windup": True, "home": True}
@@ -88,7 +88,7 @@ def test_told_the_wish_the_error_is_driven_by_what_the_motor_did_not_give() -> N
         x, e = z[:4], z[4:]
         u = -K @ (x - e)
         given = np.clip(u, -4, 4)
-        return np.concatenate([PLANT.A @ x + PLANT.B @ given, (PLANT.A - L @ PLANT.C) @ e + PLANT.B @ (given - u)])
+        return np.concatenate([CART_PLANT.A @ x + CART_PLANT.B @ given, (CART_PLANT.A - L @ CART_PLANT.C) @ e + CART_PLANT.B @ (given - u)])
 
     k = 15  # 0.3 s
     peer = solve_ivp(error_rate, (0, run.t[k]), [*run.x[0], *run.e[0]], rtol=1e-10, atol=1e-12, max_step=1e-3)
@@ -106,7 +106,7 @@ def test_a_true_first_estimate_does_not_help_the_observer_told_the_wish() -> Non
 def test_windup_is_an_eigenvalue_and_the_applied_force_removes_it() -> None:
     wish, truth = (LESSON.compute(design(fed=fed)) for fed in ("commanded", "applied"))
     K, L = wish.gains["K"], wish.gains["L"]
-    assert wish.metrics["clipped_rate"] == pytest.approx(max(np.roots(np.poly(PLANT.A - PLANT.B @ K - L @ PLANT.C)).real))
+    assert wish.metrics["clipped_rate"] == pytest.approx(max(np.roots(np.poly(CART_PLANT.A - CART_PLANT.B @ K - L @ CART_PLANT.C)).real))
     assert wish.metrics["clipped_rate"] == pytest.approx(46.5, abs=0.05)
     assert truth.metrics["clipped_rate"] == pytest.approx(-8.0)
 
@@ -115,15 +115,15 @@ def test_windup_is_an_eigenvalue_and_the_applied_force_removes_it() -> None:
 def test_ceiling_of_a_plain_pendulum_is_the_angle_where_gravity_wins() -> None:
     pendulum = Plant([[0, 9.0], [1, 0]], [[-2.0], [0]], [[0, 1]])  # state (ω, θ): ω̇ = 9 θ − 2 u
     assert ceiling(pendulum, 1.5) == pytest.approx(np.degrees(2 * 1.5 / 9))
-    assert ceiling(PLANT, 1.0) == pytest.approx(4.75, abs=0.005)
+    assert ceiling(CART_PLANT, 1.0) == pytest.approx(4.75, abs=0.005)
 
 
 def test_beyond_the_ceiling_not_even_a_known_state_comes_home() -> None:
-    limit = np.radians(ceiling(PLANT, 4.0))
+    limit = np.radians(ceiling(CART_PLANT, 4.0))
     K = LESSON.compute(design()).gains["K"]
-    s = Scenario(PLANT, K, u_min=-4, u_max=4, state_feedback=True, horizon=8)
+    s = Scenario(CART_PLANT, K, u_min=-4, u_max=4, state_feedback=True, horizon=8)
     *_, (_, found) = simulate_recovery(s, 1, [-1.3 * limit, -1.001 * limit, 0.3 * limit, 1.001 * limit], 1, [0.0],
-                                  threshold=NEAR, bound=FAR)
+                                  threshold=RECOVERED_NORM, bound=LOST_NORM)
     assert found.recovered.ravel().tolist() == [False, False, True, False]
 
 
@@ -138,12 +138,13 @@ def test_twice_the_limit_is_twice_the_map() -> None:
 @pytest.mark.slow
 def test_interlaced_mirrored_map_is_the_map_of_plain_runs(told_truth: Outcome) -> None:
     starts = told_truth.study.starts
-    coarse = np.arange(0, len(GRID), 4)
+    coarse = np.arange(0, len(START_GRID_DEG), 4)
     s = map_scenario(scenario_of(told_truth.design, told_truth.gains["K"], told_truth.gains["L"]))
-    *_, (_, plain) = simulate_recovery(s, 1, np.radians(GRID[coarse]), 1, np.radians(GRID[coarse]), threshold=NEAR,
-                                       bound=FAR)
-    assert np.array_equal(starts.values[np.ix_(coarse, coarse)] == HOME, plain.recovered.T)
-    assert np.all((starts.values == HOPELESS).any(axis=0) == (np.abs(GRID) >= told_truth.metrics["ceiling"]))
+    *_, (_, plain) = simulate_recovery(
+        s, 1, np.radians(START_GRID_DEG[coarse]), 1, np.radians(START_GRID_DEG[coarse]), threshold=RECOVERED_NORM, bound=LOST_NORM
+    )
+    assert np.array_equal(starts.values[np.ix_(coarse, coarse)] == RECOVERED, plain.recovered.T)
+    assert np.all((starts.values == UNRECOVERABLE).any(axis=0) == (np.abs(START_GRID_DEG) >= told_truth.metrics["ceiling"]))
 
 
 @pytest.mark.slow
@@ -156,12 +157,12 @@ def test_numbers_in_the_text_are_those_of_the_maps(told_wish, told_truth, fast_o
 @pytest.mark.slow
 def test_with_a_true_estimate_the_observer_does_not_matter_and_otherwise_it_does(told_truth, fast_observer) -> None:
     one, other = told_truth.study.starts.values, fast_observer.study.starts.values
-    middle = len(GRID) // 2
-    assert GRID[middle] == 0 and np.array_equal(one[middle], other[middle])
+    middle = len(START_GRID_DEG) // 2
+    assert START_GRID_DEG[middle] == 0 and np.array_equal(one[middle], other[middle])
     assert np.sum(one != other) > 100
     known = LESSON.compute(design(fed="applied", error0=0.0))
     home = march(replace(scenario_of(known.design, known.gains["K"], known.gains["L"], state_feedback=True)))
-    assert comes_home(home) == (one[middle, int(np.flatnonzero(GRID == 6.0)[0])] == HOME)
+    assert comes_home(home) == (one[middle, int(np.flatnonzero(START_GRID_DEG == 6.0)[0])] == RECOVERED)
 
 
 @pytest.mark.slow
@@ -172,7 +173,7 @@ def test_a_clicked_start_runs_as_the_map_says(told_wish, told_truth) -> None:
             picked = LESSON.apply(outcome.design, LESSON.pick(outcome, x, y))
             assert abs(picked["angle0"] - x) <= 0.5 and abs(picked["error0"] - y) <= 0.5
             cell = outcome.study.starts.at(picked["angle0"], picked["error0"])
-            assert bool(LESSON.compute(picked).metrics["comes_home"]) == (cell == HOME)
+            assert bool(LESSON.compute(picked).metrics["comes_home"]) == (cell == RECOVERED)
 
 
 def test_click_outside_lands_on_the_edge_and_removes_the_kick(told_wish: Outcome) -> None:
@@ -187,7 +188,7 @@ def test_a_map_so_far_holds_only_final_verdicts(told_wish: Outcome) -> None:
         assert last <= fraction <= 1.0
         last = fraction
         if outcome.study.starts is not None:
-            known = outcome.study.starts.values != UNKNOWN
+            known = outcome.study.starts.values != NOT_COMPUTED
             assert np.array_equal(outcome.study.starts.values[known], final[known])
             seen.append(float(np.mean(known)))
     assert len(set(seen)) >= 4 and seen == sorted(seen) and seen[-1] == 1.0
@@ -198,10 +199,10 @@ def test_the_map_goes_along_with_a_new_start_and_with_nothing_else(told_truth: O
     moved = LESSON.compute(design(fed="applied", angle0=-3.0, error0=1.0, kick=1.0))
     assert JOB.key(moved.design) == JOB.key(told_truth.design)
     assert JOB.shown(moved, told_truth.study.starts).study.starts is told_truth.study.starts
-    for change in ({"fed": "commanded"}, {"u_max": 5.0}, {"observer_poles": FAST}, {"controller_poles": (-2, -2.5, -3, -4)}):
+    for change in ({"fed": "commanded"}, {"u_max": 5.0}, {"observer_poles": FAST_POLES}, {"controller_poles": (-2, -2.5, -3, -4)}):
         other = LESSON.compute(LESSON.apply(told_truth.design, change))
         assert JOB.key(other.design) != JOB.key(told_truth.design)
-        assert np.all(LESSON.figures(other)[-1].values == UNKNOWN)
+        assert np.all(LESSON.figures(other)[-1].values == NOT_COMPUTED)
 
 
 @pytest.mark.slow
@@ -220,11 +221,11 @@ def test_a_dropped_job_goes_on_where_it_was(told_wish: Outcome) -> None:
 @pytest.mark.slow
 def test_a_rough_map_is_right_wherever_it_was_run_and_gives_no_numbers(
         monkeypatch: pytest.MonkeyPatch, told_wish: Outcome, told_truth: Outcome) -> None:
-    monkeypatch.setattr(job, "ready", lambda: True)
+    monkeypatch.setattr(job, "kernels_ready", lambda: True)
     for whole in (told_wish, told_truth):
         rough, full = job.rough_starts(LESSON.compute(whole.design)), whole.study.starts.values
         at = np.ix_(job.COARSE, job.COARSE)
-        assert np.array_equal(rough.values[at], full[at]) and np.array_equal(rough.values == HOPELESS, full == HOPELESS)
+        assert np.array_equal(rough.values[at], full[at]) and np.array_equal(rough.values == UNRECOVERABLE, full == UNRECOVERABLE)
         assert np.mean(rough.values == full) > 0.95
         drawn = JOB.shown(LESSON.compute(whole.design), rough)
         assert "map_home" not in drawn.metrics
@@ -233,9 +234,9 @@ def test_a_rough_map_is_right_wherever_it_was_run_and_gives_no_numbers(
 
 
 def test_there_is_no_rough_map_where_no_start_comes_home_or_runs_are_not_compiled(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(job, "ready", lambda: True)
+    monkeypatch.setattr(job, "kernels_ready", lambda: True)
     assert job.rough_starts(LESSON.compute(design(observer_poles=(1, -8, -9, -10)))) is None
-    monkeypatch.setattr(job, "ready", lambda: False)
+    monkeypatch.setattr(job, "kernels_ready", lambda: False)
     assert job.rough_starts(LESSON.compute(design())) is None
 
 

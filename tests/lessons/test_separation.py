@@ -10,12 +10,12 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
-from app.engine.simulation import disturbances_of
-from app.lesson.figures import Figure
-from app.lesson.lesson import Outcome
-from app.plants.examples import example
-from lessons.separation.lesson import LESSON
-from lessons.separation.study import Study
+from observer_lab.course.figures.records import Figure
+from observer_lab.course.lesson import Outcome
+from observer_lab.engine.simulation import disturbances_of
+from observer_lab.lessons.separation.lesson import LESSON
+from observer_lab.lessons.separation.study import Study
+from observer_lab.plants.examples import example
 
 UNSTABLE = (1.0, -4 - 5j, -4 + 5j, -5.0, -6 - 7j, -6 + 7j)
 LATE, CUT = ({}, {"delay": 6.0}, {"delay": 60.0}), ({}, {"limited": True, "u_max": 0.2}, {"limited": True, "u_max": 4.0})

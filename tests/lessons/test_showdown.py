@@ -8,15 +8,15 @@ import numpy as np
 import pytest
 from lesson_checks import carried
 
-from app.engine import noisy_loop, sampled_lqg
-from app.engine.sampled import loop_density, mechanics_response, simulate_trials, welch_expectation
-from app.lesson.lesson import Outcome
-from app.plants import platform, platform_siso
-from app.plants.platform_channels import T_y
-from app.plants.platform_lqg import Weights, coils, ground, lqg
-from lessons.showdown.lesson import LESSON
-from lessons.showdown.players import ORDER, decoupled, first_belief, full, gain_gap, players, reduced, sampled_design
-from lessons.showdown.world import band_rms, loop_of, measures, respond, world_of
+from observer_lab.course.lesson import Outcome
+from observer_lab.engine import noisy_loop, sampled_lqg
+from observer_lab.engine.sampled import loop_density, mechanics_response, simulate_trials, welch_expectation
+from observer_lab.lessons.showdown.controllers import ORDER, decoupled, first_belief, full, gain_gap, players, reduced, sampled_design
+from observer_lab.lessons.showdown.lesson import LESSON
+from observer_lab.lessons.showdown.simulation import band_rms, loop_of, measures, respond, world_of
+from observer_lab.plants.platform import model, siso_loops
+from observer_lab.plants.platform.channels import T_y
+from observer_lab.plants.platform.lqg_weights import Weights, coils, ground, lqg
 
 CHANNELS = ("vertical", "rotation", "horizontal")
 
@@ -36,7 +36,7 @@ def rms(result: Outcome, player: str) -> np.ndarray:
 def test_the_players_are_those_of_the_plants_modules() -> None:
     for v in (1e-10, 1e-13):
         weights, plant = Weights(v0=v), reduced()
-        for ours, theirs in ((full(v), lqg(plant, weights).controller), (decoupled(v), platform_siso.decoupled_lqg(weights))):
+        for ours, theirs in ((full(v), lqg(plant, weights).controller), (decoupled(v), siso_loops.decoupled_lqg(weights))):
             for s in (2j, 30j):
                 one, two = (c.C @ np.linalg.solve(s * np.eye(c.n) - c.A, c.B) for c in (ours, theirs))
                 assert np.abs(one - two).max() <= 1e-6 * np.abs(two).max()
@@ -59,7 +59,7 @@ def test_spectra_and_sizes_are_those_of_the_lyapunov_equation() -> None:
 
 def test_the_sampled_densities_are_the_continuous_loops_at_low_frequency() -> None:
     start = outcome()
-    whole, weights = platform.plant(), Weights(v0=1e-10)
+    whole, weights = model.plant(), Weights(v0=1e-10)
     loop = noisy_loop(coils(whole), lqg(reduced(), weights).controller, ground(whole), weights.W, V=weights.V)
     f = start.study.f
     low = f < 20
@@ -172,7 +172,7 @@ def test_the_grid_catches_the_sharp_peaks() -> None:
     """Area without control, 0.5–3 Hz, by the drawn points and by a hundred times as many."""
     match = outcome().study
     fine = np.geomspace(0.5, 3.0, 60_000)
-    loop = noisy_loop(coils(platform.plant()), None, ground(platform.plant()), 1e-12)
+    loop = noisy_loop(coils(model.plant()), None, ground(model.plant()), 1e-12)
     exact = band_rms(fine, 1e12 * loop.psd(fine, loop.outputs(T_y[:3])), 0.5, 3.0)
     ours = band_rms(match.f, match.spectra[0].density[:, :3], 0.5, 3.0)
     assert np.allclose(ours, exact, rtol=1e-3)

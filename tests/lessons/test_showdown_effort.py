@@ -7,12 +7,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from lessons.showdown.effort import Equal, equal_effort, met, retuned
-from lessons.showdown.equal import equal
-from lessons.showdown.lesson import LESSON
-from lessons.showdown.players import ORDER, Player
-from lessons.showdown.study import Trials
-from lessons.showdown.world import loop_of
+from observer_lab.lessons.showdown.controllers import ORDER, Player
+from observer_lab.lessons.showdown.effort_tables import equal
+from observer_lab.lessons.showdown.equal_effort import Equal, equal_effort, met, retuned
+from observer_lab.lessons.showdown.lesson import LESSON
+from observer_lab.lessons.showdown.simulation import loop_of
+from observer_lab.lessons.showdown.study import Trials
 
 
 def compared(**values: Any) -> tuple[Any, Equal]:

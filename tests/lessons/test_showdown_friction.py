@@ -8,16 +8,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from app.engine import Plant
-from app.engine.sampled import sampled_controller, sampled_loop
-from app.plants import platform
-from lessons.showdown.friction import Guides, guides, isolation, noise, rub, rubbed
-from lessons.showdown.lesson import LESSON
-from lessons.showdown.players import ORDER, OWN, players
-from lessons.showdown.world import RUN, loop_of, shake, world_of
+from observer_lab.engine import Plant
+from observer_lab.engine.sampled import sampled_controller, sampled_loop
+from observer_lab.lessons.showdown.controllers import ORDER, OWN_PAIR, players
+from observer_lab.lessons.showdown.friction import Guides, guides, isolation, noise, rub, rubbed
+from observer_lab.lessons.showdown.lesson import LESSON
+from observer_lab.lessons.showdown.simulation import RUN_SAMPLES, loop_of, shake, world_of
+from observer_lab.plants.platform import model
 
 QUIET = LESSON.apply(LESSON.start(), {"ground": "shaped", "sensor": 1e-14, "v": 1e-14})
-PLAYERS = players(1e-14, OWN)
+PLAYERS = players(1e-14, OWN_PAIR)
 
 
 def test_an_oscillator_loses_four_times_F_over_k_of_its_swing_in_each_period() -> None:
@@ -69,7 +69,7 @@ def test_a_deck_that_sticks_moves_as_the_ground_does_and_the_step_says_by_how_mu
     for name, two in said.items():
         np.testing.assert_allclose(found[name][:2, 0], two, rtol=0.25, err_msg=name)
     assert found["open"][2].min() > 0.999 and found["siso"][2].max() < 1
-    p = platform.Parameters()
+    p = model.Parameters()
     assert p.m * 9.81 / 5e-3 == pytest.approx(20_000, rel=0.2)
     loop, at = loop_of(world, PLAYERS[0]), guides(world, PLAYERS[0])
     w, _ = rub(loop, at, 1.0, np.zeros(loop.n), *noise(loop, 800, 1))
@@ -79,7 +79,7 @@ def test_a_deck_that_sticks_moves_as_the_ground_does_and_the_step_says_by_how_mu
 
 def test_the_stage_and_the_table_know_friction_and_white_ground_has_none() -> None:
     smooth, rough = (LESSON.compute(LESSON.apply(QUIET, {"friction": f})) for f in (0.0, 5.0))
-    assert np.abs(smooth.study.run[1] - rough.study.run[1]).max() > 1e-7 and len(rough.study.run[0]) == (RUN + 3) // 4
+    assert np.abs(smooth.study.run[1] - rough.study.run[1]).max() > 1e-7 and len(rough.study.run[0]) == (RUN_SAMPLES + 3) // 4
     assert smooth.metrics == rough.metrics
     white = [LESSON.compute(LESSON.apply(LESSON.start(), {"friction": f})).study.run[1] for f in (0.0, 20.0)]
     np.testing.assert_array_equal(*white)
@@ -91,5 +91,5 @@ def test_the_stage_and_the_table_know_friction_and_white_ground_has_none() -> No
 
 
 def _trials():
-    from lessons.showdown.study import Trials
+    from observer_lab.lessons.showdown.study import Trials
     return Trials((None,) * 5)

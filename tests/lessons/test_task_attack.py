@@ -7,7 +7,7 @@ import pytest
 from attack import outcome_of, random_designs, single_moves, solved
 from lesson_checks import every_lesson
 
-from app.lesson.lesson import Lesson
+from observer_lab.course.lesson import Lesson
 
 MOVES, LUCK = 16, 8  # of a lesson: stops and clicks tried, designs at random
 

@@ -12,10 +12,10 @@ import pytest
 from laws import each
 from scipy.linalg import expm, solve_continuous_are, solve_continuous_lyapunov
 
-from app.engine import Plant
-from app.lesson.lesson import Outcome
-from app.plants import MODELS, two_mass
-from lessons import LESSONS
+from observer_lab.course.lesson import Outcome
+from observer_lab.engine import Plant
+from observer_lab.lessons import LESSONS
+from observer_lab.plants import MODELS, two_mass
 
 NUMBER = re.compile(r"(?<![\d.])\d+(?:\.\d+)?(?![\d.]*\d)")
 

@@ -11,14 +11,14 @@ from typing import Any
 from laws import holds_for_all
 from teacher_facts import FACTS, GIVEN
 
-from app.lesson.knobs import Choice
-from app.lesson.lesson import Lesson
-from app.lesson.prose import read_notes
-from app.text.languages import HERE
-from app.text.message import wording
-from lessons import LESSONS, folder
+from observer_lab.course.knobs import Choice
+from observer_lab.course.lesson import Lesson
+from observer_lab.course.prose import read_notes
+from observer_lab.lessons import LESSONS, folder
+from observer_lab.text.languages import LOCALE_FOLDER
+from observer_lab.text.message import label_in_language
 
-TRANSLATED = sorted(path.name for path in HERE.iterdir() if path.is_dir())
+TRANSLATED = sorted(path.name for path in LOCALE_FOLDER.iterdir() if path.is_dir())
 SECTIONS = ("Aim", "Time", "Ask before the reveal", "Misconceptions", "What goes wrong in class", "For the blackboard",
             "What comes next", "References")
 # what counts as one: a Chinese sign, as in a Chinese word processor, or whatever else stands between spaces and such signs
@@ -51,26 +51,28 @@ def named() -> dict[tuple[str, str], tuple[set[str], set[str]]]:
 def _knobs(lesson: Lesson, language: str) -> Iterator[str]:
     for knob in lesson.knobs:
         if not knob.hidden:
-            yield wording(knob.label, language)
+            yield label_in_language(knob.label, language)
         if isinstance(knob, Choice):
-            yield from (wording(option, language) for _, option in knob.options)
+            yield from (label_in_language(option, language) for _, option in knob.options)
 
 
 def _tabs(lesson: Lesson) -> dict[str, set[str]]:
-    from app.view.phrases import MORE
+    from observer_lab.page.words.phrases import MORE
     figures = lesson.figures(lesson.compute(lesson.start()))
-    return {language: {wording(figure.tab, language) for figure in figures} | {MORE(language)} for language in ("en", *TRANSLATED)}
+    return {
+        language: {label_in_language(figure.tab, language) for figure in figures} | {MORE(language)} for language in ("en", *TRANSLATED)
+    }
 
 
 def test_every_lesson_has_notes_in_every_language() -> None:
     def law(id: str, language: str) -> None:
-        place = folder(id) / "teacher.md" if language == "en" else HERE / language / f"{id}.teacher.md"
+        place = folder(id) / "teacher.md" if language == "en" else LOCALE_FOLDER / language / f"{id}.teacher.md"
         assert place.is_file() and read_notes(folder(id), language) == place.read_text(encoding="utf-8")
     holds_for_all(notes(), law, NAME)
 
 
 def test_notes_that_a_language_lacks_are_english(monkeypatch, tmp_path: Path) -> None:
-    monkeypatch.setattr("app.lesson.prose.folder_of", lambda language: tmp_path)
+    monkeypatch.setattr("observer_lab.course.prose.folder_of", lambda language: tmp_path)
     assert read_notes(folder("kalman"), "xx") == read_notes(folder("kalman"), "en") != ""
 
 
@@ -79,7 +81,7 @@ def test_no_page_of_students_names_the_notes() -> None:
     speaking = [path for path in (*(root / "app").rglob("*"), *(root / "lessons").rglob("*.py")) if path.suffix in {".py", ".js", ".html"}]
     naming = {path.relative_to(root).as_posix() for path in speaking
               if re.search(r"read_notes|teacher\.md", path.read_text(encoding="utf-8"))}
-    assert naming == {"app/cli/teach.py", "app/lesson/prose.py"}
+    assert naming == {"app/cli/commands/teach.py", "app/course/prose.py"}
 
 
 def test_all_notes_of_a_language_have_the_same_headings_and_nothing_under_them_is_empty() -> None:

@@ -11,10 +11,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from laws import each
 
-from app.lesson.lesson import NO_STUDY, Design, Outcome, pencil
-from app.lesson.typed import LONGEST, Typed, Unreadable, value_of
-from app.text import text
-from lessons import LESSONS
+from observer_lab.course.exercises.typed_answers import MAX_TYPED_CHARACTERS, Typed, UnreadableInput, evaluate_typed
+from observer_lab.course.lesson import NO_STUDY, Design, Outcome, typed_task
+from observer_lab.lessons import LESSONS
+from observer_lab.text import text
 
 BLANK = Outcome(Design("none", ()), study=NO_STUDY)
 GAIN = Typed("p^2 - k - b*(2*p - b)", ("p", "k", "b"), slips=(("p^2 - k", text("You left out the damper.")),))
@@ -25,14 +25,14 @@ GAIN = Typed("p^2 - k - b*(2*p - b)", ("p", "k", "b"), slips=(("p^2 - k", text("
     ("p^3", 8.0), ("e^0", 1.0), ("ln(e)", 1.0), ("2·p×3", 12.0), ("1e-3", 1e-3), ("(p)(p)", 4.0), ("-p^2", -4.0), ("2e", 2 * math.e),
     ("0,5p", 1.0), ("p⁻¹", 0.5), ("√p", 2**0.5), ("3p²（p＋1）", 36.0), ("1,25p + 0，5", 3.0)])
 def test_an_expression_is_read_as_it_is_written_on_paper(said: str, value: float) -> None:
-    assert value_of(said, {"p": 2.0}) == pytest.approx(value, rel=1e-12)
+    assert evaluate_typed(said, {"p": 2.0}) == pytest.approx(value, rel=1e-12)
 
 
 @each("said", ["", "=", "q", "p +", "1/0", "ln(0-1)", "9^9^9^9", "p.real", "__import__('os')", "p if p else 1", "[1]", "True", "abs", "1j",
-               "(" * 300, "1" * (LONGEST + 1), "lambda: 1", "ln(p, 2)", "(-8)^(1/3)"])
+               "(" * 300, "1" * (MAX_TYPED_CHARACTERS + 1), "lambda: 1", "ln(p, 2)", "(-8)^(1/3)"])
 def test_what_is_no_number_is_refused_in_a_sentence(said: str) -> None:
-    with pytest.raises(Unreadable):
-        value_of(said, {"p": 2.0})
+    with pytest.raises(UnreadableInput):
+        evaluate_typed(said, {"p": 2.0})
     solved, why = GAIN.judge(BLANK, said)
     assert not solved and why("en").endswith(".") and why("zh") != why("en")
 
@@ -40,8 +40,8 @@ def test_what_is_no_number_is_refused_in_a_sentence(said: str) -> None:
 @pytest.mark.slow
 @given(st.text(max_size=60))
 def test_whatever_is_typed_is_a_number_or_unreadable(said: str) -> None:
-    with contextlib.suppress(Unreadable):
-        assert math.isfinite(value_of(said, {"p": 2.0}))
+    with contextlib.suppress(UnreadableInput):
+        assert math.isfinite(evaluate_typed(said, {"p": 2.0}))
 
 
 @each("said", ["p^2 - k - 2*b*p + b^2", "(p-b)^2 - k", "l2 = -k + b² + p² − 2 p*b"])
@@ -81,5 +81,5 @@ def test_a_number_is_right_to_the_digits_that_are_asked() -> None:
 
 
 def test_a_pencil_task_is_solved_by_what_is_typed_alone() -> None:
-    task = pencil("gain", GAIN)
+    task = typed_task("gain", GAIN)
     assert not task.judge(BLANK).solved and task.judge(BLANK, GAIN.right(BLANK)).solved

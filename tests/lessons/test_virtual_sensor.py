@@ -10,11 +10,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.linalg import expm
 
-from app.lesson.figures import columns
-from app.plants import MODELS
-from lessons.virtual_sensor.knobs import RUNAWAY
-from lessons.virtual_sensor.lesson import LESSON
-from lessons.virtual_sensor.study import burst, stable_trusts
+from observer_lab.course.figures.records import columns
+from observer_lab.lessons.virtual_sensor.knobs import RUNAWAY_ID
+from observer_lab.lessons.virtual_sensor.lesson import LESSON
+from observer_lab.lessons.virtual_sensor.study import burst, stable_trusts
+from observer_lab.plants import MODELS
 
 
 def outcome(**changes):
@@ -27,7 +27,7 @@ def words(language: str) -> str:
                       *(task.solution for task in w.tasks.values())])
 
 
-@pytest.mark.parametrize("plant", ["chip", RUNAWAY])
+@pytest.mark.parametrize("plant", ["chip", RUNAWAY_ID])
 def test_the_copy_error_is_the_matrix_exponential_of_the_plant_whatever_the_power(plant):
     model = MODELS[plant]
     for power in (0.0, 10.0, 37.0):
@@ -38,16 +38,16 @@ def test_the_copy_error_is_the_matrix_exponential_of_the_plant_whatever_the_powe
 
 
 def test_the_copy_never_recovers_an_unstable_start_and_the_observer_does():
-    m = outcome(plant=RUNAWAY).metrics
+    m = outcome(plant=RUNAWAY_ID).metrics
     assert m["slowest_copy"] > 0 > m["slowest_observer"]
     assert m["copy_core_error"] > 80 and m["core_error"] < 1e-6
 
 
 def test_only_the_share_of_the_start_in_the_unstable_mode_is_never_forgiven():
-    values, vectors = np.linalg.eig(MODELS[RUNAWAY].plant.A)
+    values, vectors = np.linalg.eig(MODELS[RUNAWAY_ID].plant.A)
     stable = vectors[:, np.argmin(values)].real
-    start = np.array(MODELS[RUNAWAY].x0) - 10.0 * stable
-    copy = outcome(plant=RUNAWAY, guess_core=float(start[0]), guess_case=float(start[1])).study.copy
+    start = np.array(MODELS[RUNAWAY_ID].x0) - 10.0 * stable
+    copy = outcome(plant=RUNAWAY_ID, guess_core=float(start[0]), guess_case=float(start[1])).study.copy
     assert np.linalg.norm(copy.e[-1]) < 1e-3 * np.linalg.norm(copy.e[0])
 
 
@@ -64,15 +64,15 @@ def test_the_gain_is_trust_times_the_gain_of_the_poles():
 
 
 def test_least_trust_is_where_the_observer_of_the_runaway_chip_becomes_stable():
-    plant = MODELS[RUNAWAY].plant
-    L = outcome(plant=RUNAWAY).gains["L"]
+    plant = MODELS[RUNAWAY_ID].plant
+    L = outcome(plant=RUNAWAY_ID).gains["L"]
     theta, most = stable_trusts(plant, L)
     slow = [max(np.linalg.eigvals(plant.A - k * theta * L @ plant.C).real) for k in (0.999, 1.001)]
     assert slow[0] > 0 > slow[1] and most > 2
     assert stable_trusts(MODELS["chip"].plant, L)[0] < 0
 
 
-@pytest.mark.parametrize("plant", ["chip", RUNAWAY])
+@pytest.mark.parametrize("plant", ["chip", RUNAWAY_ID])
 @pytest.mark.parametrize("poles", [(-1.6 - 0.5j, -1.6 + 0.5j), (-4.0, 0.5), (-3.9, 0.9),
                                    (0.2 - 1j, 0.2 + 1j), (0.5, 0.8), (-0.05, -0.06)], ids=str)
 @pytest.mark.parametrize("trust", [0.0, 0.3, 1.0, 2.0])
@@ -113,9 +113,9 @@ def test_a_noisier_sensor_shakes_the_trusting_observer_more():
 @pytest.mark.parametrize("language", ["en", "zh"])
 def test_the_numbers_in_the_text_are_the_engines(language):
     text = words(language)
-    tame, wild = outcome(), outcome(plant=RUNAWAY)
+    tame, wild = outcome(), outcome(plant=RUNAWAY_ID)
     fast = outcome(observer_poles=(-3.0, -3.5))
-    little = outcome(plant=RUNAWAY, trust=0.1)
+    little = outcome(plant=RUNAWAY_ID, trust=0.1)
     slow, grow = tame.metrics["slowest_copy"], wild.metrics["slowest_copy"]
     fan = [outcome(air_error=40, trust=theta).metrics for theta in (0.3, 1.0)]
     L, quick, small = tame.gains["L"], fast.gains["L"], little.gains["L"]
@@ -149,7 +149,7 @@ def test_the_power_is_a_burst_and_a_rest():
 
 
 @settings(max_examples=40)
-@given(st.sampled_from(["chip", RUNAWAY]), st.floats(0, 2), st.floats(-4, 1), st.floats(-4, 1), st.floats(-50, 50),
+@given(st.sampled_from(["chip", RUNAWAY_ID]), st.floats(0, 2), st.floats(-4, 1), st.floats(-4, 1), st.floats(-50, 50),
        st.floats(0, 2), st.floats(-1, 15))
 def test_every_setting_gives_figures_of_one_length(plant, trust, p, q, air, noise, kick):
     o = outcome(plant=plant, trust=trust, observer_poles=(p, q), air_error=air, noise=noise, kick=kick)

@@ -10,15 +10,23 @@ import numpy as np
 import pytest
 from scipy.linalg import solve_continuous_are
 
-from app.engine import balanced_truncation, controllability, hankel_singular_values, observability
-from app.plants.platform import Parameters, in_time_units, plant
-from app.published.platform import RECORDS
-from app.published.record import verify_one
-from lessons.weak_states import regulator
-from lessons.weak_states.body import BODY, NOMINAL, PERIOD, share
-from lessons.weak_states.lesson import LESSON
-from lessons.weak_states.regulator import ALIKE, OUTPUTS
-from lessons.weak_states.system import AGAINST, TOGETHER, VERTICAL, closed_forms, cut, model, system
+from observer_lab.engine import balanced_truncation, controllability, hankel_singular_values, observability
+from observer_lab.lessons.weak_states import reduced_regulator
+from observer_lab.lessons.weak_states.balanced_platform import (
+    MASSES_AGAINST_MODE,
+    MASSES_TOGETHER_MODE,
+    VERTICAL_MODE,
+    closed_forms,
+    cut,
+    model,
+    system,
+)
+from observer_lab.lessons.weak_states.body import BODY, NOMINAL, SWING_S, share
+from observer_lab.lessons.weak_states.lesson import LESSON
+from observer_lab.lessons.weak_states.reduced_regulator import STATES_ALIKE, WEIGHT_OUTPUTS
+from observer_lab.plants.platform.model import Parameters, in_time_units, plant
+from observer_lab.published.platform import RECORDS
+from observer_lab.published.record import verify_one
 
 
 def outcome(**changes):
@@ -150,7 +158,7 @@ def test_the_wider_gap_lies_after_six():
 # --- motions -------------------------------------------------------------------------------------------------------------------
 def test_the_weak_pair_is_the_test_masses_against_each_other():
     s = system(NOMINAL)
-    assert [m.kind for m in s.motions] == [VERTICAL, 1, 2, TOGETHER, AGAINST]
+    assert [m.kind for m in s.motions] == [VERTICAL_MODE, 1, 2, MASSES_TOGETHER_MODE, MASSES_AGAINST_MODE]
     weak = s.motions[-1]
     assert weak.frequency == pytest.approx(30.21, abs=0.01)
     assert abs(weak.shape[3] + weak.shape[4]) < 1e-6 * abs(weak.shape[3] - weak.shape[4])
@@ -182,12 +190,12 @@ def test_hankel_values_know_no_clock_but_the_unit_of_the_ground(unit, after_six,
         assert from_clock == pytest.approx(s.hankel, rel=1e-5)
 
 
-@pytest.mark.parametrize("pressed", [OUTPUTS, ALIKE])
+@pytest.mark.parametrize("pressed", [WEIGHT_OUTPUTS, STATES_ALIKE])
 def test_the_unit_of_the_ground_is_not_felt_by_the_deck(pressed):
     """The report's cost on ten states and the spectra do not hang on it; where balanced states count, the unit is in the cost."""
     one, other = (outcome(ground=unit, order=6, pressed=pressed).study.compared for unit in (1.0, 1e-3))
     assert other.free == pytest.approx(one.free, rel=1e-6)
-    if pressed == OUTPUTS:
+    if pressed == WEIGHT_OUTPUTS:
         assert other.full.cost == pytest.approx(one.full.cost, rel=1e-5)
         assert other.full.densities == pytest.approx(one.full.densities, rel=1e-4)
 
@@ -225,7 +233,7 @@ def test_the_ghost_lacks_what_the_model_lacks():
     right = [BODY.pose(row.tolist(), BODY.gain)["test mass right"].position[2] for row in stage.x]
     assert np.corrcoef(ball, right)[0, 1] < -0.99
     swings = np.diff(np.flatnonzero(np.diff(np.sign(np.array(ball) - np.mean(ball))) > 0))
-    assert np.allclose(np.diff(stage.t)[0] * swings, PERIOD, atol=0.06)
+    assert np.allclose(np.diff(stage.t)[0] * swings, SWING_S, atol=0.06)
 
 
 # --- LQG -------------------------------------------------------------------------------------------------------------------------
@@ -276,11 +284,11 @@ def test_nothing_is_compared_with_itself_while_all_states_are_kept() -> None:
 
 def test_a_loop_on_the_edge_of_stability_tells_no_variance(monkeypatch: pytest.MonkeyPatch) -> None:
     """The slowest pole of this loop is at some −1e-11 … −1e-8 rad/s, as the processor rounds; where the edge begins is ours to say."""
-    monkeypatch.setattr(regulator, "SLOWEST", 1e-6)
-    regulator._on.cache_clear()
+    monkeypatch.setattr(reduced_regulator, "AXIS_POLE_RAD_S", 1e-6)
+    reduced_regulator._on.cache_clear()
     edge = outcome(order=1, s=0.17122848483517683, h=0.025801420435433667, a=0.10739045461079666, mu=0.01,
                    kp=855.0626120101867, v0=1e-06)
-    regulator._on.cache_clear()
+    reduced_regulator._on.cache_clear()
     small = edge.study.compared.small
     assert -1e-6 < small.rightmost < 0 and not small.stable
     assert small.cost is None and small.force is None and "extra" not in edge.metrics

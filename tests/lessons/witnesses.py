@@ -15,10 +15,10 @@ from typing import Any
 import numpy as np
 from scipy.linalg import expm
 
-from app.engine.simulation import Run
-from app.lesson.figures import Figure
-from app.lesson.lesson import Lesson, Outcome
-from app.text import Text
+from observer_lab.course.figures.records import Figure
+from observer_lab.course.lesson import Lesson, Outcome
+from observer_lab.engine.simulation import Run
+from observer_lab.text import Text
 
 LONGER = 3.0  # times the horizon: a claim about what is to come is tried there
 

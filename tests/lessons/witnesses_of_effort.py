@@ -11,11 +11,11 @@ from scipy.linalg import expm
 from scipy.stats import norm
 from witnesses import Shown, Witness, near, value
 
-from app.plants import platform
-from app.text import Text
-from lessons.showdown.effort import Equal, retuned
-from lessons.showdown.players import LQE, OPEN, ORDER, SHORT, SISO
-from lessons.showdown.world import World, ground_filter
+from observer_lab.lessons.showdown.controllers import LQE, OPEN_LOOP, ORDER, SHORT_NAMES, SISO
+from observer_lab.lessons.showdown.equal_effort import Equal, retuned
+from observer_lab.lessons.showdown.simulation import World, ground_filter
+from observer_lab.plants.platform import model
+from observer_lab.text import Text
 
 H = 1e-3  # s: the computer's period
 FROM, TO = 0.1, 499.0  # Hz
@@ -44,7 +44,7 @@ def _held(A: np.ndarray, B: np.ndarray, h: float) -> tuple[np.ndarray, np.ndarra
 
 def _mechanics(world: World) -> tuple[np.ndarray, ...]:
     """A, B of the commands, C, and the intensity of the noise of ground, deck and drivers as one continuous system."""
-    p, hardware = platform.plant(world.parameters), world.hardware
+    p, hardware = model.plant(world.parameters), world.hardware
     A, B, C, W = p.A, p.B[:, :3], p.C, 1e-12 * p.B[:, 3:] @ p.B[:, 3:].T
     if world.shaped:
         g = ground_filter()
@@ -81,7 +81,7 @@ def _loop(world: World, id: str, dial: float, v: float, pair: str) -> tuple[np.n
     (late_step, late), (step, soon) = _held(A, B, part * H), _held(A, B, (1 - part) * H)
     late, waiting = step @ late, whole + (part > 0)
     silent = (np.zeros((0, 0)), np.zeros((0, 4)), np.zeros((3, 0)), np.zeros((3, 4)))
-    k = None if id == OPEN else retuned(id, dial, v, pair)
+    k = None if id == OPEN_LOOP else retuned(id, dial, v, pair)
     Ac, Bc, Cc, Dc = silent if k is None else (k.A[-1], k.B[-1], k.C[-1], k.D[-1])
     a, c = len(A), len(Ac)
     size = a + c + 3 * waiting
@@ -99,7 +99,7 @@ def _loop(world: World, id: str, dial: float, v: float, pair: str) -> tuple[np.n
         M[a + c + 3 * (ago - 1):a + c + 3 * ago] = command(ago - 1)
     if waiting:
         N[a + c:a + c + 3] = Dc
-    seen = np.hstack([CHANNELS @ platform.plant(world.parameters).C, np.zeros((3, size - 10))])
+    seen = np.hstack([CHANNELS @ model.plant(world.parameters).C, np.zeros((3, size - 10))])
     return M, N, np.pad(_jumps(A, W), (0, size - a)), np.vstack([seen, u]), np.vstack([np.zeros((3, 4)), Dc])
 
 
@@ -205,7 +205,7 @@ def _best(shown: Shown, words: Text) -> None:
         {id: one for id in ORDER[1:] if (one := _of(shown, id, 1.0)) is not None}
     names = [dict(words.values)[name] for name in ("short", "short2", "short3")]
     for j, name in enumerate(names):
-        id = ORDER[[str(one) for one in SHORT].index(str(name))]
+        id = ORDER[[str(one) for one in SHORT_NAMES].index(str(name))]
         assert id in met, f"{id} is unstable"
         behind = 20 * np.log10(met[id].band[j] / min(one.band[j] for one in met.values()))
         assert behind < DB, f"{id} is {behind:.2f} dB behind the best"

@@ -10,10 +10,10 @@ import numpy as np
 from scipy.stats import chi2, ncx2
 from witnesses import Shown, Witness, near, value
 
-from app.lesson.figures import TableFigure
-from app.text import Text
-from lessons.fault_diagnosis.bank import guard
-from lessons.fault_diagnosis.pairs import PAIRS, pair_bank
+from observer_lab.course.figures.records import TableFigure
+from observer_lab.lessons.fault_diagnosis.fault_pairs import PAIRS, pair_bank
+from observer_lab.lessons.fault_diagnosis.observer_bank import guard
+from observer_lab.text import Text
 
 PARTS = ("VL", "HL", "VR", "HR", "u1", "u2", "u3")
 STEP = 0.02  # s

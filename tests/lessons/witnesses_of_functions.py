@@ -8,10 +8,10 @@ import numpy as np
 from scipy.linalg import expm
 from witnesses import Shown, Witness, near, rightmost, value
 
-from app.lesson.figures import LineFigure
-from app.plants.bilinear import PRINTED_FORM
-from app.text import Text
-from lessons.robust_observer.study import errors
+from observer_lab.course.figures.records import LineFigure
+from observer_lab.lessons.robust_observer.study import errors
+from observer_lab.plants.bilinear import PRINTED_FORM
+from observer_lab.text import Text
 
 
 # --- bilinear -----------------------------------------------------------------------------------------------------------

@@ -8,10 +8,10 @@ from dataclasses import replace
 import numpy as np
 from witnesses import LONGER, Shown, Witness, by_itself, matrices, near, rightmost, value, whole
 
-from app.engine import simulate
-from app.engine.simulation import Run, Scenario
-from app.lesson.figures import LineFigure
-from app.text import Text
+from observer_lab.course.figures.records import LineFigure
+from observer_lab.engine import simulate
+from observer_lab.engine.simulation import Run, Scenario
+from observer_lab.text import Text
 
 
 def gone_on(run: Run) -> np.ndarray:

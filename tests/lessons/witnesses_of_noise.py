@@ -9,16 +9,16 @@ import numpy as np
 from scipy.linalg import block_diag, solve_continuous_lyapunov, solve_discrete_are, solve_discrete_lyapunov
 from witnesses import Shown, Witness, near, read, value
 
-from app.engine.filters import Experiment, simulate_filters
-from app.engine.systems import slopes
-from app.lesson.figures import LineFigure
-from app.text import Text
-from lessons.decoupling.loops import SLOWEST, lower_of, platform_of
-from lessons.kalman.filters import ADC, tuned
-from lessons.lqg.loops import gains, setting_of
-from lessons.nonlinear.cases import judged
-from lessons.nonlinear.runs import experiment_of
-from lessons.weak_states.regulator import weights_of
+from observer_lab.course.figures.records import LineFigure
+from observer_lab.engine.filters import Experiment, simulate_filters
+from observer_lab.engine.systems import slopes
+from observer_lab.lessons.decoupling.loops import AXIS_POLE_RAD_S, lower_of, platform_of
+from observer_lab.lessons.kalman.filters import ADC, tuned
+from observer_lab.lessons.lqg.loops import gains, setting_of
+from observer_lab.lessons.nonlinear.cases import judged
+from observer_lab.lessons.nonlinear.runs import experiment_of
+from observer_lab.lessons.weak_states.reduced_regulator import weights_of
+from observer_lab.text import Text
 
 LAST = 1.0  # percent of the final gain
 COILS = 3
@@ -119,7 +119,7 @@ def _drifts(shown: Shown, words: Text) -> None:
 
 def _made_unstable(shown: Shown, words: Text) -> None:
     """Poles of the loop with the pitch controller and without it, assembled channel by channel: u = T diag(C) T_y y."""
-    from app.plants.platform_siso import T_u, T_y
+    from observer_lab.plants.platform.siso_loops import T_u, T_y
     c, plant = shown.outcome.study.controllers, platform_of(lower_of(shown.outcome.design))
     parts, B = (c.vertical, c.rotation, c.horizontal), plant.B[:, :COILS] @ T_u @ shown.outcome.gains["S"]
 
@@ -130,7 +130,7 @@ def _made_unstable(shown: Shown, words: Text) -> None:
         push = np.hstack([np.outer(B[:, k], p.C[0]) for k, p in used])
         seen = np.vstack([np.outer(p.B[:, 0], T_y[k] @ plant.C) for k, p in used])
         poles = np.linalg.eigvals(np.block([[A, push], [seen, own]]))
-        return float(np.real(poles[np.abs(poles) >= SLOWEST]).max())
+        return float(np.real(poles[np.abs(poles) >= AXIS_POLE_RAD_S]).max())
     near(value(words, "right"), right((True, True, True)), 6e-3)
     assert right((True, False, True)) < 0 <= right((True, True, True)), "closing pitch is not what made it unstable"
 

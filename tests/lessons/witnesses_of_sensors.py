@@ -8,7 +8,7 @@ import mpmath
 import numpy as np
 from witnesses import Shown, Witness, near, value
 
-from app.text import Text
+from observer_lab.text import Text
 
 
 def _flat(shown: Shown, _: Text) -> None:

@@ -8,9 +8,9 @@ from dataclasses import replace
 import numpy as np
 from witnesses import LONGER, Shown, Witness, near, value
 
-from app.engine import simulate
-from app.lesson.figures import LineFigure
-from app.text import Text
+from observer_lab.course.figures.records import LineFigure
+from observer_lab.engine import simulate
+from observer_lab.text import Text
 
 
 def _load_found(shown: Shown, words: Text) -> None:

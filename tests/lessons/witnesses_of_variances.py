@@ -8,9 +8,9 @@ import numpy as np
 from scipy.linalg import solve_continuous_are, solve_continuous_lyapunov
 from witnesses import Shown, Witness, near, value
 
-from app.lesson.figures import LineFigure
-from app.text import Text
-from lessons.noise.knobs import PLANT as BLOCK
+from observer_lab.course.figures.records import LineFigure
+from observer_lab.lessons.noise.knobs import SPRING_PLANT as BLOCK
+from observer_lab.text import Text
 
 
 def variance(poles: np.ndarray, W: float, V: float) -> np.ndarray:

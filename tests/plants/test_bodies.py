@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from plant_models import every_model
 
-from app.plants import MODELS
-from app.plants.body import Body, Spring, between, bounded
+from observer_lab.plants import MODELS
+from observer_lab.plants.bodies.body import Body, Spring, bound_displacement, pose_between
 
 
 def turned(wxyz, vector) -> np.ndarray:
@@ -137,14 +137,14 @@ point = st.tuples(coordinate, coordinate, coordinate)
 
 @given(point, point)
 def test_a_spring_reaches_exactly_from_one_point_to_the_other(start, finish):
-    pose = between(start, finish)
+    pose = pose_between(start, finish)
     np.testing.assert_allclose(end(pose), finish, atol=2e-6)
     assert math.hypot(*pose.wxyz) == pytest.approx(1, abs=1e-12)
 
 
 @given(st.floats(allow_nan=False), st.floats(1e-3, 10))
 def test_bounded_motion_stays_within_its_limit_and_keeps_its_sign(value, limit):
-    drawn = bounded(value, limit)
+    drawn = bound_displacement(value, limit)
     assert abs(drawn) <= limit * (1 + 1e-12)
     assert drawn * value >= 0
     if abs(value) < 0.01 * limit:

@@ -12,10 +12,10 @@ from plant_models import every_model, pbh_seen, rank
 from scipy.linalg import expm
 from scipy.signal import place_poles
 
-from app.engine import EngineError, observer_gain, place
-from app.engine.systems import as_matrix
-from app.plants import MODELS, chip, model, spring_damper
-from app.plants import cart_pendulum as cart
+from observer_lab.engine import EngineError, observer_gain, place
+from observer_lab.engine.systems import as_matrix
+from observer_lab.plants import MODELS, chip, model, spring_damper
+from observer_lab.plants import cart_pendulum as cart
 
 
 # --- the spring-damper ----------------------------------------------------------------------------------------------

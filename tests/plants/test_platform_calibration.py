@@ -11,14 +11,13 @@ import numpy as np
 import pytest
 from scipy.linalg import solve_continuous_lyapunov
 
-from app.engine import EngineError
-from app.plants.platform import Parameters, mechanics, plant
-from app.plants.platform_calibration import (
+from observer_lab.engine import EngineError
+from observer_lab.plants.platform.calibration import (
     CHOICES,
-    DIGITS,
-    PUBLISHED,
+    KEPT_DIGITS,
+    PUBLISHED_HANKEL,
     SPLITS,
-    START,
+    START_PARAMETERS,
     UNKNOWNS,
     calibrate,
     chosen,
@@ -26,6 +25,7 @@ from app.plants.platform_calibration import (
     table,
     targets,
 )
+from observer_lab.plants.platform.model import Parameters, mechanics, plant
 
 
 @pytest.fixture(scope="module")
@@ -46,7 +46,7 @@ def test_the_platform_is_the_solution_to_the_digits_that_it_keeps(solved):
 
 def test_every_parameter_is_either_solved_for_or_chosen():
     assert set(UNKNOWNS) | set(CHOICES) == set(asdict(Parameters())) and not set(UNKNOWNS) & set(CHOICES)
-    assert set(START) == set(UNKNOWNS) == set(DIGITS)
+    assert set(START_PARAMETERS) == set(UNKNOWNS) == set(KEPT_DIGITS)
 
 
 def test_the_kept_digits_give_the_published_list(solved):
@@ -54,15 +54,15 @@ def test_the_kept_digits_give_the_published_list(solved):
     system = plant(solved.rounded)
     reach, see = (solve_continuous_lyapunov(A, -S @ S.T) for A, S in ((system.A, system.B), (system.A.T, system.C.T)))
     peer = np.sqrt(np.sort(np.linalg.eigvals(reach @ see).real)[::-1])
-    assert peer[:6] == pytest.approx(PUBLISHED[:6], rel=5e-5)
+    assert peer[:6] == pytest.approx(PUBLISHED_HANKEL[:6], rel=5e-5)
     ours = solved.hankel
-    assert ours[:8] == pytest.approx(PUBLISHED[:8], rel=1e-2)
+    assert ours[:8] == pytest.approx(PUBLISHED_HANKEL[:8], rel=1e-2)
     assert np.all((ours[8:] > 0.5e-4) & (ours[8:] < 1.5e-4))
 
 
 def test_the_full_digits_give_the_list_as_it_is_printed(solved):
-    assert [f"{v:.4f}" for v in solved.hankel[[0, 1, 6, 7, 8, 9]]] == [f"{PUBLISHED[i]:.4f}" for i in (0, 1, 6, 7, 8, 9)]
-    assert solved.hankel[2:6] == pytest.approx(PUBLISHED[2:6], abs=1e-4)
+    assert [f"{v:.4f}" for v in solved.hankel[[0, 1, 6, 7, 8, 9]]] == [f"{PUBLISHED_HANKEL[i]:.4f}" for i in (0, 1, 6, 7, 8, 9)]
+    assert solved.hankel[2:6] == pytest.approx(PUBLISHED_HANKEL[2:6], abs=1e-4)
     printed = targets(splits=None)
     assert abs(SPLITS[0] - printed[2]) < 1e-4 and abs(SPLITS[1] - printed[4]) < 1e-4  # within what is printed
 
@@ -84,7 +84,7 @@ def test_mass_damping_and_stiffness_are_positive_definite(solved):
 def test_the_search_does_not_hang_on_its_start(solved):
     rng = np.random.default_rng(4)
     for _ in range(6):
-        moved = {name: START[name] * rng.uniform(0.9, 1.1) for name in UNKNOWNS}
+        moved = {name: START_PARAMETERS[name] * rng.uniform(0.9, 1.1) for name in UNKNOWNS}
         again = calibrate(chosen(**moved))
         assert asdict(again.parameters) == pytest.approx(asdict(solved.parameters), rel=1e-6)
 
@@ -96,7 +96,7 @@ def test_the_spread_is_what_another_rounding_of_the_list_would_do(solved):
     reached = dict.fromkeys(UNKNOWNS, 0.0)
     for corner in range(16):
         signs = np.array([1 if corner >> i & 1 else -1 for i in range(4)]) * 5e-5
-        other = np.array(PUBLISHED)
+        other = np.array(PUBLISHED_HANKEL)
         other[2:6] += signs
         apart = SPLITS[0] + signs[0] - signs[1], SPLITS[1] + signs[2] - signs[3]
         found = calibrate(solved.parameters, targets(tuple(other), apart)).parameters
@@ -172,7 +172,7 @@ def test_nonsense_is_refused():
 
 @pytest.mark.slow
 def test_it_prints_its_table(solved):
-    done = subprocess.run([sys.executable, "-W", "error", "-m", "app.plants.platform_calibration"], capture_output=True,
+    done = subprocess.run([sys.executable, "-W", "error", "-m", "observer_lab.plants.platform.calibration"], capture_output=True,
                           text=True, check=True, encoding="utf-8", env={**os.environ, "PYTHONIOENCODING": "utf-8"})
     assert done.stdout.strip() == table(solved).strip()
     lines = {line.split("|")[0].strip(): line for line in done.stdout.splitlines() if "|" in line}

@@ -8,11 +8,11 @@ import pytest
 from scipy.signal import welch
 from scipy.stats import binom, chi2
 
-from app.engine import KalmanFilter, nis
-from app.plants import platform
-from app.plants.platform_lqg import GROUND_UNIT, coils, ground
-from app.published.platform_filter import ADC, DT, FORCE, RECORDS, SIGMA, SINE, innovation_over_R, record, tuned
-from app.published.record import verify_one
+from observer_lab.engine import KalmanFilter, nis
+from observer_lab.plants.platform import model
+from observer_lab.plants.platform.lqg_weights import GROUND_UNIT, coils, ground
+from observer_lab.published.platform_filter import ADC, DT, FORCE, RECORDS, SENSOR_SIGMA, SINE_HZ, innovation_over_R, record, tuned
+from observer_lab.published.record import verify_one
 
 SEEDS = range(10, 22)
 
@@ -45,8 +45,8 @@ def test_the_right_filter_is_flagged_about_as_often_as_its_level_says():
 
 def test_the_two_states_cut_away_do_not_show():
     """S of the filter with eight states is that of one with ten, and so is the size of its innovations."""
-    full = platform.plant()
-    ten = KalmanFilter.from_plant(coils(full), GROUND_UNIT * np.eye(2), SIGMA**2 * DT * np.eye(4), dt=DT, G=ground(full))
+    full = model.plant()
+    ten = KalmanFilter.from_plant(coils(full), GROUND_UNIT * np.eye(2), SENSOR_SIGMA**2 * DT * np.eye(4), dt=DT, G=ground(full))
     S = {kf.n: kf.C @ kf.steady.solution @ kf.C.T + kf.R for kf in (ten, tuned())}
     assert np.allclose(S[8], S[10], rtol=1e-3, atol=1e-6 * S[10].max())
 
@@ -70,7 +70,7 @@ def test_a_known_sine_is_in_the_output_and_not_in_its_error():
         errors = [r.clean - r.filtered for r in (loud, quiet)]
         assert np.abs(errors[0] - errors[1]).max() < 2e-3 * np.abs(errors[1]).max()  # the cut states' share of the force
         t = DT * np.arange(len(loud.clean))
-        tone = np.exp(-2j * np.pi * SINE * t) * 2 / len(t)
+        tone = np.exp(-2j * np.pi * SINE_HZ * t) * 2 / len(t)
         assert abs(tone @ loud.clean[:, 0]) > 1000 * abs(tone @ errors[0][:, 0])
 
 

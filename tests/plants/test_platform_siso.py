@@ -6,16 +6,16 @@ import mpmath
 import numpy as np
 import pytest
 
-from app.engine import Plant, frequency_response, loop_margins, noisy_loop, sensitivity
-from app.engine.design import loop_shaped, negated, polynomial_roots
-from app.engine.structure import mixing_matrix
-from app.engine.systems import match_poles
-from app.plants import platform
-from app.plants import platform_siso as siso
-from app.plants.platform_channels import HORIZONTAL, ROTATION, VERTICAL, T_u, T_y
-from app.plants.platform_lqg import FIGURES, coils, ground, lqg
+from observer_lab.engine import Plant, frequency_response, loop_margins, noisy_loop, sensitivity
+from observer_lab.engine.design import loop_shaped, negated, polynomial_roots
+from observer_lab.engine.structure import mixing_matrix
+from observer_lab.engine.systems import match_poles
+from observer_lab.plants.platform import model
+from observer_lab.plants.platform import siso_loops as siso
+from observer_lab.plants.platform.channels import HORIZONTAL, ROTATION, VERTICAL_CHANNEL, T_u, T_y
+from observer_lab.plants.platform.lqg_weights import FIGURE_WEIGHTS, coils, ground, lqg
 
-PLANT = platform.plant()
+PLANT = model.plant()
 COILS, G = coils(PLANT), ground(PLANT)
 FREQUENCY = np.unique(np.concatenate([np.geomspace(0.01, 100, 800), np.linspace(0.9, 1.6, 1500)]))
 DRIFT = 1e-7  # rad/s
@@ -81,7 +81,7 @@ def test_one_choice_of_signs_alone_is_stable() -> None:
 
 def test_the_loops_own_drift_pole_in_fifty_digits() -> None:
     """1 = C_v P_v near s = 0 keeps C_v's pole within 1e-4 of itself: a loop that grows e-fold in four hundred years."""
-    B, A = siso.rigid_polynomials(VERTICAL)
+    B, A = siso.rigid_polynomials(VERTICAL_CHANNEL)
     with mpmath.workdps(60):
         def characteristic(s: mpmath.mpf) -> mpmath.mpf:
             value = [mpmath.polyval([mpmath.mpf(float(c)) for c in p[::-1]], s, asc=True)
@@ -98,11 +98,11 @@ def test_peaks_come_down_as_far_as_the_facts_say() -> None:
 
 @pytest.mark.parametrize("millimetres", [2.0, 3.0, 4.5, -2.0, -4.5])
 def test_the_rotation_of_the_report_comes_out_with_the_coil_a_few_millimetres_off_the_spring(millimetres: float) -> None:
-    down = peaks(siso.published(), platform.plant(platform.Parameters(lower=1e-3 * millimetres)))
+    down = peaks(siso.published(), model.plant(model.Parameters(lower=1e-3 * millimetres)))
     assert 20 < down[1] < 30 and down[[0, 2]] == pytest.approx([93.5, 105.0], abs=0.1)
 
 
-@pytest.mark.parametrize("channel", [VERTICAL, ROTATION, HORIZONTAL])
+@pytest.mark.parametrize("channel", [VERTICAL_CHANNEL, ROTATION, HORIZONTAL])
 def test_the_rigid_channels_are_near_the_true_ones(channel) -> None:
     B, A = siso.rigid_polynomials(channel)
     P, s = siso.channel_plant(channel), 2j * np.pi * np.array([0.1, 0.8, 1.1, 1.3, 3.0])
@@ -111,7 +111,7 @@ def test_the_rigid_channels_are_near_the_true_ones(channel) -> None:
 
 
 def test_rigid_channels_with_a_mixing_are_those_of_the_mixed_deck() -> None:
-    S, deck, w = mixing_matrix(0.17, 0.04, size=3, channels=(1, 2)), platform.deck(), 7.0
+    S, deck, w = mixing_matrix(0.17, 0.04, size=3, channels=(1, 2)), model.deck(), 7.0
     H = T_y[:3] @ frequency_response(deck.A, deck.B, deck.C, deck.D, [w])[0] @ T_u @ S
     for i, channel in enumerate(siso.THREE):
         B, A = siso.rigid_polynomials(channel, S)
@@ -122,7 +122,7 @@ def test_our_pair_isolates_with_margins() -> None:
     controller = siso.designed()
     assert rightmost(controller) < -0.01
     assert peaks(controller) == pytest.approx([69.7, 43.7, 67.0], abs=0.3)
-    for channel, part in ((VERTICAL, loop_shaped(siso.VERTICAL_SHAPE)), (HORIZONTAL, siso.horizontal_by_poles().controller())):
+    for channel, part in ((VERTICAL_CHANNEL, loop_shaped(siso.VERTICAL_SHAPE)), (HORIZONTAL, siso.horizontal_by_poles().controller())):
         margin = loop_margins(siso.channel_plant(channel), part).inputs[0]
         assert margin.sensitivity_peak < 1.3 and margin.phase > np.radians(60)
 
@@ -137,7 +137,7 @@ def test_the_eight_poles_are_reached_on_the_rigid_deck() -> None:
 
 @pytest.mark.parametrize("lower", [-0.02, 0.005, 0.02])
 def test_a_coil_off_the_springs_line_is_in_the_rigid_polynomials_too(lower: float) -> None:
-    k = platform.Parameters(lower=lower)
+    k = model.Parameters(lower=lower)
     B, A = siso.rigid_polynomials(HORIZONTAL, None, k)
     P, s = siso.channel_plant(HORIZONTAL, k), 2j * np.pi * np.array([0.1, 0.8, 1.1, 1.3, 3.0])
     H = frequency_response(P.A, P.B, P.C, P.D, s.imag)[:, 0, 0]
@@ -158,7 +158,7 @@ def test_closing_pitch_hurts_only_a_controller_that_drags_the_pitch_pole_from_it
 
 def test_the_pitch_loop_has_the_band_it_is_named_after() -> None:
     """−3 dB points of T_θ on the rotation alone: the product is ω², the difference the bandwidth."""
-    k, p, band = platform.rigid(), platform.Parameters(), 0.5
+    k, p, band = model.rigid(), model.Parameters(), 0.5
     C = siso.pitch_loop(band, roll_off=1e7)
     w = np.linspace(5, 10, 200_001)
     s = 1j * w
@@ -171,7 +171,7 @@ def test_the_pitch_loop_has_the_band_it_is_named_after() -> None:
 
 def test_decoupled_lqg_equals_the_full_one_where_the_channel_is_alone() -> None:
     """Vertical is decoupled by symmetry: nothing is lost there, against the report's figure 25."""
-    whole, apart = lqg(PLANT, FIGURES).controller, siso.decoupled_lqg(FIGURES)
+    whole, apart = lqg(PLANT, FIGURE_WEIGHTS).controller, siso.decoupled_lqg(FIGURE_WEIGHTS)
     assert rightmost(apart) < 0
     full, own = peaks(whole), peaks(apart)
     assert own[0] == pytest.approx(full[0], abs=0.01)

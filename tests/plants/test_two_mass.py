@@ -7,10 +7,10 @@ import pytest
 from plant_models import pbh_moved, pbh_seen
 from scipy.linalg import expm
 
-from app.engine import EngineError, observer_gain, place
-from app.plants import cart_pendulum as cart
-from app.plants import two_mass
-from app.plants.two_mass import HIDDEN, Parameters, hidden
+from observer_lab.engine import EngineError, observer_gain, place
+from observer_lab.plants import cart_pendulum as cart
+from observer_lab.plants import two_mass
+from observer_lab.plants.two_mass import HIDDEN, Parameters, hidden
 
 
 def test_chain_loses_energy_only_in_its_dampers():

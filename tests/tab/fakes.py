@@ -8,20 +8,20 @@ from typing import Any
 
 import numpy as np
 
-from app.engine import EngineError
-from app.lesson.course import Progress
-from app.lesson.exam import Exam, ExamItem, Lot, decimals
-from app.lesson.figures import Curve as Line
-from app.lesson.figures import LineFigure
-from app.lesson.knobs import Choice, Number, Poles, Track
-from app.lesson.lesson import Design, Job, Lesson, Outcome, Stage, Task, Verdict
-from app.lesson.prose import parse_prose
-from app.plants import MODELS
-from app.tab.commands import Command, LookFrom, SetKnobs
-from app.tab.picture import Picture
-from app.tab.playing import FRAME
-from app.tab.session import REST, Session
-from app.text import Text, same, text
+from observer_lab.course.course_map import Progress
+from observer_lab.course.exercises.exam import Exam, ExamItem, SeededDraws, decimals
+from observer_lab.course.figures.records import Curve as Line
+from observer_lab.course.figures.records import LineFigure
+from observer_lab.course.knobs import Choice, Number, Poles, Track
+from observer_lab.course.lesson import Design, Job, Lesson, Outcome, Stage, Task, Verdict
+from observer_lab.course.prose import parse_prose
+from observer_lab.engine import EngineError
+from observer_lab.plants import MODELS
+from observer_lab.session.commands.commands import Command, LookFrom, SetKnobs
+from observer_lab.session.handlers.playback import FRAME_S
+from observer_lab.session.session import FINAL_PICTURE_DELAY_S, Session
+from observer_lab.session.state.view import Picture
+from observer_lab.text import Text, same, text
 
 MODEL = MODELS["chip"]
 FORBIDDEN, BROKEN, UNDRAWABLE, UNSHOWABLE = 7.0, 8.0, 9.0, 9.5  # values of `gain` at which something goes wrong
@@ -136,7 +136,7 @@ class FakeView:
     def offer(self, token: str) -> None:
         self.calls.append(("offer", token))
 
-    def hand_over(self, name: str, content: bytes) -> None:
+    def download(self, name: str, content: bytes) -> None:
         self.calls.append(("file", (name, content)))
 
     def replay(self, picture: Picture, token: str, camera: tuple[float, ...] | None) -> bytes:
@@ -150,10 +150,10 @@ class FakeView:
     def remember(self, text: str) -> None:
         self.kept = text
 
-    def shelve(self, name: str, words: str) -> None:
+    def save_design(self, name: str, words: str) -> None:
         self.calls.append(("shelve", (name, words)))
 
-    def wipe(self) -> None:
+    def clear_storage(self) -> None:
         self.kept = None
         self.calls.append(("wipe", None))
 
@@ -211,7 +211,7 @@ def toy_figures(outcome: Outcome) -> tuple[LineFigure, ...]:
     return (LineFigure("x", same("x"), outcome.stage.t, (Line(same("x"), outcome.stage.x[:, 0]),)),)
 
 
-def toy_exam(lot: Lot) -> ExamItem:
+def toy_exam(lot: SeededDraws) -> ExamItem:
     a = lot.part(1, 900, 100)
     return ExamItem({"a": a}, 2 * a)
 
@@ -253,13 +253,13 @@ class Tab:
 
     def rest(self) -> None:
         """Let the knobs rest until the final picture is drawn."""
-        self.clock.advance(REST + 0.01)
+        self.clock.advance(FINAL_PICTURE_DELAY_S + 0.01)
         self.session.step(0.0)
 
     def run_for(self, seconds: float) -> None:
         """Let frames pass."""
-        for _ in range(round(seconds / FRAME)):
-            self.clock.advance(FRAME)
+        for _ in range(round(seconds / FRAME_S)):
+            self.clock.advance(FRAME_S)
             self.session.step(0.0)
 
     # --- seeing ----------------------------------------------------------------------------------------------------

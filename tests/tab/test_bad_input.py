@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from fakes import BROKEN, FORBIDDEN, UNDRAWABLE, UNSHOWABLE, Tab, toy, toy_compute
 
-from app.tab.commands import (
+from observer_lab.session.commands.commands import (
     CheckTask,
     ChoosePlant,
     Command,
@@ -29,13 +29,13 @@ from app.tab.commands import (
     Undo,
     UploadPlant,
 )
-from app.tab.examined import AnotherVariant, AnswerExam
-from app.tab.history import MERGE
-from app.tab.mailbox import Mailbox
-from app.tab.picture import Picture
-from app.tab.watch import TooLong
-from app.tab.worker import work
-from app.text import Text, text
+from observer_lab.session.commands.exams import AnotherVariant, AnswerExam
+from observer_lab.session.runtime.mailbox import Mailbox
+from observer_lab.session.runtime.watchdog import StepTimeout
+from observer_lab.session.runtime.worker import work
+from observer_lab.session.state.history import MERGE_WINDOW_S
+from observer_lab.session.state.view import Picture
+from observer_lab.text import Text, text
 
 GOOD = 2.0
 ROOT = Path(__file__).parents[2]
@@ -48,7 +48,7 @@ def tab() -> Tab:
     tab.do(Predict(1))
     tab.do(Play())
     tab.rest()
-    tab.clock.advance(MERGE)
+    tab.clock.advance(MERGE_WINDOW_S)
     tab.view.clear()
     return tab
 
@@ -174,7 +174,7 @@ def test_a_lesson_that_cannot_open_leaves_the_present_one_open() -> None:
         raise ZeroDivisionError("division by zero")
     tab = Tab({"toy": toy(), "ruin": toy("ruin", compute=never)})
     tab.set(gain=GOOD)
-    tab.clock.advance(MERGE + 0.01)
+    tab.clock.advance(MERGE_WINDOW_S + 0.01)
     tab.do(OpenLesson("ruin"))
     assert tab.picture.lesson.id == "toy" and tab["gain"] == GOOD
     assert tab.shown.lesson.id == "toy"
@@ -194,13 +194,13 @@ def test_numbers_from_numpy_are_numbers() -> None:
 
 def test_a_beginning_that_fails_is_tried_again_until_the_tab_leaves(monkeypatch: pytest.MonkeyPatch) -> None:
     """On a machine that is too busy to open a lesson in time a page is late, and not empty for ever."""
-    monkeypatch.setattr("app.tab.worker.AGAIN", 0.0)
+    monkeypatch.setattr("observer_lab.session.runtime.worker.RETRY_S", 0.0)
     mailbox, tried = Mailbox(), list[str]()
 
     def begin() -> None:
         tried.append("begin")
         if len(tried) < 3:
-            raise TooLong
+            raise StepTimeout
 
     def step() -> None:
         tried.append("step")
@@ -241,8 +241,8 @@ def test_a_page_that_was_laid_out_by_half_is_laid_out_again() -> None:
 
 TRACED = """
 import sys, time
-from app.tab.watch import TooLong, Watch
-watch = Watch(longest={longest}, asleep={longest})
+from observer_lab.session.runtime.watchdog import StepTimeout, Watchdog
+watch = Watchdog(longest={longest}, asleep={longest})
 came = 0
 for late in (0.0, {late}):
     try:
@@ -250,7 +250,7 @@ for late in (0.0, {late}):
             end = time.monotonic() + late
             while time.monotonic() < end:
                 pass
-    except TooLong:
+    except StepTimeout:
         came += 1
 def traced(): return 7
 sys.settrace(lambda *_: None)

@@ -9,22 +9,22 @@ import numpy as np
 from fakes import BROKEN, FakeView, Tab, toy
 from laws import holds_for_all
 
-from app.lesson.comparing import MOST, Pin, Pinned, boards_with_pins, ghosts, side_by_side, with_pins
-from app.lesson.differences import changed, difference, standing, step
-from app.lesson.figures import LineFigure, axis_range, same_key
-from app.lesson.knobs import Number
-from app.plants import MODELS
-from app.plants.examples import EXAMPLES, example
-from app.tab.commands import OpenLesson, SetLanguage, Undo
-from app.tab.comparing import FULL, NO_PIN, NO_STEP
-from app.tab.history import DEPTH, History
-from app.tab.orders import GoToStep, OpenPin, PinDesign, TurnGhost, Unpin
-from app.tab.session import Session
-from app.tab.state import plain
-from app.tab.steps import ROOM, read_steps, write_steps
-from app.text import languages, same
-from app.view.charts import data_of
-from lessons import LESSONS
+from observer_lab.course.design_differences import changed, describe_design, describe_difference, describe_step
+from observer_lab.course.figures.records import LineFigure, axis_range, same_key
+from observer_lab.course.knobs import Number
+from observer_lab.course.pinned_designs import MAX_PINS, Pin, Pinned, boards_with_pins, comparison_table, figures_with_pins, ghosts_of_pins
+from observer_lab.lessons import LESSONS
+from observer_lab.page.charts.charts import data_of
+from observer_lab.plants import MODELS
+from observer_lab.plants.examples import EXAMPLES, example
+from observer_lab.session.commands.commands import OpenLesson, SetLanguage, Undo
+from observer_lab.session.commands.files import GoToStep, OpenPin, PinDesign, ToggleGhost, Unpin
+from observer_lab.session.handlers.pins import NO_PIN, NO_STEP, TOO_MANY_PINS
+from observer_lab.session.session import Session
+from observer_lab.session.state.history import MAX_UNDO_DESIGNS, History
+from observer_lab.session.state.history_codec import MAX_HISTORY_CHARACTERS, read_steps, write_steps
+from observer_lab.session.state.saved_state import design_as_plain_data
+from observer_lab.text import languages, same
 
 
 def pinned_tab(*gains: float) -> Tab:
@@ -71,7 +71,7 @@ def test_pins_survive_a_reload_a_language_and_another_lesson_and_are_bounded() -
     tab = pinned_tab(2.0, 3.0, 4.0, 5.0)
     tab.set(gain=6.0)
     tab.do(PinDesign())
-    assert tab.view.scolded() == [FULL] and len(tab.picture.state.pins) == MOST
+    assert tab.view.scolded() == [TOO_MANY_PINS] and len(tab.picture.state.pins) == MAX_PINS
     tab.do(SetLanguage("zh"))
     tab.do(OpenLesson("second"))
     assert tab.picture.state.pins == ()
@@ -87,7 +87,7 @@ def test_pins_survive_a_reload_a_language_and_another_lesson_and_are_bounded() -
 def test_the_ghost_of_a_pin_walks_where_it_is_wanted_also_after_a_reload_and_not_with_another_plant() -> None:
     tab = pinned_tab(2.0, 3.0)
     assert tab.picture.ghosts == ()
-    tab.do(TurnGhost("1"))
+    tab.do(ToggleGhost("1"))
     (ghost,), stage = tab.picture.ghosts, tab.picture.outcome.stage
     assert (ghost.place, ghost.name) == (1, "B") and stage is not None
     np.testing.assert_allclose(ghost.states[:, 0], 3.0 * np.exp(-ghost.t), atol=1e-12)
@@ -95,10 +95,12 @@ def test_the_ghost_of_a_pin_walks_where_it_is_wanted_also_after_a_reload_and_not
     again.restore(tab.view.kept)
     again.open()
     assert again.picture is not None and [each.name for each in again.picture.ghosts] == ["B"]
-    assert ghosts(replace(stage, body=MODELS["two-mass"].body), tab.picture.pinned) == ghosts(None, tab.picture.pinned) == ()
-    tab.do(TurnGhost(1))
+    assert (
+        ghosts_of_pins(replace(stage, body=MODELS["two-mass"].body), tab.picture.pinned) == ghosts_of_pins(None, tab.picture.pinned) == ()
+    )
+    tab.do(ToggleGhost(1))
     assert tab.picture.ghosts == ()
-    tab.do(TurnGhost(7))
+    tab.do(ToggleGhost(7))
     assert tab.view.scolded() == [NO_PIN]
 
 
@@ -140,10 +142,10 @@ def test_the_steps_of_every_lesson_come_back_and_take_no_more_than_their_room() 
         history = History(start)
         history.restore((tuple(walk), len(walk) // 2))
         written = json.loads(json.dumps(write_steps(lesson, history)))
-        found = read_steps(written, plain(lesson, history.design), history.design, LESSONS)
+        found = read_steps(written, design_as_plain_data(lesson, history.design), history.design, LESSONS)
         assert found.save() == history.save()
         history.restore((tuple(walk * 60), 30 * len(walk)))
-        assert len(json.dumps(write_steps(lesson, history))) <= 2.2 * ROOM
+        assert len(json.dumps(write_steps(lesson, history))) <= 2.2 * MAX_HISTORY_CHARACTERS
     holds_for_all(LESSONS, law)
 
 
@@ -169,11 +171,11 @@ def test_any_of_several_hundred_steps_is_one_press_away_and_says_what_it_did() -
     for k in range(1, count + 1):
         tab.set(gain=k / 100)
         tab.clock.advance(1.0)
-    assert len(tab.picture.steps) == count + 1 <= DEPTH and tab.picture.at == count
+    assert len(tab.picture.steps) == count + 1 <= MAX_UNDO_DESIGNS and tab.picture.at == count
     for place in (7, 250, 0, count):
         tab.do(GoToStep(str(place)))
         assert tab["gain"] == (place / 100 or 1.0) and tab.picture.at == place and len(tab.picture.steps) == count + 1
-    said = [step(tab.picture.lesson, a, b)("en") for a, b in zip(tab.picture.steps[1:], tab.picture.steps[2:], strict=False)]
+    said = [describe_step(tab.picture.lesson, a, b)("en") for a, b in zip(tab.picture.steps[1:], tab.picture.steps[2:], strict=False)]
     assert said[:2] == ["gain: 0.01 → 0.02", "gain: 0.02 → 0.03"] and len(set(said)) == count - 1
 
 
@@ -185,7 +187,7 @@ def test_every_lesson_compares_with_its_first_task_solved() -> None:
         outcome, solved = lesson.compute(start), lesson.compute(other)
         figures = lesson.figures(outcome)
         pinned = (Pinned(Pin("A", other), 0, solved, lesson.figures(solved)), Pinned(Pin("B", start), 1, outcome, figures))
-        shown = with_pins(figures, pinned)
+        shown = figures_with_pins(figures, pinned)
         assert [figure.id for figure in shown] == [figure.id for figure in figures]
         assert not any(curve.pin == same("B") for figure in shown for curve in getattr(figure, "curves", ())), "what lies under it"
         for figure in shown:
@@ -193,12 +195,16 @@ def test_every_lesson_compares_with_its_first_task_solved() -> None:
                 data_of(figure, axis_range(figure))
                 assert same_key(figure, figure)
         assert [board.id for board in boards_with_pins(outcome.boards, pinned)] == [board.id for board in outcome.boards]
-        table = side_by_side(lesson, start, outcome, pinned)
+        table = comparison_table(lesson, start, outcome, pinned)
         assert table is not None and len(table.rows) >= 2 and all(len(row) == 4 for row in table.rows)
         assert any(row[1] != row[2] for row in table.rows) and all(row[1] == row[3] for row in table.rows)
         names = {knob.name for knob in changed(lesson, start, other)}
         assert names and names <= set(dict(start.values))
         for language in languages():
-            for said in (difference(lesson, same("A"), other, start), step(lesson, start, other), standing(lesson, other)):
+            for said in (
+                describe_difference(lesson, same("A"), other, start),
+                describe_step(lesson, start, other),
+                describe_design(lesson, other),
+            ):
                 assert "{" not in said(language) and said(language)
     holds_for_all(LESSONS, law)

@@ -9,13 +9,13 @@ import pytest
 from fakes import FakeView, Tab, toy
 from laws import holds_for_all
 
-from app.lesson.course import Progress
-from app.lesson.prose import read_notes
-from app.lesson.ways import ONWARD, onward, ways_of
-from app.tab.commands import CheckTask, OpenLesson, Predict, ToggleCourse
-from app.tab.memory import how_far
-from app.tab.session import Session
-from lessons import LESSONS, folder
+from observer_lab.course.course_map import Progress
+from observer_lab.course.learning_paths import ONWARD, next_lessons, paths_with_lessons
+from observer_lab.course.prose import read_notes
+from observer_lab.lessons import LESSONS, folder
+from observer_lab.session.commands.commands import CheckTask, OpenLesson, Predict, ToggleCourse
+from observer_lab.session.session import Session
+from observer_lab.session.state.tab_memory import progress_in_saved_state
 
 LARGEST = 10_000  # bytes of a card's picture
 
@@ -31,13 +31,17 @@ def test_every_lesson_has_its_place_and_needs_only_what_comes_before() -> None:
         assert minutes is not None and int(minutes[1]) == place.minutes
         assert all(LESSONS[need].number < lesson.number for need in place.needs)
         assert bool(place.needs) == (lesson.number > 1)
-        led = onward(lesson, LESSONS.values())
+        led = next_lessons(lesson, LESSONS.values())
         assert len(led) == len(set(led)) <= ONWARD and all(other.number > lesson.number for other in led)
         for way in place.ways:
-            later = [other for other in ways_of(LESSONS.values())[way] if other.number > lesson.number]
+            later = [other for other in paths_with_lessons(LESSONS.values())[way] if other.number > lesson.number]
             assert not later or later[0] in led, "the next one on each way"
     holds_for_all(LESSONS, law)
-    assert {way.id: len(on_it) for way, on_it in ways_of(LESSONS.values()).items()} == {"first": 8, "estimation": 7, "platform": 6}
+    assert {way.id: len(on_it) for way, on_it in paths_with_lessons(LESSONS.values()).items()} == {
+        "first": 8,
+        "estimation": 7,
+        "platform": 6,
+    }
 
 
 def test_the_page_of_lessons_tells_how_far_one_is_also_after_a_reload() -> None:
@@ -62,4 +66,4 @@ def test_the_page_of_lessons_tells_how_far_one_is_also_after_a_reload() -> None:
 @pytest.mark.parametrize("desk", [
     None, 3, [], {}, {"tasks": 3, "predicted": 1}, {"predicted": None, "tasks": {"a": 3, "b": [1], "c": [0, False, 1]}}])
 def test_a_torn_desk_has_no_progress(desk: object) -> None:
-    assert how_far(json.loads(json.dumps(desk))) == Progress()
+    assert progress_in_saved_state(json.loads(json.dumps(desk))) == Progress()

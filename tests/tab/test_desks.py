@@ -9,20 +9,10 @@ from dataclasses import replace
 import pytest
 from fakes import FakeView, Tab, toy
 
-from app.tab.commands import (
-    CheckTask,
-    OpenLesson,
-    Predict,
-    Reveal,
-    SetKnobs,
-    SetLanguage,
-    ShowHint,
-    TurnPage,
-    Undo,
-)
-from app.tab.examined import AnswerExam
-from app.tab.history import MERGE
-from app.tab.session import Session
+from observer_lab.session.commands.commands import CheckTask, OpenLesson, Predict, Reveal, SetKnobs, SetLanguage, ShowHint, TurnPage, Undo
+from observer_lab.session.commands.exams import AnswerExam
+from observer_lab.session.session import Session
+from observer_lab.session.state.history import MERGE_WINDOW_S
 
 
 def two() -> Tab:
@@ -59,7 +49,7 @@ def test_a_language_that_the_lab_does_not_speak_toggles(asked: object) -> None:
 def test_every_lesson_keeps_its_own_desk() -> None:
     tab = two()
     tab.set(gain=2.0)
-    tab.clock.advance(MERGE + 0.01)
+    tab.clock.advance(MERGE_WINDOW_S + 0.01)
     tab.set(gain=5.0)
     tab.do(Predict(1))
     tab.do(ShowHint("high"))

@@ -5,10 +5,10 @@ from __future__ import annotations
 import pytest
 from fakes import FakeView, Tab, toy, toy_compute
 
-from app.lesson.lesson import Design, Outcome
-from app.tab.commands import LookFrom, Predict, Redo, Reset, SetKnobs, ToggleHelp, ToggleLecture, Undo
-from app.tab.history import MERGE
-from app.tab.session import REST, Session
+from observer_lab.course.lesson import Design, Outcome
+from observer_lab.session.commands.commands import LookFrom, Predict, Redo, Reset, SetKnobs, ToggleHelp, ToggleLecture, Undo
+from observer_lab.session.session import FINAL_PICTURE_DELAY_S, Session
+from observer_lab.session.state.history import MERGE_WINDOW_S
 
 
 def counting() -> tuple[list[Design], Tab]:
@@ -66,7 +66,7 @@ def test_a_moving_knob_shows_drafts_and_one_final_picture_when_it_rests() -> Non
     tab = Tab()
     for value in (2.0, 3.0):
         tab.set(gain=value)
-        tab.clock.advance(REST / 2)
+        tab.clock.advance(FINAL_PICTURE_DELAY_S / 2)
         tab.session.step(0.0)
     assert [p.resting for p in tab.view.of("show")] == [False, False]
     tab.rest()
@@ -80,7 +80,7 @@ def test_undo_and_redo_reach_more_than_two_hundred_steps() -> None:
     values = [round(0.02 * (i + 1), 3) for i in range(250) if round(0.02 * (i + 1), 3) != 1.0]
     for value in values:
         tab.set(gain=value)
-        tab.clock.advance(MERGE + 0.01)
+        tab.clock.advance(MERGE_WINDOW_S + 0.01)
     back = []
     while tab.picture.state.can_undo:
         tab.do(Undo())
@@ -107,7 +107,7 @@ def test_a_new_change_after_undo_forgets_what_could_be_redone() -> None:
     tab = Tab()
     for value in (2.0, 3.0):
         tab.set(gain=value)
-        tab.clock.advance(MERGE + 0.01)
+        tab.clock.advance(MERGE_WINDOW_S + 0.01)
     tab.do(Undo())
     assert tab["gain"] == 2.0 and tab.picture.state.can_redo
     tab.set(gain=4.0)
@@ -119,7 +119,7 @@ def test_a_new_change_after_undo_forgets_what_could_be_redone() -> None:
 def test_a_drag_is_one_step_of_undo() -> None:
     tab = Tab()
     tab.set(offset=0.2)
-    tab.clock.advance(MERGE + 0.01)
+    tab.clock.advance(MERGE_WINDOW_S + 0.01)
     for i in range(20):
         tab.set(gain=2.0 + i / 10)
         tab.clock.advance(0.05)
@@ -148,7 +148,7 @@ def test_quick_changes_of_different_knobs_are_different_steps() -> None:
 def test_slow_changes_of_one_knob_are_different_steps() -> None:
     tab = Tab()
     tab.set(gain=2.0)
-    tab.clock.advance(MERGE + 0.01)
+    tab.clock.advance(MERGE_WINDOW_S + 0.01)
     tab.set(gain=3.0)
     tab.do(Undo())
     assert tab["gain"] == 2.0
@@ -205,7 +205,7 @@ def test_a_slow_drag_is_one_step_of_undo_and_the_next_drag_another() -> None:
     for gain, grip in ((2.0, 1), (3.0, 1), (4.0, 1), (5.0, 2)):
         tab.session.post(SetKnobs({"gain": gain}, grip))
         tab.session.step(0.0)
-        tab.clock.advance(3 * MERGE)
+        tab.clock.advance(3 * MERGE_WINDOW_S)
     tab.do(Undo())
     assert tab["gain"] == 4.0
     tab.do(Undo())

@@ -8,15 +8,15 @@ import pytest
 from fakes import FakeView, Tab, toy
 from laws import each
 
-from app.lesson.exam import Exam, ExamItem
-from app.lesson.lesson import Verdict
-from app.tab.commands import OpenState
-from app.tab.examined import AnotherVariant, AnswerExam, SetKey, Withhold
-from app.tab.examining import SEALED, item_of, said_of, verdict_of
-from app.tab.picture import MOST_ANSWERS
-from app.tab.session import Session
-from app.tab.state import Saved
-from app.tab.token import write_token
+from observer_lab.course.exercises.exam import Exam, ExamItem
+from observer_lab.course.lesson import Verdict
+from observer_lab.session.commands.commands import OpenState
+from observer_lab.session.commands.exams import AnotherVariant, AnswerExam, SetKey, WithholdResults
+from observer_lab.session.handlers.exams import SEALED, last_answer, present_item, present_verdict
+from observer_lab.session.session import Session
+from observer_lab.session.state.saved_state import SavedState
+from observer_lab.session.state.token import write_token
+from observer_lab.session.state.view import MOST_ANSWERS
 
 
 def exam_of(tab: Tab) -> Exam:
@@ -24,11 +24,11 @@ def exam_of(tab: Tab) -> Exam:
 
 
 def item(tab: Tab) -> ExamItem:
-    return item_of(tab.picture.state, tab.picture.lesson.id, exam_of(tab))
+    return present_item(tab.picture.state, tab.picture.lesson.id, exam_of(tab))
 
 
 def verdict(tab: Tab) -> Verdict | None:
-    return verdict_of(tab.picture.state, tab.picture.lesson.id, exam_of(tab))
+    return present_verdict(tab.picture.state, tab.picture.lesson.id, exam_of(tab))
 
 
 def answer(tab: Tab, said: str) -> None:
@@ -53,7 +53,7 @@ def test_another_variant_asks_other_numbers_and_forgets_no_answer() -> None:
     answer(tab, "1.5")
     first = item(tab)
     tab.do(AnotherVariant("twice"))
-    assert item(tab) != first and said_of(tab.picture.state, exam_of(tab)) == "" and verdict(tab) is None
+    assert item(tab) != first and last_answer(tab.picture.state, exam_of(tab)) == "" and verdict(tab) is None
     assert [a.variant for a in tab.picture.state.exams["twice"].answers] == [1]
 
 
@@ -79,25 +79,25 @@ def test_an_answer_nearly_right_is_told_so() -> None:
 def test_withheld_notes_and_tells_nothing_then_or_later() -> None:
     tab = keyed("me")
     practised = item(tab)
-    tab.do(Withhold(True))
+    tab.do(WithholdResults(True))
     asked = item(tab)
     answer(tab, f"{asked.answer:.2f}")
     tab.do(AnotherVariant("twice"))  # there is one variant for all
     assert item(tab) == asked != practised and verdict(tab) is None
-    assert said_of(tab.picture.state, exam_of(tab)) == f"{asked.answer:.2f}"
+    assert last_answer(tab.picture.state, exam_of(tab)) == f"{asked.answer:.2f}"
     assert "olved" not in json.dumps(json.loads(tab.view.kept or "")["desks"]["toy"]["exams"])
-    tab.do(Withhold(False))
+    tab.do(WithholdResults(False))
     assert item(tab) == practised and verdict(tab) is None
 
 
 def test_a_link_brings_withheld_along_and_no_key() -> None:
     tab = keyed("me")
-    token = write_token(toy(), Saved(toy().start(), withheld=True))
+    token = write_token(toy(), SavedState(toy().start(), withheld=True))
     tab.do(OpenState(token))
     assert tab.picture.state.withheld
     assert write_token(toy(), tab.session._show.saved()) == token
     plain = Tab()
-    plain.do(OpenState(write_token(toy(), Saved(toy().start()))))
+    plain.do(OpenState(write_token(toy(), SavedState(toy().start()))))
     assert not plain.picture.state.withheld
 
 
@@ -106,7 +106,7 @@ def test_what_is_no_number_costs_one_sentence_and_is_not_noted(said: str) -> Non
     tab = keyed("me")
     answer(tab, "3")
     answer(tab, said)
-    assert len(tab.view.scolded()) == 1 and said_of(tab.picture.state, exam_of(tab)) == "3"
+    assert len(tab.view.scolded()) == 1 and last_answer(tab.picture.state, exam_of(tab)) == "3"
 
 
 @pytest.mark.parametrize("key", [None, 3, "k" * 10_000, "\ud800", "<b>"])
@@ -144,10 +144,10 @@ def test_a_sealed_tab_cannot_practise_whatever_is_opened_or_asked() -> None:
     tab.do(SetKey("me"))
     asked = item(tab)
     answer(tab, f"{asked.answer:.2f}")
-    tab.do(Withhold(False))
+    tab.do(WithholdResults(False))
     assert tab.view.scolded()[-1] == SEALED and tab.picture.state.withheld and verdict(tab) is None and item(tab) == asked
     open_tab = keyed("me")
-    tab.do(OpenState(write_token(open_tab.picture.lesson, Saved(open_tab.picture.design))))
+    tab.do(OpenState(write_token(open_tab.picture.lesson, SavedState(open_tab.picture.design))))
     assert tab.picture.state.withheld and verdict(tab) is None
     back = Session(tab.lessons, FakeView(), "toy", sealed=True)
     back.restore(open_tab.view.kept)  # a tab that practised elsewhere

@@ -8,11 +8,11 @@ from dataclasses import replace
 import pytest
 from fakes import Tab, Worker, job_of, toy
 
-from app.engine import EngineError
-from app.lesson.lesson import Job, Outcome
-from app.tab.commands import Command, OpenLesson, Predict, Reset, RunJob, SetLanguage, ToggleLecture, TurnPage, Undo
-from app.tab.drafts import KEPT, Drafts
-from app.text import same
+from observer_lab.course.lesson import Job, Outcome
+from observer_lab.engine import EngineError
+from observer_lab.session.commands.commands import Command, OpenLesson, Predict, Reset, RunJob, SetLanguage, ToggleLecture, TurnPage, Undo
+from observer_lab.session.runtime.outcomes import CACHED_DESIGNS, OutcomeCache
+from observer_lab.text import same
 
 
 def test_a_job_shows_its_progress_and_its_pictures_and_ends() -> None:
@@ -155,13 +155,13 @@ def test_what_a_job_found_is_shown_in_every_design_of_its_key_and_in_no_other() 
 
 
 def test_results_of_jobs_are_kept_within_bounds() -> None:
-    drafts, lesson = Drafts(), toy(job=Job(same("long"), lambda outcome: iter(()), key=lambda design: design["gain"],
+    drafts, lesson = OutcomeCache(), toy(job=Job(same("long"), lambda outcome: iter(()), key=lambda design: design["gain"],
                                            shown=lambda outcome, result: replace(outcome, study=result)))
-    designs = [lesson.apply(lesson.start(), {"gain": k / 100}) for k in range(KEPT + 1)]
+    designs = [lesson.apply(lesson.start(), {"gain": k / 100}) for k in range(CACHED_DESIGNS + 1)]
     for k, design in enumerate(designs):
-        drafts.keep_found(lesson, design, k)
+        drafts.store_job_result(lesson, design, k)
     shown = [drafts.draw(lesson, design)[0].study for design in designs]
-    assert shown == [None, *range(1, KEPT + 1)]
+    assert shown == [None, *range(1, CACHED_DESIGNS + 1)]
 
 
 def test_a_lesson_without_a_job_ignores_the_command() -> None:

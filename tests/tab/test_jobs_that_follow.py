@@ -8,10 +8,10 @@ from dataclasses import replace
 import pytest
 from fakes import Tab, Worker, toy
 
-from app.engine import EngineError
-from app.lesson.lesson import Job, Outcome
-from app.tab.commands import RunJob
-from app.text import same
+from observer_lab.course.lesson import Job, Outcome
+from observer_lab.engine import EngineError
+from observer_lab.session.commands.commands import RunJob
+from observer_lab.text import same
 
 
 def following(work: Worker, rough: Callable[[Outcome], object] | None = None) -> Tab:

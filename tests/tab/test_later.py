@@ -6,11 +6,11 @@ from dataclasses import dataclass, field, replace
 
 from fakes import UNDRAWABLE, FakeView, Tab, toy, toy_compute, toy_figures
 
-from app.lesson.figures import Figure
-from app.lesson.later import Later, LaterMap, Sheaf, leaf
-from app.lesson.lesson import Design, Lesson, Outcome
-from app.tab.commands import Placed, SetKnobs, Undo
-from app.text import same
+from observer_lab.course.figures.records import Figure
+from observer_lab.course.lazy import FigureSet, LazyMap, LazyValue, tab_figures
+from observer_lab.course.lesson import Design, Lesson, Outcome
+from observer_lab.session.commands.commands import PlaceOpened, SetKnobs, Undo
+from observer_lab.text import same
 
 
 @dataclass
@@ -25,16 +25,16 @@ def paged(diary: Diary) -> Lesson:
     """The toy with tabs "near" and "far" and a figure that nobody follows; a gain of UNDRAWABLE fails in the far one alone."""
     def compute(design: Design) -> Outcome:
         whole = toy_compute(design)
-        return replace(whole, metrics=LaterMap(lambda: diary.made.append(("numbers", design["gain"])) or {"gain": design["gain"]}),
-                       words=Later(lambda: same("late")))
+        return replace(whole, metrics=LazyMap(lambda: diary.made.append(("numbers", design["gain"])) or {"gain": design["gain"]}),
+                       words=LazyValue(lambda: same("late")))
 
-    def figures(outcome: Outcome) -> Sheaf:
+    def figures(outcome: Outcome) -> FigureSet:
         def made(name: str) -> tuple[Figure, ...]:
             diary.made.append((name, outcome.design["gain"]))
             shown = outcome if name == "far" else replace(outcome, design=outcome.design.with_values(gain=0.0))
             return (replace(toy_figures(shown)[0], id=name, tab=same("near" if name == "slow" else name)),)
-        return Sheaf(leaf(same("near"), lambda: made("near")), leaf(same("near"), lambda: made("slow"), "late"),
-                     leaf(same("far"), lambda: made("far")))
+        return FigureSet(tab_figures(same("near"), lambda: made("near")), tab_figures(same("near"), lambda: made("slow"), "late"),
+                     tab_figures(same("far"), lambda: made("far")))
     return toy(compute=compute, figures=figures)
 
 
@@ -63,7 +63,7 @@ def test_the_open_tab_is_shown_before_the_rest_is_computed() -> None:
     tab.set(gain=2.0)
     assert seen(tab.view) == [(2.0, ["near"]), (2.0, ["near", "slow", "far"])] and not tab.view.of("show")[0].whole
     assert diary.made == [("near", 2.0), ("slow", 2.0), ("far", 2.0), ("numbers", 2.0)] and tab.picture.outcome.live == same("late")
-    tab.do(Placed(1, None))
+    tab.do(PlaceOpened(1, None))
     tab.view.clear()
     tab.set(gain=3.0)
     assert seen(tab.view)[0] == (3.0, ["far"])

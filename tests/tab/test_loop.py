@@ -10,11 +10,31 @@ from fakes import MODEL, Tab, same, toy, toy_compute, toy_figures
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.lesson.figures import LineFigure
-from app.lesson.lesson import Design, Outcome, Stage
-from app.lesson.living import AFTER, BRIEF, DEAD, LEAST, MOMENTS, apart, living, over
-from app.tab.commands import Kick, OpenLesson, Placed, Play, Predict, Reveal, Rewind, Seek, SetLanguage, Watched
-from app.tab.playing import FRAME, HAND_ROUNDS, OPENING_ROUNDS
+from observer_lab.course.error_window import (
+    AFTER_SHARE,
+    DECAYED_SHARE,
+    MIN_REST_SHARE,
+    MIN_WINDOW_SHARE,
+    MOMENTS,
+    apart,
+    find_error_window,
+    run_end,
+)
+from observer_lab.course.figures.records import LineFigure
+from observer_lab.course.lesson import Design, Outcome, Stage
+from observer_lab.session.commands.commands import (
+    Kick,
+    OpenLesson,
+    PageSeen,
+    PlaceOpened,
+    Play,
+    Predict,
+    Reveal,
+    Rewind,
+    Seek,
+    SetLanguage,
+)
+from observer_lab.session.handlers.playback import FRAME_S, HAND_ROUNDS, OPENING_ROUNDS
 
 
 def with_ghost(design: Design) -> Outcome:
@@ -36,8 +56,8 @@ def opened(predicted: bool = True) -> Tab:
 
 def rounds(tab: Tab, patience: float = 60.0) -> int:
     """How often the loop begins anew before it falls silent."""
-    for _ in range(round(patience / FRAME)):
-        tab.clock.advance(FRAME)
+    for _ in range(round(patience / FRAME_S)):
+        tab.clock.advance(FRAME_S)
         tab.session.step(0.0)
         if not tab.picture.state.moving:
             return int(np.count_nonzero(np.diff(tab.view.of("pose")) < -1e-6))
@@ -52,22 +72,25 @@ def test_the_part_holds_the_peak_of_the_error_and_ends_after_its_death(rate: flo
     since = share * horizon
     e = np.where(t >= since, size * np.exp(-rate * 10 / horizon * (t - since)), 0.0)
     stage = Stage(MODEL.body, t, np.column_stack([e, 0 * t]), np.zeros((400, 2)))
-    part = living(stage, since)
+    part = find_error_window(stage, since)
     assert since <= part.begin <= part.peak <= part.end <= horizon
-    assert part.end - part.begin >= min(LEAST * horizon, horizon - since) * (1 - 1e-9)
+    assert part.end - part.begin >= min(MIN_WINDOW_SHARE * horizon, horizon - since) * (1 - 1e-9)
     assert part.begin - since <= 2 * horizon / (MOMENTS - 1)
     moments, gap = apart(stage)
     late = moments > part.end + 1e-9
-    assert np.all(gap[late] <= DEAD * gap.max())
-    dead = since + np.log(1 / DEAD) * horizon / (10 * rate)
-    assert part.end <= max(dead + 4 * horizon / (MOMENTS - 1), since + LEAST * horizon) + AFTER * (part.end - part.begin) + 1e-9
+    assert np.all(gap[late] <= DECAYED_SHARE * gap.max())
+    dead = since + np.log(1 / DECAYED_SHARE) * horizon / (10 * rate)
+    assert (
+        part.end
+        <= max(dead + 4 * horizon / (MOMENTS - 1), since + MIN_WINDOW_SHARE * horizon) + AFTER_SHARE * (part.end - part.begin) + 1e-9
+    )
     assert 2.0 * (1 - 1e-9) <= (part.end - part.begin) / part.rate < 5.0 * (1 + 1e-9)
 
 
 @pytest.mark.parametrize("gap", [0.0, 1.0], ids=["never apart", "never together"])
 def test_where_the_error_is_never_born_or_never_dies_the_part_is_the_run(gap: float) -> None:
     t = np.linspace(0.0, 3.0, 50)
-    part = living(Stage(MODEL.body, t, np.full((50, 2), gap), np.zeros((50, 2))))
+    part = find_error_window(Stage(MODEL.body, t, np.full((50, 2), gap), np.zeros((50, 2))))
     assert (part.begin, part.end) == (0.0, 3.0)
 
 
@@ -86,14 +109,14 @@ def test_a_run_is_over_shortly_after_a_fall(share: float) -> None:
     assert stage is not None
     horizon = float(stage.t[-1])
     fall = float(stage.t[round(share * (len(stage.t) - 1))])
-    assert fall <= over(stage) <= min(horizon, fall + max(AFTER * fall, BRIEF * horizon)) + 1e-9
-    assert living(stage).end <= over(stage)
+    assert fall <= run_end(stage) <= min(horizon, fall + max(AFTER_SHARE * fall, MIN_REST_SHARE * horizon)) + 1e-9
+    assert find_error_window(stage).end <= run_end(stage)
 
 
 def test_what_is_played_ends_after_a_fall_and_a_hand_sees_the_fall_again() -> None:
     tab = Tab({"toy": toy(compute=fallen)})
     tab.do(Predict(1))
-    end = over(fallen(tab.picture.design).stage)  # type: ignore[arg-type]
+    end = run_end(fallen(tab.picture.design).stage)  # type: ignore[arg-type]
     assert end < 0.3 * tab.picture.horizon
     tab.run_for(end + 0.2)
     assert not tab.picture.state.moving and tab.picture.state.t == pytest.approx(end) and tab.picture.state.revealed
@@ -104,9 +127,9 @@ def test_what_is_played_ends_after_a_fall_and_a_hand_sees_the_fall_again() -> No
 # --- the opening ---------------------------------------------------------------------------------------------------
 def test_a_lesson_that_is_seen_shows_its_run_a_few_rounds_long_before_any_prediction() -> None:
     tab = opened(predicted=False)
-    tab.do(Watched(1))
+    tab.do(PageSeen(1))
     assert tab.picture.state.moving and rounds(tab) == OPENING_ROUNDS
-    state, part = tab.picture.state, living(with_ghost(tab.picture.design).stage)  # type: ignore[arg-type]
+    state, part = tab.picture.state, find_error_window(with_ghost(tab.picture.design).stage)  # type: ignore[arg-type]
     assert state.t == part.peak and not state.revealed and state.predicted is None
     tab.view.clear()
     tab.run_for(5.0)
@@ -115,9 +138,9 @@ def test_a_lesson_that_is_seen_shows_its_run_a_few_rounds_long_before_any_predic
 
 def test_a_page_that_is_hidden_stands_still() -> None:
     tab = opened(predicted=False)
-    tab.do(Watched(1))
+    tab.do(PageSeen(1))
     tab.run_for(0.5)
-    tab.do(Watched(0))
+    tab.do(PageSeen(0))
     tab.view.clear()
     tab.run_for(5.0)
     assert not tab.view.calls
@@ -125,12 +148,12 @@ def test_a_page_that_is_hidden_stands_still() -> None:
 
 def test_where_the_browser_asks_for_calm_a_moved_knob_moves_nothing_else() -> None:
     tab = opened()
-    tab.do(Watched(0))
+    tab.do(PageSeen(0))
     tab.view.clear()
     tab.set(gain=2.0)
     tab.run_for(5.0)
     assert not tab.picture.state.moving and set(tab.view.of("pose")) <= {tab.picture.state.t}
-    tab.do(Watched(1))
+    tab.do(PageSeen(1))
     tab.set(gain=2.5)
     assert tab.picture.state.moving
 
@@ -138,16 +161,16 @@ def test_where_the_browser_asks_for_calm_a_moved_knob_moves_nothing_else() -> No
 @pytest.mark.parametrize("seen", [float("nan"), "yes", None])
 def test_nonsense_about_being_seen_costs_one_sentence(seen: object) -> None:
     tab = opened(predicted=False)
-    tab.do(Watched(seen))
+    tab.do(PageSeen(seen))
     assert not tab.picture.state.moving and len(tab.view.scolded()) == 1
 
 
 def test_another_lesson_or_language_stops_the_opening() -> None:
     tab = opened(predicted=False)
-    tab.do(Watched(1))
+    tab.do(PageSeen(1))
     tab.do(OpenLesson("other"))
     assert not tab.picture.state.moving and tab.picture.state.t == 0.0
-    tab.do(Watched(1))
+    tab.do(PageSeen(1))
     tab.do(SetLanguage("zh"))
     assert tab.picture.state.moving, "a language is no other run"
 
@@ -223,8 +246,8 @@ def test_after_a_kick_the_part_is_the_kicks() -> None:
     t = np.linspace(0.0, 10.0, 400)
     e = np.exp(-3 * t) + np.where(t >= 5.0, 0.5 * np.exp(-3 * (t - 5.0)), 0.0)
     stage = Stage(MODEL.body, t, np.column_stack([e, 0 * t]), np.zeros((400, 2)))
-    assert living(stage).begin == 0.0 and living(stage).end < 5.0
-    assert living(stage, 5.0).begin == pytest.approx(5.0) and living(stage, 5.0).end > 6.0
+    assert find_error_window(stage).begin == 0.0 and find_error_window(stage).end < 5.0
+    assert find_error_window(stage, 5.0).begin == pytest.approx(5.0) and find_error_window(stage, 5.0).end > 6.0
 
 
 # --- the figure that answers -----------------------------------------------------------------------------------------
@@ -247,12 +270,12 @@ def test_who_turns_to_another_figure_while_the_evidence_plays_is_not_called_back
     for turned, opens in ((0, ["x"]), (1, [])):
         tab = Tab({"toy": toy(compute=with_ghost, figures=two_tabs, answering="x")})
         tab.do(Predict(1))
-        tab.do(Placed(turned, None))
+        tab.do(PlaceOpened(turned, None))
         tab.run_for(2.2)
         assert tab.picture.state.revealed
         assert tab.view.of("figure") == opens
     tab = Tab({"toy": toy(compute=with_ghost, figures=two_tabs, answering="x")})
     tab.do(Predict(1))
-    tab.do(Placed(1, None))
+    tab.do(PlaceOpened(1, None))
     tab.do(Reveal())
     assert tab.view.of("figure") == ["x"], "who asks for the answer is shown it"

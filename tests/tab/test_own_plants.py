@@ -10,18 +10,18 @@ import numpy as np
 import pytest
 from fakes import FakeView, Tab, toy
 
-from app.engine import Plant, to_json
-from app.lesson.knobs import KnobError, Number
-from app.lesson.lesson import Design, Lesson, Outcome
-from app.plants import Model
-from app.plants.examples import DATA, EXAMPLES, example
-from app.plants.own import canonical
-from app.tab.commands import ChoosePlant, OpenLesson, Predict, Redo, Reset, Seek, Undo, UploadPlant
-from app.tab.designing import YOURS
-from app.tab.history import MERGE
-from app.tab.picture import Picture
-from app.tab.session import Session
-from app.text import Text, text
+from observer_lab.course.knobs import KnobError, Number
+from observer_lab.course.lesson import Design, Lesson, Outcome
+from observer_lab.engine import Plant, to_json
+from observer_lab.plants import Model
+from observer_lab.plants.examples import DATA, EXAMPLES, example
+from observer_lab.plants.own_plant import canonical_text
+from observer_lab.session.commands.commands import ChoosePlant, OpenLesson, Predict, Redo, Reset, Seek, Undo, UploadPlant
+from observer_lab.session.handlers.design import YOURS
+from observer_lab.session.session import Session
+from observer_lab.session.state.history import MERGE_WINDOW_S
+from observer_lab.session.state.view import Picture
+from observer_lab.text import Text, text
 
 SMALL = Plant(np.diag([-1.0, -2.0]), np.ones((2, 1)), np.ones((1, 2)), name="small")
 LARGE = Plant(-np.eye(5), np.ones((5, 1)), np.ones((1, 5)), name="large")
@@ -55,29 +55,29 @@ def file_of(plant: Plant, name: str = "mine.json") -> tuple[str, bytes]:
 def test_an_upload_opens_the_lesson_with_the_plant() -> None:
     tab = tab_of()
     tab.do(UploadPlant(*file_of(SMALL)))
-    assert tab.picture.design.plant == canonical(SMALL) and tab["state1"] == 0.5
+    assert tab.picture.design.plant == canonical_text(SMALL) and tab["state1"] == 0.5
     assert [name for name, _ in tab.view.calls if name in ("build", "show", "pose")][:3] == ["build", "show", "pose"]
     assert "small" in tab.shown.lesson.words["en"].introduction and "small" in tab.shown.lesson.words["zh"].introduction
     assert not tab.shown.lesson.tasks and not tab.view.scolded()
     tab.set(state1=0.75)
-    assert tab["state1"] == 0.75 and tab.picture.design.plant == canonical(SMALL)
+    assert tab["state1"] == 0.75 and tab.picture.design.plant == canonical_text(SMALL)
 
 
 def test_undo_and_redo_walk_across_plants() -> None:
     tab = tab_of()
     tab.set(gain=3.0)
-    tab.clock.advance(MERGE + 0.1)
+    tab.clock.advance(MERGE_WINDOW_S + 0.1)
     tab.do(UploadPlant(*file_of(SMALL)))
     tab.do(UploadPlant(*file_of(LARGE)))
     tab.view.clear()
     tab.do(Undo())
-    assert tab.picture.design.plant == canonical(SMALL) and len(tab.shown.lesson.knobs) == len(toy().knobs) + 2
+    assert tab.picture.design.plant == canonical_text(SMALL) and len(tab.shown.lesson.knobs) == len(toy().knobs) + 2
     tab.do(Undo())
     assert tab.picture.design.plant == "" and tab["gain"] == 3.0 and tab.shown.lesson.tasks
     assert len(tab.view.of("build")) == 2
     tab.do(Redo())
     tab.do(Redo())
-    assert tab.picture.design.plant == canonical(LARGE) and tab["state4"] == 0.5
+    assert tab.picture.design.plant == canonical_text(LARGE) and tab["state4"] == 0.5
     assert not tab.view.scolded()
 
 
@@ -86,11 +86,11 @@ def test_back_to_the_lessons_own_plant_and_to_ones_own_again() -> None:
     tab.do(UploadPlant(*file_of(SMALL)))
     tab.do(ChoosePlant(""))
     assert tab.picture.design == tab.lessons["toy"].start()
-    assert tab.picture.state.plant == canonical(SMALL)
+    assert tab.picture.state.plant == canonical_text(SMALL)
     tab.do(ChoosePlant(YOURS))
-    assert tab.picture.design.plant == canonical(SMALL)
+    assert tab.picture.design.plant == canonical_text(SMALL)
     tab.do(ChoosePlant("aircraft"))
-    assert tab.picture.design.plant == example("aircraft") and tab.picture.state.plant == canonical(SMALL)
+    assert tab.picture.design.plant == example("aircraft") and tab.picture.state.plant == canonical_text(SMALL)
 
 
 def test_reset_keeps_the_plant() -> None:
@@ -98,7 +98,7 @@ def test_reset_keeps_the_plant() -> None:
     tab.do(UploadPlant(*file_of(SMALL)))
     tab.set(state0=0.9)
     tab.do(Reset())
-    assert tab["state0"] == 0.5 and tab.picture.design.plant == canonical(SMALL)
+    assert tab["state0"] == 0.5 and tab.picture.design.plant == canonical_text(SMALL)
 
 
 def test_a_reload_brings_the_plant_back_shown_or_not() -> None:
@@ -113,7 +113,7 @@ def test_a_reload_brings_the_plant_back_shown_or_not() -> None:
         again.restore(tab.view.kept)
         again.open()
         assert again.picture is not None and again.picture.design == tab.picture.design
-        assert again.picture.state.plant == canonical(SMALL)
+        assert again.picture.state.plant == canonical_text(SMALL)
 
 
 def test_the_plant_comes_along_to_the_next_lesson_only_while_it_is_shown() -> None:
@@ -122,19 +122,19 @@ def test_the_plant_comes_along_to_the_next_lesson_only_while_it_is_shown() -> No
     tab = Tab(lessons)
     tab.do(UploadPlant(*file_of(SMALL)))
     tab.do(OpenLesson("other"))
-    assert tab.picture.design.plant == canonical(SMALL)
+    assert tab.picture.design.plant == canonical_text(SMALL)
     tab.do(ChoosePlant(""))
     tab.do(OpenLesson("third"))
     assert tab.picture.design.plant == ""
     tab.do(OpenLesson("toy"))
-    assert tab.picture.design.plant == canonical(SMALL)  # every lesson keeps its own desk
+    assert tab.picture.design.plant == canonical_text(SMALL)  # every lesson keeps its own desk
     tab.do(OpenLesson("plain"))
     assert tab.picture.design == lessons["plain"].start() and not tab.view.scolded()
 
 
 def test_a_server_may_bring_a_plant_for_every_tab() -> None:
-    tab = tab_of(plant=canonical(SMALL))
-    assert tab.picture.design.plant == canonical(SMALL)
+    tab = tab_of(plant=canonical_text(SMALL))
+    assert tab.picture.design.plant == canonical_text(SMALL)
     tab.do(OpenLesson("plain"))
     assert tab.picture.design.plant == ""
 
@@ -209,7 +209,7 @@ def test_a_screen_that_cannot_show_the_new_plant_is_laid_out_for_the_old_one_aga
     tab.session, tab.view = session, view
     tab.do(UploadPlant(*file_of(SMALL)))
     built = [picture.design.plant for picture in view.of("build")]
-    assert built[-1] == "" and built[-2] == canonical(SMALL)
+    assert built[-1] == "" and built[-2] == canonical_text(SMALL)
     assert view.of("show")[-1].design.plant == "" and len(view.scolded()) == 1
 
 
@@ -217,14 +217,14 @@ def test_names_from_a_file_are_plain_words_wherever_they_go() -> None:
     """They end in HTML, Markdown and LaTeX: nothing in them may mean anything there."""
     evil = Plant(-np.eye(2), np.ones((2, 1)), np.ones((1, 2)), None, 0.0, ("<img src=x onerror=1>", "$\\frac"),
                  ("`u`",), ("**y**",), (("**y**", "</b>"),), "<script>alert(1)</script>")
-    text = canonical(evil)
+    text = canonical_text(evil)
     assert not set("<>&$\\`*{}|#'[]") & set(json.loads(text)["name"] + "".join(json.loads(text)["states"]))
     tab = tab_of()
     tab.do(UploadPlant(*file_of(evil)))
     assert "<" not in tab.picture.lesson.words["en"].introduction
     long = Plant(-np.eye(1), np.eye(1), np.eye(1), state_names=("x" * 90,), name="n" * 99)
-    assert len(json.loads(canonical(long))["states"][0]) <= 18
-    assert canonical(long) == canonical(replace(long, name="n" * 40, state_names=("x" * 18,)))
+    assert len(json.loads(canonical_text(long))["states"][0]) <= 18
+    assert canonical_text(long) == canonical_text(replace(long, name="n" * 40, state_names=("x" * 18,)))
 
 
 @pytest.mark.parametrize("name", EXAMPLES)

@@ -9,9 +9,9 @@ from dataclasses import replace
 import pytest
 from fakes import Tab, toy, toy_compute
 
-from app.tab.commands import ChangeSpeed, Command, DrawByHand, Kick, Play, Predict, Reveal, Rewind, Seek, Undo
-from app.tab.history import MERGE
-from app.tab.playing import CROWDED, FRAME, LEAD, OFTEN, PREDICT_FIRST, SPEEDS
+from observer_lab.session.commands.commands import ChangeSpeed, Command, DrawByHand, Kick, Play, Predict, Reveal, Rewind, Seek, Undo
+from observer_lab.session.handlers.playback import CROWDED, FRAME_S, LATE_POSES_IN_A_ROW, PLAYBACK_SPEEDS, PREDICT_FIRST, REFILL_BEFORE_S
+from observer_lab.session.state.history import MERGE_WINDOW_S
 
 
 def playing(**changes: object) -> Tab:
@@ -60,18 +60,18 @@ def test_poses_follow_the_clock() -> None:
     tab = playing()
     tab.run_for(1.0)
     poses = tab.view.of("pose")
-    assert poses == pytest.approx([FRAME * (i + 1) for i in range(30)])
+    assert poses == pytest.approx([FRAME_S * (i + 1) for i in range(30)])
     assert not tab.view.of("show")  # a playing run costs poses, not pictures
 
 
 def test_half_a_frame_moves_nothing() -> None:
     tab = playing()
-    tab.clock.advance(FRAME / 2)
+    tab.clock.advance(FRAME_S / 2)
     tab.session.step(0.0)
     assert not tab.view.of("pose")
 
 
-@pytest.mark.parametrize("speed", SPEEDS)
+@pytest.mark.parametrize("speed", PLAYBACK_SPEEDS)
 def test_speed_scales_the_run(speed: float) -> None:
     tab = playing()
     tab.do(ChangeSpeed(-1 if speed < 1 else +1))
@@ -85,10 +85,10 @@ def test_faster_and_slower_stop_at_the_ends_of_the_table() -> None:
     tab = playing()
     for _ in range(10):
         tab.do(ChangeSpeed(+1))
-    assert tab.picture.state.speed == SPEEDS[-1]
+    assert tab.picture.state.speed == PLAYBACK_SPEEDS[-1]
     for _ in range(10):
         tab.do(ChangeSpeed(-1))
-    assert tab.picture.state.speed == SPEEDS[0]
+    assert tab.picture.state.speed == PLAYBACK_SPEEDS[0]
 
 
 def test_a_stalled_worker_does_not_leap_over_the_run() -> None:
@@ -120,9 +120,9 @@ def test_play_at_the_end_starts_over_and_play_in_the_middle_pauses() -> None:
     assert tab.picture.state.t == pytest.approx(1.0)
     tab.clock.advance(30.0)
     tab.do(Play())  # the pause does not count
-    tab.clock.advance(FRAME)
+    tab.clock.advance(FRAME_S)
     tab.session.step(0.0)
-    assert tab.picture.state.playing and tab.view.of("pose")[-1] == pytest.approx(1.0 + FRAME)
+    assert tab.picture.state.playing and tab.view.of("pose")[-1] == pytest.approx(1.0 + FRAME_S)
 
 
 def test_nothing_is_sent_while_paused_and_idle() -> None:
@@ -220,7 +220,7 @@ def test_time_never_exceeds_a_run_that_has_become_shorter() -> None:
     tab = playing()
     tab.do(Play())
     tab.do(Seek(2.0))
-    tab.clock.advance(MERGE)
+    tab.clock.advance(MERGE_WINDOW_S)
     tab.view.clear()
     tab.set(length=1.0)
     assert max(tab.view.of("pose")) <= 1.0
@@ -247,7 +247,7 @@ def test_a_view_that_goes_on_by_itself_is_asked_for_little_and_believed() -> Non
     tab.run_for(1.2)
     asked = tab.view.of("play")
     assert len(asked) == 2 and not tab.view.of("pose")
-    assert [t for t, _, _ in asked] == pytest.approx([FRAME, FRAME + 1.0 - LEAD], abs=1.01 * FRAME)
+    assert [t for t, _, _ in asked] == pytest.approx([FRAME_S, FRAME_S + 1.0 - REFILL_BEFORE_S], abs=1.01 * FRAME_S)
     tab.do(Play())  # a pause, in the middle of what the view has
     assert not tab.picture.state.playing and tab.picture.state.t == pytest.approx(1.2, abs=1e-6)
     assert tab.view.of("pose")[-1] == tab.picture.state.t
@@ -257,14 +257,14 @@ def test_a_view_that_goes_on_by_itself_is_asked_for_little_and_believed() -> Non
 
 
 def test_poses_that_wait_for_other_tabs_again_and_again_are_owned_up_to_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    tab, waits = playing(), iter([1.0] * (OFTEN - 1) + [0.0] + [1.0] * 20)
+    tab, waits = playing(), iter([1.0] * (LATE_POSES_IN_A_ROW - 1) + [0.0] + [1.0] * 20)
 
     class Crowd:
         @contextmanager
         def turn(self, hand: bool) -> Iterator[float]:
             yield 0.0 if hand else next(waits)
-    monkeypatch.setattr("app.tab.session.TURNS", Crowd())
-    tab.run_for(OFTEN * FRAME)
+    monkeypatch.setattr("observer_lab.session.session.SCHEDULER", Crowd())
+    tab.run_for(LATE_POSES_IN_A_ROW * FRAME_S)
     assert not tab.view.sentences()
-    tab.run_for(15 * FRAME)
+    tab.run_for(15 * FRAME_S)
     assert tab.view.sentences() == [CROWDED] and tab.view.of("pose")

@@ -11,14 +11,13 @@ from typing import Any
 import pytest
 from fakes import BROKEN, Clock, FakeView, Tab, toy
 
-from app.lesson.lesson import Lesson
-from app.tab import memory
-from app.tab.commands import (
+from observer_lab.course.lesson import Lesson
+from observer_lab.session.commands.commands import (
     CheckTask,
     LookFrom,
+    MemoryRecalled,
     OpenLesson,
     Predict,
-    Recalled,
     Redo,
     Reveal,
     SetKnobs,
@@ -28,11 +27,12 @@ from app.tab.commands import (
     ToggleLecture,
     Undo,
 )
-from app.tab.examined import AnswerExam, SetKey, Withhold
-from app.tab.history import DEPTH, History
-from app.tab.picture import Answered
-from app.tab.reload import LATE, PATIENCE
-from app.tab.session import Session
+from observer_lab.session.commands.exams import AnswerExam, SetKey, WithholdResults
+from observer_lab.session.handlers.reload import LATE_MEMORY, RECALL_TIMEOUT_S
+from observer_lab.session.session import Session
+from observer_lab.session.state import tab_memory
+from observer_lab.session.state.history import MAX_UNDO_DESIGNS, History
+from observer_lab.session.state.view import ExamAnswer
 
 
 def three() -> dict[str, Lesson]:
@@ -49,7 +49,7 @@ def worked() -> Tab:
     tab.do(ShowHint("low"))
     tab.do(CheckTask("high"))
     tab.do(SetKey("me"))
-    tab.do(Withhold(True))
+    tab.do(WithholdResults(True))
     tab.do(AnswerExam("twice", "2"))
     tab.do(OpenLesson("second"))
     tab.set(gain=2.123456789012345, mode="b", poles=[(-0.123456789, 0.987654321), (-0.123456789, -0.987654321)])
@@ -70,7 +70,7 @@ class Again(Tab):
 
     def answer(self) -> None:
         """The answer comes at last."""
-        self.do(Recalled(self.kept))
+        self.do(MemoryRecalled(self.kept))
 
     @property
     def kept(self) -> str | None:
@@ -94,7 +94,7 @@ def test_a_reload_brings_back_every_lesson_that_was_worked_on() -> None:
     assert first.state.tasks["low"].hints == 1 and first.state.tasks["low"].verdict is None
     verdict = first.state.tasks["high"].verdict
     assert verdict is not None and verdict.solved
-    assert first.state.exams["twice"].answers == (Answered("me", 0, "2"),) and first.state.key == "me" and first.state.withheld
+    assert first.state.exams["twice"].answers == (ExamAnswer("me", 0, "2"),) and first.state.key == "me" and first.state.withheld
     assert first.state.fresh == before.picture.state.fresh != ""
 
 
@@ -169,7 +169,7 @@ def test_a_late_answer_takes_nothing_away_and_is_not_lost() -> None:
     tab.set(gain=4.0)
     tab.answer()
     assert tab["gain"] == 4.0 and tab.picture.lesson.id == "first", "what is on the page stays"
-    assert LATE in tab.view.sentences()
+    assert LATE_MEMORY in tab.view.sentences()
     assert tab.picture.state.predicted == 1 and tab.picture.state.tasks["low"].hints == 1
     tab.do(Undo())
     assert tab["gain"] == 6.0, "what was kept is one step of undo away"
@@ -197,8 +197,8 @@ def test_a_second_answer_changes_nothing(done: tuple[Any, ...]) -> None:
         tab.do(edit)
     tab.answer()
     design, kept = tab.picture.design, tab.kept
-    tab.do(Recalled(None))
-    tab.do(Recalled(worked().view.kept))
+    tab.do(MemoryRecalled(None))
+    tab.do(MemoryRecalled(worked().view.kept))
     assert tab.picture.design == design and tab.kept == kept
 
 
@@ -254,7 +254,7 @@ def test_what_a_tab_that_leaves_has_still_asked_for_is_not_done() -> None:
 
 def test_what_is_kept_is_bounded_and_the_latest_work_stays(monkeypatch: pytest.MonkeyPatch) -> None:
     most = 3000
-    monkeypatch.setattr(memory, "MOST", most)
+    monkeypatch.setattr(tab_memory, "MAX_MEMORY_BYTES", most)
     tab = Tab({f"lesson{i}": toy(f"lesson{i}") for i in range(40)})
     for i in range(40):
         tab.do(OpenLesson(f"lesson{i}"))
@@ -262,7 +262,7 @@ def test_what_is_kept_is_bounded_and_the_latest_work_stays(monkeypatch: pytest.M
         tab.rest()
     kept = tab.view.kept
     assert kept is not None and most / 2 < len(kept.encode()) <= most
-    read = memory.read_memory(kept, tab.lessons)
+    read = tab_memory.read_memory(kept, tab.lessons)
     assert read is not None and read.lesson == "lesson39"
     assert list(read.desks) == [f"lesson{i}" for i in range(39, 39 - len(read.desks), -1)] and 3 < len(read.desks) < 40
 
@@ -315,27 +315,27 @@ def test_a_design_that_is_slipped_in_is_one_undo_away_and_nothing_else_moves(wal
         history.move(-1)
     present, ahead = history.design, history.can_redo
     late = lesson.apply(lesson.start(), {"gain": 9.0})
-    assert history.slip_in(late) and history.design == present and history.can_redo == ahead
+    assert history.insert_before_present(late) and history.design == present and history.can_redo == ahead
     assert history.move(-1) and history.design == late and history.move(1) and history.design == present
-    assert not history.slip_in(present)
+    assert not history.insert_before_present(present)
 
 
 @pytest.mark.parametrize("walked", [0, 1, 100])
 def test_a_full_history_takes_a_design_in_too(walked: int) -> None:
     lesson = toy()
     history = History(lesson.start())
-    for i in range(DEPTH + 5):
-        history.push(lesson.apply(lesson.start(), {"gain": 10 * i / (DEPTH + 5)}), None, float(i))
+    for i in range(MAX_UNDO_DESIGNS + 5):
+        history.push(lesson.apply(lesson.start(), {"gain": 10 * i / (MAX_UNDO_DESIGNS + 5)}), None, float(i))
     for _ in range(walked):
         history.move(-1)
     present, late = history.design, lesson.apply(lesson.start(), {"gain": 9.99999})
-    assert history.slip_in(late) and history.design == present and history.move(-1) and history.design == late
-    assert len(history.save()[0]) == DEPTH
+    assert history.insert_before_present(late) and history.design == present and history.move(-1) and history.design == late
+    assert len(history.save()[0]) == MAX_UNDO_DESIGNS
 
 
 def _until(condition: Callable[[], Any]) -> None:
     end = threading.Event()
-    for _ in range(int(20 * PATIENCE / 0.01)):
+    for _ in range(int(20 * RECALL_TIMEOUT_S / 0.01)):
         if condition():
             return
         end.wait(0.01)

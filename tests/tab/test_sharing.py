@@ -7,19 +7,29 @@ import json
 import pytest
 from fakes import BROKEN, FORBIDDEN, FakeView, Tab, toy
 
-from app.lesson.figures import tabs
-from app.tab.commands import OpenLesson, OpenState, Placed, Predict, Recalled, SaveState, SetLanguage, ToggleTake, Undo
-from app.tab.session import Session
-from app.tab.state import Saved, write_state
-from app.tab.token import TORN, read_token, write_token
-from app.text import text
+from observer_lab.course.figures.records import tab_names
+from observer_lab.session.commands.commands import (
+    MemoryRecalled,
+    OpenLesson,
+    OpenState,
+    PlaceOpened,
+    Predict,
+    SaveState,
+    SetLanguage,
+    ToggleDownloads,
+    Undo,
+)
+from observer_lab.session.session import Session
+from observer_lab.session.state.saved_state import SavedState, write_state
+from observer_lab.session.state.token import DAMAGED_LINK, read_token, write_token
+from observer_lab.text import text
 
 LESSONS = {name: toy(name) for name in ("first", "second")}
 
 
 def token(lesson: str = "second", language: str = "zh", **knobs: object) -> str:
     design = LESSONS[lesson].apply(LESSONS[lesson].start(), {"gain": 3.5, **knobs})
-    return write_token(LESSONS[lesson], Saved(design, language, True, camera=(1.0, -9.0, 2.0, 0.0, 0.0, 1.0)))
+    return write_token(LESSONS[lesson], SavedState(design, language, True, camera=(1.0, -9.0, 2.0, 0.0, 0.0, 1.0)))
 
 
 def fresh(answer: tuple[object, ...], **options: object) -> tuple[Session, FakeView]:
@@ -58,7 +68,7 @@ def test_nothing_is_written_into_the_address_bar_before_what_stands_there_is_kno
     session = Session(LESSONS, view, "first")
     session.open()
     assert view.addresses == []
-    session.post(Recalled(None, token(), False))
+    session.post(MemoryRecalled(None, token(), False))
     session.step()
     assert session.picture is not None and session.picture.design["gain"] == 3.5
     assert read_token(view.addresses[-1][0], LESSONS).design == session.picture.design
@@ -113,15 +123,17 @@ def test_what_cannot_be_opened_is_one_sentence_and_changes_nothing(words: object
 def test_a_bad_link_in_a_fresh_browser_opens_the_page_and_says_one_sentence_on_it() -> None:
     session, view = fresh((None, "1.AAAA", False))
     assert session.picture is not None and session.picture.lesson.id == "first"
-    assert view.scolded() == [TORN] and [name for name, _ in view.calls].index("build") < [name for name, _ in view.calls].index("say")
+    assert view.scolded() == [DAMAGED_LINK] and [name for name, _ in view.calls].index("build") < [name for name, _ in view.calls].index(
+        "say"
+    )
 
 
 def test_a_server_opens_its_state_for_those_who_bring_none(monkeypatch: pytest.MonkeyPatch) -> None:
     for kept, wanted in (((None, "", False), 3.5), ((None, token(gain=4.0), False), 4.0)):
         view = FakeView(answers=False)
         session = Session(LESSONS, view, "first", state=token())
-        session.post(Recalled(*kept))
-        monkeypatch.setattr("app.tab.session.start_worker", lambda mailbox, begin, step, stop: begin())
+        session.post(MemoryRecalled(*kept))
+        monkeypatch.setattr("observer_lab.session.session.start_worker", lambda mailbox, begin, step, stop: begin())
         session.start()
         assert session.picture is not None and session.picture.design["gain"] == wanted
 
@@ -135,14 +147,14 @@ def test_the_state_is_handed_over_as_a_file_that_opens_again() -> None:
     tab.set(gain=1.0)
     tab.do(OpenState(content))
     assert tab["gain"] == 6.0
-    tab.do(OpenState(write_state(LESSONS["second"], Saved(LESSONS["second"].start()))))
+    tab.do(OpenState(write_state(LESSONS["second"], SavedState(LESSONS["second"].start()))))
     assert tab.picture.lesson.id == "second"
 
 
 def test_the_dialog_offers_the_present_state() -> None:
     tab = Tab(LESSONS)
     tab.set(gain=6.0)
-    tab.do(ToggleTake())
+    tab.do(ToggleDownloads())
     assert read_token(tab.view.of("offer")[-1], LESSONS).design == tab.picture.design
 
 
@@ -153,7 +165,7 @@ def test_the_opened_tab_and_step_travel(tab_number: object, step: object, kept: 
         (figure,) = toy().figures(outcome)
         return figure, type(figure)("e", figure.title, figure.x, figure.curves, tab=text("Error"))
     tab = Tab({"first": toy("first", figures=figures)})
-    assert [name("en") for name in tabs(tab.picture.figures)] == ["Time", "Error"]
-    tab.do(Placed(tab_number, step))
+    assert [name("en") for name in tab_names(tab.picture.figures)] == ["Time", "Error"]
+    tab.do(PlaceOpened(tab_number, step))
     saved = read_token(tab.view.addresses[-1][0], tab.lessons)
     assert (saved.tab, saved.step) == kept

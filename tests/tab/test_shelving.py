@@ -6,13 +6,13 @@ import json
 
 from fakes import BROKEN, FakeView, Tab, toy
 
-from app.tab.commands import OpenLesson, OpenState, Predict, Recalled, SetLanguage, Undo
-from app.tab.orders import ClearBrowser, ForgetDesign, KeepDesign, OpenKept, PinDesign
-from app.tab.session import Session
-from app.tab.shelf import MOST, read_shelf
-from app.tab.shelving import FULL, NAME_IT, NO_ROOM, NO_SUCH
-from app.tab.state import Saved
-from app.tab.token import write_token
+from observer_lab.session.commands.commands import MemoryRecalled, OpenLesson, OpenState, Predict, SetLanguage, Undo
+from observer_lab.session.commands.files import ClearBrowser, DeleteSavedDesign, OpenSavedDesign, PinDesign, SaveDesign
+from observer_lab.session.handlers.saved_designs import NAME_IT, NO_ROOM, NO_SUCH, TOO_MANY_SAVED
+from observer_lab.session.session import Session
+from observer_lab.session.state.saved_designs import MAX_SAVED_DESIGNS, read_saved_designs
+from observer_lab.session.state.saved_state import SavedState
+from observer_lab.session.state.token import write_token
 
 LESSONS = {name: toy(name) for name in ("first", "second")}
 
@@ -20,7 +20,7 @@ LESSONS = {name: toy(name) for name in ("first", "second")}
 def new_tab(earlier: str | None, shelf: str | None = None, token: str = "", **options: object) -> Session:
     """A tab of a browser that has been here before."""
     session = Session(LESSONS, FakeView(), "first", **options)  # type: ignore[arg-type]
-    session.post(Recalled(None, token, False, earlier, shelf))
+    session.post(MemoryRecalled(None, token, False, earlier, shelf))
     session.open()
     session.step()
     return session
@@ -39,31 +39,31 @@ def worked() -> Tab:
 
 def test_a_design_is_kept_under_a_name_opened_anywhere_and_removed() -> None:
     tab = worked()
-    tab.do(KeepDesign("  my   design "))
+    tab.do(SaveDesign("  my   design "))
     (name, words), = tab.view.of("shelve")
     assert name == "my design" and [kept.name for kept in tab.picture.state.shelf] == ["my design"]
     session = new_tab(None, json.dumps({name: words}))
-    session.post(OpenKept("my design"))
+    session.post(OpenSavedDesign("my design"))
     session.step()
     picture = session.picture
     assert picture is not None and picture.lesson.id == "second" and picture.design["gain"] == 6.0
     assert picture.state.language == "en", "the page stays as it is"
     tab.set(gain=2.0)
-    tab.do(KeepDesign("my design"))
+    tab.do(SaveDesign("my design"))
     assert len(tab.picture.state.shelf) == 1
     tab.set(gain=1.0)
-    tab.do(OpenKept("my design"))
+    tab.do(OpenSavedDesign("my design"))
     assert tab["gain"] == 2.0
     tab.do(Undo())
     assert tab["gain"] == 1.0
-    tab.do(ForgetDesign("my design"))
+    tab.do(DeleteSavedDesign("my design"))
     assert tab.view.of("shelve")[-1] == ("my design", "") and tab.picture.state.shelf == ()
-    for wrong, why in ((OpenKept("my design"), NO_SUCH), (ForgetDesign(3), NO_SUCH), (KeepDesign(" "), NAME_IT)):
+    for wrong, why in ((OpenSavedDesign("my design"), NO_SUCH), (DeleteSavedDesign(3), NO_SUCH), (SaveDesign(" "), NAME_IT)):
         tab.do(wrong)
         assert tab.view.scolded()[-1] == why
     tab.set(hand=[(k / 100 + 1e-9 * k, 0.123456789 * (k % 8)) for k in range(400)])
     for k in range(20):
-        tab.do(KeepDesign(f"long {k}"))
+        tab.do(SaveDesign(f"long {k}"))
     assert tab.view.scolded()[-1] == NO_ROOM and 3 < len(tab.picture.state.shelf) < 20
 
 
@@ -76,7 +76,7 @@ def test_a_new_tab_goes_on_where_the_last_one_was() -> None:
 
 def test_a_link_or_a_server_that_insists_comes_before_what_the_last_tab_did() -> None:
     kept = worked().view.kept
-    link = write_token(LESSONS["first"], Saved(LESSONS["first"].apply(LESSONS["first"].start(), {"gain": 3.0})))
+    link = write_token(LESSONS["first"], SavedState(LESSONS["first"].apply(LESSONS["first"].start(), {"gain": 3.0})))
     linked, insisted, stated = new_tab(kept, token=link), new_tab(kept, insists=True), new_tab(kept, state=link)
     for session, lesson in ((linked, "first"), (insisted, "first"), (stated, "first")):
         assert session.picture is not None and session.picture.lesson.id == lesson
@@ -90,7 +90,7 @@ def test_what_a_tab_kept_itself_comes_before_what_others_did() -> None:
     tab.set(gain=2.0)
     tab.rest()
     session = Session(LESSONS, FakeView(), "first")
-    session.post(Recalled(tab.view.kept, "", False, worked().view.kept))
+    session.post(MemoryRecalled(tab.view.kept, "", False, worked().view.kept))
     session.open()
     session.step()
     assert session.picture is not None and session.picture.lesson.id == "first" and session.picture.design["gain"] == 2.0
@@ -98,7 +98,7 @@ def test_what_a_tab_kept_itself_comes_before_what_others_did() -> None:
 
 def test_a_browser_forgets_everything_when_told_to() -> None:
     tab = worked()
-    tab.do(KeepDesign("mine"))
+    tab.do(SaveDesign("mine"))
     tab.do(ClearBrowser())
     state = tab.picture.state
     assert tab.view.of("wipe") == [None] and (state.shelf, state.pins, state.predicted, state.key) == ((), (), None, "")
@@ -113,13 +113,13 @@ def test_what_comes_from_storage_is_judged() -> None:
     for wrong in ("", "{", "[]", "3", "null", "[" * 50_000, json.dumps({"a": 3}), json.dumps({"a": "{"}), json.dumps({"a": "[]"}),
                   json.dumps({"": good}), json.dumps({"x" * 99: good}), json.dumps({"a\n": good}),
                   json.dumps({"a": good.replace("first", "nowhere")})):
-        assert read_shelf(wrong, LESSONS) == ()
-    many = json.dumps({f"d{k}": good for k in range(MOST + 9)})
-    assert len(read_shelf(many, LESSONS)) == MOST
+        assert read_saved_designs(wrong, LESSONS) == ()
+    many = json.dumps({f"d{k}": good for k in range(MAX_SAVED_DESIGNS + 9)})
+    assert len(read_saved_designs(many, LESSONS)) == MAX_SAVED_DESIGNS
     session = new_tab("{", many.replace('"d0"', '"broken"', 1).replace("{}", '{\\"gain\\": \\"' + str(BROKEN) + '\\"}', 1))
     view: FakeView = session._show.view  # type: ignore[assignment]
-    for edit in (OpenKept("broken"), KeepDesign("one more"), OpenState("{")):
+    for edit in (OpenSavedDesign("broken"), SaveDesign("one more"), OpenState("{")):
         session.post(edit)
         session.step()
-    assert len(view.scolded()) == 3 and FULL in view.scolded()
+    assert len(view.scolded()) == 3 and TOO_MANY_SAVED in view.scolded()
     assert session.picture is not None and session.picture.design == LESSONS["first"].start()

@@ -8,15 +8,16 @@ import threading
 import pytest
 from fakes import Tab
 
-from app.tab import errands, taking
-from app.tab.commands import Edit, Predict
-from app.tab.orders import Made, TakeFile
-from app.tab.playing import PREDICT_FIRST
-from app.tab.token import read_token
+from observer_lab.session.commands.commands import Edit, Predict
+from observer_lab.session.commands.files import DownloadFile, FileReady
+from observer_lab.session.handlers import downloads
+from observer_lab.session.handlers.playback import PREDICT_FIRST
+from observer_lab.session.runtime import background_jobs
+from observer_lab.session.state.token import read_token
 
 
-class Waiting(errands.Errands):
-    """Errands that are done when the test says so."""
+class Waiting(background_jobs.BackgroundJobs):
+    """Background jobs that are done when the test says so."""
 
     def send(self, errand) -> bool:
         self._waiting.append(errand)
@@ -28,7 +29,7 @@ class Waiting(errands.Errands):
 
 
 def slow_tab(monkeypatch: pytest.MonkeyPatch) -> tuple[Tab, Waiting]:
-    monkeypatch.setattr("app.tab.session.Errands", Waiting)
+    monkeypatch.setattr("observer_lab.session.session.BackgroundJobs", Waiting)
     tab = Tab()
     return tab, tab.session._errands  # type: ignore[return-value]
 
@@ -36,7 +37,7 @@ def slow_tab(monkeypatch: pytest.MonkeyPatch) -> tuple[Tab, Waiting]:
 def test_a_file_is_of_the_moment_it_was_asked_in_and_the_hand_goes_on_meanwhile(monkeypatch: pytest.MonkeyPatch) -> None:
     tab, waiting = slow_tab(monkeypatch)
     tab.set(gain=2.0)
-    tab.do(TakeFile("json", "x"))
+    tab.do(DownloadFile("json", "x"))
     tab.set(gain=5.0)
     assert tab["gain"] == 5.0 and tab.view.of("file") == []
     waiting.all_done()
@@ -48,12 +49,12 @@ def test_a_file_is_of_the_moment_it_was_asked_in_and_the_hand_goes_on_meanwhile(
 
 def test_a_replay_is_of_the_moment_it_was_asked_in_and_of_no_run_before_its_prediction(monkeypatch: pytest.MonkeyPatch) -> None:
     tab, waiting = slow_tab(monkeypatch)
-    tab.do(TakeFile("replay"))
+    tab.do(DownloadFile("replay"))
     assert tab.view.sentences() == [PREDICT_FIRST] and not waiting._waiting
     tab.do(Predict(0))
     tab.set(gain=2.0)
     tab.view.looks = (1.0, 2.0, 3.0, 4.0, 5.0, 6.0)
-    tab.do(TakeFile("replay"))
+    tab.do(DownloadFile("replay"))
     tab.view.looks = None
     tab.set(gain=5.0)
     waiting.all_done()
@@ -67,13 +68,13 @@ def test_a_replay_is_of_the_moment_it_was_asked_in_and_of_no_run_before_its_pred
 def test_what_cannot_be_made_is_one_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
     tab, waiting = slow_tab(monkeypatch)
     for kind in ("python", "matlab", "exe", "csv"):
-        tab.do(TakeFile(kind, "" if kind != "csv" else "nothing"))
-    monkeypatch.setattr("app.export.files.all_in_one", lambda taken: 1 / 0)
-    tab.do(TakeFile("zip"))
+        tab.do(DownloadFile(kind, "" if kind != "csv" else "nothing"))
+    monkeypatch.setattr("observer_lab.export.files.all_in_one", lambda taken: 1 / 0)
+    tab.do(DownloadFile("zip"))
     waiting.all_done()
     tab.session.step(0.0)
     assert len(tab.view.scolded()) == 5 and tab.view.of("file") == []
-    assert tab.view.sentences()[0] == taking.COMING
+    assert tab.view.sentences()[0] == downloads.FILE_IN_PROGRESS
 
 
 def test_errands_are_done_in_order_and_not_without_end() -> None:
@@ -84,17 +85,17 @@ def test_errands_are_done_in_order_and_not_without_end() -> None:
     def first() -> Edit:
         here.set()
         goes.wait()
-        return Made("0", b"")
+        return FileReady("0", b"")
 
     def post(edit: Edit) -> None:
         done.append(edit)
-        if len(done) == errands.MOST + 1:
+        if len(done) == background_jobs.MAX_QUEUED_JOBS + 1:
             last.set()
-    several = errands.Errands(post)
+    several = background_jobs.BackgroundJobs(post)
     assert several.send(first)
     here.wait()
-    taken = [several.send(lambda k=k: Made(str(k), b"")) for k in range(1, errands.MOST + 3)]
-    assert taken == [True] * errands.MOST + [False] * 2
+    taken = [several.send(lambda k=k: FileReady(str(k), b"")) for k in range(1, background_jobs.MAX_QUEUED_JOBS + 3)]
+    assert taken == [True] * background_jobs.MAX_QUEUED_JOBS + [False] * 2
     goes.set()
     last.wait()
-    assert done == [Made(str(k), b"") for k in range(errands.MOST + 1)]
+    assert done == [FileReady(str(k), b"") for k in range(background_jobs.MAX_QUEUED_JOBS + 1)]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fakes import Tab
 
-from app.tab.commands import CheckNextTask, CheckTask, ShowHint, ShowSolution, Undo
+from observer_lab.session.commands.commands import CheckNextTask, CheckTask, ShowHint, ShowSolution, Undo
 
 
 def test_a_check_gives_a_verdict_on_the_present_design() -> None:

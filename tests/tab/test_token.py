@@ -13,13 +13,21 @@ from hypothesis import strategies as st
 from laws import holds_for_all
 from strategies import designs
 
-from app.lesson.knobs import KnobError
-from app.lesson.lesson import Lesson
-from app.plants.examples import EXAMPLES, example
-from app.plants.own import canonical, plant_of
-from app.tab.state import FAR, LONGEST, NO_STATE, OTHER_DEFAULTS, Saved, judged, short
-from app.tab.token import LONGEST_LINK, LONGEST_TOKEN, TORN, is_token, packed, read_token, unpacked, write_token
-from lessons import LESSONS
+from observer_lab.course.knobs import KnobError
+from observer_lab.course.lesson import Lesson
+from observer_lab.lessons import LESSONS
+from observer_lab.plants.examples import EXAMPLES, example
+from observer_lab.plants.own_plant import canonical_text, plant_of
+from observer_lab.session.state.saved_state import (
+    MAX_CAMERA_DISTANCE,
+    MAX_STATE_CHARACTERS,
+    NO_STATE,
+    OTHER_DEFAULTS,
+    SavedState,
+    check_state,
+    short,
+)
+from observer_lab.session.state.token import DAMAGED_LINK, LONGEST_LINK, LONGEST_TOKEN, is_token, packed, read_token, unpacked, write_token
 
 USUAL = 300  # characters of the token of a usual design
 # Tokens as version 1 wrote them: what they say must be read for ever, and the same.
@@ -39,12 +47,12 @@ PROMISED = (
 )
 
 
-def saves(lesson: Lesson) -> st.SearchStrategy[Saved]:
+def saves(lesson: Lesson) -> st.SearchStrategy[SavedState]:
     """Random states of a lesson: any design, any look of the page."""
-    place = st.floats(-FAR + 1, FAR - 1).map(lambda v: round(v, 2))
+    place = st.floats(-MAX_CAMERA_DISTANCE + 1, MAX_CAMERA_DISTANCE - 1).map(lambda v: round(v, 2))
     cameras = st.tuples(*[place] * 5).map(lambda five: (*five, round(five[2] + 1.0, 2)))
     steps = st.integers(0, len(lesson.words["en"].steps) - 1)
-    return st.builds(Saved, designs(lesson), st.sampled_from(["en", "zh"]), st.booleans(), st.none() | st.just("Time"),
+    return st.builds(SavedState, designs(lesson), st.sampled_from(["en", "zh"]), st.booleans(), st.none() | st.just("Time"),
                      st.none() | steps, st.none() | cameras)
 
 
@@ -62,8 +70,8 @@ def test_every_state_survives_its_token(lesson: Lesson, data: st.DataObject) -> 
 @pytest.mark.parametrize("plant", EXAMPLES)
 def test_an_example_plant_is_named_and_an_own_one_is_carried_exactly(plant: str) -> None:
     lesson = LESSONS["sandbox"].fit(example(plant))
-    named = Saved(lesson.start())
-    own = Saved(LESSONS["sandbox"].fit(canonical(replace(plant_of(example(plant)), name="Mine"))).start())
+    named = SavedState(lesson.start())
+    own = SavedState(LESSONS["sandbox"].fit(canonical_text(replace(plant_of(example(plant)), name="Mine"))).start())
     assert len(write_token(lesson, named)) < 100
     for saved in (named, own):
         token = write_token(lesson, saved)
@@ -73,7 +81,7 @@ def test_an_example_plant_is_named_and_an_own_one_is_carried_exactly(plant: str)
 def test_the_token_of_a_usual_design_is_short() -> None:
     def usual(lesson: Lesson) -> None:
         solved = [lesson.apply(lesson.start(), task.solution) for task in lesson.tasks]
-        tokens = [write_token(lesson, Saved(design, "zh", True, "Time", 2, (1.23, -9.87, 3.1, 0.5, 0.6, 1.38))) for design in solved]
+        tokens = [write_token(lesson, SavedState(design, "zh", True, "Time", 2, (1.23, -9.87, 3.1, 0.5, 0.6, 1.38))) for design in solved]
         assert max(map(len, tokens)) <= USUAL, max(map(len, tokens))
     holds_for_all(LESSONS.values(), usual, lambda lesson: lesson.id)
 
@@ -124,7 +132,7 @@ def mutated(token: str, chance: random.Random) -> str:
 def test_a_token_changed_on_its_way_is_one_sentence_or_the_same_state() -> None:
     chance = random.Random(7)
     lesson = LESSONS["separation"]
-    saved = Saved(lesson.apply(lesson.start(), lesson.tasks[0].solution), "zh", True)
+    saved = SavedState(lesson.apply(lesson.start(), lesson.tasks[0].solution), "zh", True)
     token = write_token(lesson, saved)
     refused = 0
     for word in (mutated(token, chance) for _ in range(1000)):
@@ -151,16 +159,16 @@ def test_a_hostile_token_is_one_sentence() -> None:
 
 
 def test_a_token_that_would_unpack_without_end_is_not_unpacked() -> None:
-    bomb = packed(" " * (40 * LONGEST))
+    bomb = packed(" " * (40 * MAX_STATE_CHARACTERS))
     assert len(bomb) < LONGEST_TOKEN
-    with pytest.raises(KnobError, match=str(TORN)):
+    with pytest.raises(KnobError, match=str(DAMAGED_LINK)):
         unpacked(bomb)
 
 
 def test_what_is_unknown_is_left_out_with_a_note() -> None:
     lesson = LESSONS["separation"]
-    data = {"version": 1, **short(lesson, Saved(lesson.apply(lesson.start(), {"delay": 18.0})))}
-    saved = judged({**data, "wings": 2, "knobs": {**data["knobs"], "feathers": "3"}}, LESSONS)
+    data = {"version": 1, **short(lesson, SavedState(lesson.apply(lesson.start(), {"delay": 18.0})))}
+    saved = check_state({**data, "wings": 2, "knobs": {**data["knobs"], "feathers": "3"}}, LESSONS)
     assert saved.design["delay"] == 18.0
     assert [note.id.partition(":")[0] for note in saved.notes] == [
         "Left out, because lesson {id} has no such knob", "Left out, because this Observer Lab does not know it"]
@@ -169,25 +177,25 @@ def test_what_is_unknown_is_left_out_with_a_note() -> None:
 
 def test_a_link_made_at_other_defaults_says_so() -> None:
     lesson = LESSONS["separation"]
-    data = {"version": 1, **short(lesson, Saved(lesson.start()))}
-    assert judged(data, LESSONS).notes == ()
-    assert judged({**data, "defaults": "zzzz"}, LESSONS).notes == (OTHER_DEFAULTS,)
+    data = {"version": 1, **short(lesson, SavedState(lesson.start()))}
+    assert check_state(data, LESSONS).notes == ()
+    assert check_state({**data, "defaults": "zzzz"}, LESSONS).notes == (OTHER_DEFAULTS,)
 
 
 @pytest.mark.parametrize("look", [{"camera": [0, 0, 0, 0, 0, 0]}, {"camera": [1e9] * 6}, {"camera": "x"}, {"step": 99}, {"step": True},
                                   {"tab": "x" * 1000}, {"tab": 3}, {"language": "xx"}, {"language": []}, {"print": "yes"}])
 def test_a_look_that_cannot_be_is_the_usual_one(look: dict[str, object]) -> None:
     lesson = LESSONS["separation"]
-    assert judged({"version": 1, **short(lesson, Saved(lesson.start())), **look}, LESSONS) == Saved(lesson.start())
+    assert check_state({"version": 1, **short(lesson, SavedState(lesson.start())), **look}, LESSONS) == SavedState(lesson.start())
 
 
 def test_what_is_no_object_is_no_state() -> None:
     for data in (None, 3, [], {"knobs": 1}, json.loads("{}")):
         with pytest.raises(KnobError, match=str(NO_STATE)):
-            judged(data, LESSONS)
+            check_state(data, LESSONS)
 
 
 def test_the_words_of_version_1_are_those_it_began_with() -> None:
     """Whoever changes them makes every link of version 1 unreadable: make version 2 instead."""
-    from app.tab.token import WORDS
+    from observer_lab.session.state.token import WORDS
     assert zlib.crc32(WORDS.read_bytes()) == 4244540247

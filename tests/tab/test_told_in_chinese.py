@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 from fakes import BROKEN, Tab, job_of, toy
 
-from app.engine import Plant, lqr, observer_gain, place, to_json
-from app.lesson.lesson import Design, Outcome
-from app.tab.commands import RunJob, SetLanguage, UploadPlant
-from lessons import LESSONS
+from observer_lab.course.lesson import Design, Outcome
+from observer_lab.engine import Plant, lqr, observer_gain, place, to_json
+from observer_lab.lessons import LESSONS
+from observer_lab.session.commands.commands import RunJob, SetLanguage, UploadPlant
 
 ENGLISH = re.compile(r"[a-z]{3,} [a-z]{2,}")  # two English words in a row
 TWO = {"A": [[0, 1], [-2, -3]], "B": [[0], [1]], "C": [[1, 0]]}

@@ -9,12 +9,12 @@ from fakes import Clock
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from app.tab.turns import LEASE, ROOM, Turns
+from observer_lab.session.runtime.scheduler import BACKGROUND_SHARE_S, MAX_TURN_S, Scheduler
 
-TURN = ROOM / 2.5  # s that a turn takes here
+TURN = BACKGROUND_SHARE_S / 2.5  # s that a turn takes here
 
 
-def queued(turns: Turns, clock: Clock, ranks: list[bool], served: list[int]) -> list[threading.Thread]:
+def queued(turns: Scheduler, clock: Clock, ranks: list[bool], served: list[int]) -> list[threading.Thread]:
     """Threads that wait in this order."""
     def work(number: int, hand: bool) -> None:
         with turns.turn(hand):
@@ -33,7 +33,7 @@ def queued(turns: Turns, clock: Clock, ranks: list[bool], served: list[int]) -> 
 @given(st.lists(st.booleans(), max_size=14))
 def test_hands_come_first_in_order_and_leave_room_for_three_short_turns(ranks: list[bool]) -> None:
     clock, served = Clock(), list[int]()
-    turns = Turns(clock=clock)
+    turns = Scheduler(clock=clock)
     with turns.turn(True):
         threads = queued(turns, clock, ranks, served)
     for thread in threads:
@@ -48,11 +48,11 @@ def test_hands_come_first_in_order_and_leave_room_for_three_short_turns(ranks: l
 
 def test_whoever_works_too_long_is_not_waited_for() -> None:
     clock, served = Clock(), list[int]()
-    turns = Turns(lease=0.01, clock=clock)
+    turns = Scheduler(lease=0.01, clock=clock)
     with turns.turn(True):
         first, second = queued(turns, clock, [True, False], served)
         assert not served
-        clock.advance(LEASE)
+        clock.advance(MAX_TURN_S)
         first.join()
         second.join()
         assert sorted(served) == [0, 1]

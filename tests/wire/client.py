@@ -23,7 +23,7 @@ from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 from websockets.typing import Origin, Subprotocol
 
-from app.view.server import LabServer
+from observer_lab.page.screen.server import LabServer
 
 PATIENCE = 60.0  # s for something that must come; a busy machine is slow, and a test that waits is not one that fails
 MARK = re.compile(r'<i class="ol-mark" hidden data-ask="([^"]+)" data-answer="([^"]+)" data-rests="([01])" ')

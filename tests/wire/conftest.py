@@ -8,9 +8,9 @@ from typing import Any
 import pytest
 from client import WireTab, empty
 
-from app.tab.session import Session
-from app.view.server import LabServer
-from lessons import LESSONS
+from observer_lab.lessons import LESSONS
+from observer_lab.page.screen.server import LabServer
+from observer_lab.session.session import Session
 
 LESSON = "separation"
 

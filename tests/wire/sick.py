@@ -6,8 +6,8 @@ import threading
 import time
 from dataclasses import replace
 
-from app.lesson.lesson import Design, Lesson, Outcome
-from lessons import LESSONS
+from observer_lab.course.lesson import Design, Lesson, Outcome
+from observer_lab.lessons import LESSONS
 
 KNOB, LABEL = "stiffness_error", "stiffness believed wrong by [%]"
 RAISES, EXITS, LOOPS, HOARDS, BLOCKS = 10.0, 11.0, 12.0, 13.0, 14.0

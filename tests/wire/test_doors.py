@@ -14,12 +14,12 @@ import viser
 from client import WireTab, empty
 from websockets.exceptions import InvalidStatus
 
-from app.tab.session import Session
-from app.view import quirks
-from app.view.handshake import AGAIN, LARGEST, PART
-from app.view.phrases import FULL
-from app.view.server import LabServer
-from lessons import LESSONS
+from observer_lab.lessons import LESSONS
+from observer_lab.page.access.handshake import MAX_MESSAGE_BYTES, RETRY_AFTER_S, UPLOAD_PART_BYTES
+from observer_lab.page.screen.server import LabServer
+from observer_lab.page.viser_private import viser_internals
+from observer_lab.page.words.phrases import FULL
+from observer_lab.session.session import Session
 
 STIFFNESS = "stiffness believed wrong by [%]"
 Enter = Callable[..., WireTab]
@@ -51,8 +51,8 @@ def test_the_handlers_of_viser_are_those_we_know() -> None:
     closed: list[frozenset[str]] = []
     server = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
     try:
-        server._websock_server.on_client_connect(lambda connection: closed.append(quirks.keep_own_doors(connection)))
-        assert quirks.close_shared_doors(server) == SHARED
+        server._websock_server.on_client_connect(lambda connection: closed.append(viser_internals.keep_own_doors(connection)))
+        assert viser_internals.close_shared_doors(server) == SHARED
         assert not server._websock_server._incoming_handlers
         with WireTab(f"http://127.0.0.1:{server.get_port()}") as tab:
             tab.until(lambda: closed, "the connection")
@@ -122,7 +122,7 @@ def test_there_is_no_other_file(server: LabServer, path: str) -> None:
 def test_a_message_beyond_the_largest_ends_its_connection_alone(enter: Enter, server: LabServer) -> None:
     good = enter()
     bad = WireTab(server.url)
-    bad.send_raw(bytes(LARGEST + 1))
+    bad.send_raw(bytes(MAX_MESSAGE_BYTES + 1))
     assert bad.closed() == 1009
     bad.close()
     good.update(STIFFNESS, value=4.0)
@@ -131,7 +131,7 @@ def test_a_message_beyond_the_largest_ends_its_connection_alone(enter: Enter, se
 
 def test_a_part_of_an_upload_fits_into_the_largest_message(enter: Enter) -> None:
     tab = enter()
-    tab.send("FileTransferPart", source_component_uuid="nobody", transfer_uuid="none", part_index=0, content=bytes(PART))
+    tab.send("FileTransferPart", source_component_uuid="nobody", transfer_uuid="none", part_index=0, content=bytes(UPLOAD_PART_BYTES))
     tab.update(STIFFNESS, value=4.0)
     tab.until(lambda: tab.value(STIFFNESS) == 4.0, "an answer")
 
@@ -156,10 +156,10 @@ def test_a_full_server_says_so_and_goes_on_serving_those_inside() -> None:
             with pytest.raises(HTTPError) as turned_away:
                 urlopen(server.url, timeout=10)
             assert refused.value.response.status_code == turned_away.value.code == 503
-            assert refused.value.response.headers["Retry-After"] == turned_away.value.headers["Retry-After"] == str(AGAIN)
+            assert refused.value.response.headers["Retry-After"] == turned_away.value.headers["Retry-After"] == str(RETRY_AFTER_S)
             told = turned_away.value.read().decode("utf-8")
-            said = [FULL.format(places=1, seconds=AGAIN)(code) for code in ("zh", "en")]
-            assert f'http-equiv="refresh" content="{AGAIN}"' in told and 0 < told.index(said[0]) < told.index(said[1])
+            said = [FULL.format(places=1, seconds=RETRY_AFTER_S)(code) for code in ("zh", "en")]
+            assert f'http-equiv="refresh" content="{RETRY_AFTER_S}"' in told and 0 < told.index(said[0]) < told.index(said[1])
             with urlopen(f"{server.url}/health", timeout=10) as health:
                 assert health.status == 200
             early.look()

@@ -12,9 +12,9 @@ import viser
 from client import WireTab
 from websockets.exceptions import ConnectionClosed
 
-from app.tab.session import Session
-from app.view.server import LabServer
-from lessons import LESSONS
+from observer_lab.lessons import LESSONS
+from observer_lab.page.screen.server import LabServer
+from observer_lab.session.session import Session
 
 STIFFNESS, METHOD, LIMITED = "stiffness believed wrong by [%]", "gains by", "limit the coils"
 Enter = Callable[..., WireTab]

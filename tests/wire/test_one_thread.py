@@ -11,7 +11,7 @@ from client import WireTab
 from test_wire_plants import MOTOR, send_file
 from viser.infra._async_message_buffer import AsyncMessageBuffer
 
-from lessons import LESSONS
+from observer_lab.lessons import LESSONS
 
 WORKER = "observer-lab session"
 BY_ITSELF = {"FileTransferPartAck", "RemoveNotificationMessage"}  # said to a browser that sends a file, before anything is done with it

@@ -8,9 +8,9 @@ from collections.abc import Callable
 
 from client import WireTab
 
-from app.view import phrases
-from app.view.server import LabServer
-from lessons import LESSONS
+from observer_lab.lessons import LESSONS
+from observer_lab.page.screen.server import LabServer
+from observer_lab.page.words import phrases
 
 
 def health(server: LabServer) -> dict[str, object]:

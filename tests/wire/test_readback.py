@@ -10,9 +10,9 @@ from typing import Any
 import pytest
 from client import WireTab
 
-from app.lesson.lesson import Design, Lesson, Outcome
-from app.view.server import LabServer
-from lessons import LESSONS
+from observer_lab.course.lesson import Design, Lesson, Outcome
+from observer_lab.lessons import LESSONS
+from observer_lab.page.screen.server import LabServer
 
 STIFFNESS, LIMITED = "stiffness believed wrong by [%]", "limit the coils"
 SLOW = 0.2  # s that a draft takes: several values of a quick hand come while one is computed

@@ -7,10 +7,10 @@ from collections.abc import Callable
 import pytest
 from client import WireTab
 
-from app.plants.examples import DATA, example
-from app.tab.session import Session
-from app.view.plants import MOST_BYTES
-from app.view.server import LabServer
+from observer_lab.page.column.plant_picker import MOST_BYTES
+from observer_lab.page.screen.server import LabServer
+from observer_lab.plants.examples import DATA, example
+from observer_lab.session.session import Session
 
 UPLOAD, MISMATCH, STIFFNESS = "Upload a plant (.json, .mat)", "the plant is faster than its model by [%]", "stiffness believed wrong by [%]"
 Enter = Callable[..., WireTab]

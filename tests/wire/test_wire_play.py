@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from client import CALLED, WireTab
 
-from app.tab.session import Session
-from app.view.moves import FINE, KINDS
+from observer_lab.page.viser_private.stage_frames import PROPERTY_KINDS, UNITS_PER_STAGE_UNIT
+from observer_lab.session.session import Session
 
 Enter = Callable[..., WireTab]
 Newest = Callable[[], Session]
@@ -31,8 +31,8 @@ def played(tab: WireTab, since: int) -> dict[float, dict[tuple[str, str], list[f
         for time, move in zip(chunk.get("times", ()), json.loads(chunk.get("moves", "[]")), strict=True):
             while move:
                 node, kind, many = move[:3]
-                fine = 1 if KINDS[kind] == "color" else FINE
-                stands[chunk["names"][node], KINDS[kind]] = [number / fine for number in move[3:3 + many]]
+                fine = 1 if PROPERTY_KINDS[kind] == "color" else UNITS_PER_STAGE_UNIT
+                stands[chunk["names"][node], PROPERTY_KINDS[kind]] = [number / fine for number in move[3:3 + many]]
                 move = move[3 + many:]
             out[time] = dict(stands)
     return out
@@ -62,8 +62,8 @@ def test_a_page_that_plays_is_told_the_run_and_nothing_else(enter: Enter, newest
     for time, stands in list(frames.items())[::20]:
         index = max(0, int(np.searchsorted(stage.t, time + 1e-9, side="right")) - 1)
         for name, pose in body.pose(stage.x[index].tolist(), body.gain).items():
-            assert np.allclose(stands[f"/plant/{name}", "position"], pose.position, atol=1 / FINE)
-            assert np.allclose(stands[f"/plant/{name}", "wxyz"], pose.wxyz, atol=1 / FINE)
+            assert np.allclose(stands[f"/plant/{name}", "position"], pose.position, atol=1 / UNITS_PER_STAGE_UNIT)
+            assert np.allclose(stands[f"/plant/{name}", "wxyz"], pose.wxyz, atol=1 / UNITS_PER_STAGE_UNIT)
     steps = np.diff(list(frames))
     assert np.all(steps > 0) and steps.max() <= picture.rate / 30 * (1 + 1e-6)
     tab.until(lambda: tab.unasked() == [], "silence")

@@ -9,10 +9,10 @@ from urllib.request import urlopen
 import pytest
 from client import WireTab, empty, eventually
 
-from app.tab.session import Session
-from app.view.screen import Screen
-from app.view.server import LabServer
-from lessons import LESSONS
+from observer_lab.lessons import LESSONS
+from observer_lab.page.screen.screen import Screen
+from observer_lab.page.screen.server import LabServer
+from observer_lab.session.session import Session
 
 STIFFNESS, DELAY = "stiffness believed wrong by [%]", "input delay [ms]"
 Enter = Callable[..., WireTab]
@@ -286,7 +286,7 @@ def test_a_browser_that_answers_late_or_never_is_not_written_to(enter: Enter, ne
     first.until(lambda: '"stiffness_error": "12' in (first.kept or ""), "the tab's memory")
     kept = first.kept
     first.close()
-    monkeypatch.setattr("app.tab.session.PATIENCE", 0.1)
+    monkeypatch.setattr("observer_lab.session.session.RECALL_TIMEOUT_S", 0.1)
     tab = enter(kept=kept, answers=False)
     assert tab.value(STIFFNESS) == 0.0
     tab.update(DELAY, value=6.0)

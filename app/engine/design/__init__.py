@@ -1,4 +1,4 @@
-"""Gains: pole placement, Riccati equations, LQR and LQE, Diophantine equations, scalar controllers."""
+"""Compute gains: pole placement, Riccati equations, LQR, LQE, Diophantine equations."""
 
 from .diophantine import Diophantine
 from .door import (
@@ -27,7 +27,7 @@ from .door import (
 from .optimal import DiscreteFilter, Optimal
 from .placement import Placement
 from .siso import LoopShape
-from .starting import StartingGain
+from .starting_gains import StartingGain
 
 __all__ = [
     "Diophantine",

@@ -1,4 +1,4 @@
-"""Pole placement by polynomials: A E + B F = Φ for a plant B/A and a controller F/E in negative feedback."""
+"""Place poles by polynomials: solve A E + B F = Φ for a plant B/A and controller F/E."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What every placement needs: the reachable coordinates, admissible eigenvectors; and deflation, pole by pole."""
+"""Compute admissible eigenvectors and place poles one by one by deflation."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Optimal gains: the linear-quadratic regulator, the Kalman–Bucy filter, and their discrete forms."""
+"""Compute optimal gains: LQR, Kalman–Bucy filter, and their discrete forms."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from functools import cached_property
 import numpy as np
 
 from ..systems.arrays import as_definite, as_matrix, as_weight, correlations, frozen, symmetric
-from ..systems.balance import SLOWEST
+from ..systems.balance import MIN_RATE
 from ..systems.errors import EngineError, RiccatiError, ShapeError, phrase
 from ..systems.pole_sets import Poles, pole_text, sorted_poles
-from .residual import Equation
 from .riccati import RiccatiProblem, in_balanced_units, solve_continuous, solve_discrete
+from .riccati_residual import Equation
 
 __all__ = ["DiscreteFilter", "Optimal", "dlqe", "dlqr", "lqe", "lqr"]
 
@@ -202,7 +202,7 @@ def _diagnosis(problem: RiccatiProblem, boundary: float, words: _Words) -> Ricca
     problem = in_balanced_units(problem)[0]
     A, B, Q, N = problem.A, problem.B, problem.Q, problem.N
     n, scale = A.shape[0], max(1.0 if boundary else 0.0, float(np.linalg.norm(A, 2)))
-    if not scale > SLOWEST:
+    if not scale > MIN_RATE:
         scale = 1.0
     poles = np.linalg.eigvals(A).astype(complex)
     for pole in poles[_beyond(poles, boundary) > -1e-9 * scale]:

@@ -1,4 +1,4 @@
-"""Pole placement: the gain K with eig(A − BK) as asked, and by duality the observer gain L."""
+"""Place poles: K with the wanted eig(A − BK), and by duality the observer gain L."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from scipy.optimize import linear_sum_assignment
 from ..systems.arrays import frozen
 from ..systems.balance import UNLIKE, poles_within, state_scale
 from ..systems.errors import PoleError, ShapeError, phrase
-from ..systems.exact import MOST_STATES, exact_poles
+from ..systems.exact_roots import MAX_STATES, exact_poles
 from ..systems.plant import as_matrix
 from ..systems.pole_sets import Poles, check_poles, match_poles, move_pole, pole_text, sorted_poles
 from .eigenstructure import controllable_split, input_factors, place_by_deflation
@@ -42,7 +42,7 @@ class Placement:
     def _told(self) -> tuple[Poles, float]:
         A, B, K = self._pair
         scale = state_scale(A, B)
-        if len(A) > MOST_STATES:
+        if len(A) > MAX_STATES:
             return _upper_bound(A - B @ K, self.asked)
         found = exact_poles(A, B, K, self.asked, scale)
         away = found.distances(self.asked)

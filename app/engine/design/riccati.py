@@ -1,4 +1,4 @@
-"""Riccati equations at unit scale, polished by Newton steps and certified by their residual."""
+"""Solve Riccati equations at unit scale, refine by Newton steps, certify by the residual."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ GOOD_RESIDUAL = 2e-15
 DOUBTFUL = 1e8  # condition of R beyond which the Hamiltonian matrix is not trusted
 DOUBLINGS = 50  # of the steps that a loop is followed for: poles to within 1e-13 of the circle
 WELL = 1e6  # condition of A up to which the symplectic matrix, which needs its inverse, is trusted
-ALIKE = 1e-3  # relative difference of two poles that are the same
+SAME_POLE_RTOL = 1e-3  # relative difference of two poles that are the same
 FAIR_RESIDUAL = 1e-13  # above it the equation is solved once more, from another beginning
 
 
@@ -180,7 +180,7 @@ def _solve(
             residual, _, K = evaluate(scaled, guess[0])  # a first step in any case: it keeps apart what the plant keeps apart
             found = _polished(scaled, symmetric(guess[0] + newton(scaled, K, residual)), newton, evaluate)
             slowest = inside(np.linalg.eigvals(scaled.A - scaled.B @ found[1]))
-            best = found if found[2] < GOOD_RESIDUAL and abs(slowest - guess[1]) <= ALIKE * guess[1] else None
+            best = found if found[2] < GOOD_RESIDUAL and abs(slowest - guess[1]) <= SAME_POLE_RTOL * guess[1] else None
     for balanced in (True, False) if best is None else ():  # where SciPy's balancing makes its reordering fail, we do without
         with suppress(np.linalg.LinAlgError, ValueError):
             S = library(scaled.A, scaled.B, scaled.Q, scaled.R, s=scaled.N if np.any(scaled.N) else None, balanced=balanced)

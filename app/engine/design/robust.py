@@ -1,4 +1,4 @@
-"""Robust placement with several inputs: choose closed-loop eigenvectors that are well conditioned.
+"""Place poles with several inputs such that the eigenvectors are well conditioned.
 
 Every eigenvector of A − BK lies in a space S_λ of r = rank(B) dimensions. Two sweeps of Kautsky, Nichols and Van Dooren
 (1985), method 0, give a start; then ‖X⁻¹‖_F is minimised over unit eigenvectors, which bounds the condition number
@@ -19,7 +19,7 @@ from .eigenstructure import eigenvector_spaces, input_factors
 
 __all__ = ["place_robustly"]
 
-SWEEPS = 2
+SWEEP_COUNT = 2
 GLIDES, LENGTH, MOMENTUM = 20, 0.05, 0.8
 DESCENTS = 3
 ROOT2 = np.sqrt(2.0)
@@ -105,7 +105,7 @@ def _sweep(frame: _Frame) -> np.ndarray:
     c = frame.coefficients(aims)
     X = frame.columns(c)
     inverse = _inverse(X)
-    for _ in range(SWEEPS):
+    for _ in range(SWEEP_COUNT):
         for j in range(k):
             away = inverse[j] if j < frame.real else inverse[j] + 1j * inverse[j + k - frame.real]
             c_j = frame.adjoint[j] @ away

@@ -1,4 +1,4 @@
-"""Single-input single-output controllers as small records, realised so that badly scaled polynomials keep their digits."""
+"""Define SISO controllers and realise badly scaled polynomials without loss of digits."""
 
 from __future__ import annotations
 
@@ -8,18 +8,18 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import block_diag
 
+from ..systems.argument_checks import count, number, optional, pair, passed
 from ..systems.errors import EngineError, ShapeError, phrase
-from ..systems.exact import exact_roots
-from ..systems.gates import count, number, optional, pair, passed
+from ..systems.exact_roots import exact_roots
 from ..systems.plant import Plant, as_matrix
 from ..systems.pole_sets import Poles, match_poles
-from ..systems.repeated import repeated
+from ..systems.repeated_roots import merge_repeated_roots
 from ..systems.spectrum import frequency_response
 
 __all__ = ["LoopShape", "diagonal_controller", "loop_shaped", "negated", "polynomial_roots", "rational",
            "realise", "series"]
 
-EXACT = 1e-10  # relative error of partial fractions beyond which sections in a row are used
+PARTIAL_FRACTION_RTOL = 1e-10  # relative error of partial fractions beyond which sections in a row are used
 
 
 @dataclass(frozen=True)
@@ -94,7 +94,7 @@ def polynomial_roots(polynomial: object) -> Poles:
     if len(whole) < 2:
         return zeros
     near = np.roots(whole).astype(complex)
-    return np.sort_complex(np.concatenate([zeros, repeated(whole, exact_roots(whole, near).values)]))
+    return np.sort_complex(np.concatenate([zeros, merge_repeated_roots(whole, exact_roots(whole, near).values)]))
 
 
 def rational(numerator: object, denominator: object) -> Plant:
@@ -124,7 +124,7 @@ def realise(zeros: Sequence[complex] | np.ndarray, poles: Sequence[complex] | np
     if not len(p):
         return Plant(np.zeros((0, 0)), np.zeros((0, 1)), np.zeros((1, 0)), np.full((1, 1), gain))
     modal = _modal(z, p, gain)
-    return modal if _error(modal, z, p, gain) < EXACT else _cascade(z, p, gain)
+    return modal if _error(modal, z, p, gain) < PARTIAL_FRACTION_RTOL else _cascade(z, p, gain)
 
 
 def _error(plant: Plant, z: np.ndarray, p: np.ndarray, gain: float) -> float:

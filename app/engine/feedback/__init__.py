@@ -1,4 +1,4 @@
-"""The loop closed: compensators, sensitivity, margins, spectra, LQG and its recovery."""
+"""Analyse the closed loop: compensators, sensitivity, margins, spectra, LQG, LTR."""
 
 from .door import (
     ClosedLoop,

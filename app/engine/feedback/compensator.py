@@ -1,4 +1,4 @@
-"""Estimate feedback: the compensator from y to u, and the loop it closes."""
+"""Build the compensator from y to u and the loop that it closes."""
 
 from __future__ import annotations
 

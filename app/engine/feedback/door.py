@@ -1,8 +1,8 @@
-"""The door of this room: what each of its calls takes from outside."""
+"""Declare the argument checks of the public calls of `engine.feedback`."""
 
 from __future__ import annotations
 
-from ..systems.gates import covariance, either, gated, instance, matrix, number, optional
+from ..systems.argument_checks import covariance, either, gated, instance, matrix, number, optional
 from ..systems.plant import Plant
 from . import loop_spectrum, ltr, margins
 from .compensator import ClosedLoop as ClosedLoop  # records through the door where their module has the name of a call

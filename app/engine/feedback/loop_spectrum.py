@@ -1,4 +1,4 @@
-"""A loop driven by white noise: the spectra of its outputs and inputs, and their variances."""
+"""Compute spectra and variances of a loop driven by white noise."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from functools import cached_property
 import numpy as np
 from scipy.linalg import block_diag
 
+from ..systems.argument_checks import SECONDS, SERIES, array, gated, matrix, number, optional
 from ..systems.arrays import as_covariance, frozen
 from ..systems.errors import EngineError, ShapeError
-from ..systems.gates import SECONDS, SERIES, array, gated, matrix, number, optional
 from ..systems.lyapunov import settled_covariance
 from ..systems.noise import root, step_covariance
 from ..systems.plant import Plant, as_matrix
 from ..systems.pole_sets import Poles, all_stable, sorted_poles
-from ..systems.scan import step_matrices
+from ..systems.recursions import step_matrices
 from ..systems.spectrum import modal_coordinates, response_at
 
 __all__ = ["NoisyLoop", "noisy_loop"]

@@ -1,4 +1,4 @@
-"""Linear-quadratic Gaussian control: regulator and filter in series, and what the loop costs on average."""
+"""Design LQG control and compute the average cost of its loop."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Loop transfer recovery: an observer so tuned that the loop gets back the margins of state feedback."""
+"""Recover state-feedback margins with an observer: loop transfer recovery (LTR)."""
 
 from __future__ import annotations
 

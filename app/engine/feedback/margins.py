@@ -1,4 +1,4 @@
-"""How far a loop is from instability: gain, phase, delay and disk margins, one channel at a time and all at once."""
+"""Compute gain, phase, delay and disk margins, one channel at a time and all at once."""
 
 from __future__ import annotations
 

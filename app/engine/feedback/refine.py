@@ -1,4 +1,4 @@
-"""A response searched between the points of its grid: where it is highest, and where it is zero."""
+"""Refine the peaks and zeros of a response between the points of its grid."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 __all__ = ["Response", "highest", "zeros_of"]
 
 REFINED = 3  # highest grid points around which a peak is looked for
-SPLIT = np.linspace(0.0, 1.0, 17)  # how an interval is divided at each round of a search
+INTERVAL_SHARES = np.linspace(0.0, 1.0, 17)  # how an interval is divided at each round of a search
 PEAK_ROUNDS, ROOT_ROUNDS = 7, 12
 Response = Callable[[np.ndarray], np.ndarray]
 
@@ -25,12 +25,12 @@ def highest(omega: np.ndarray, values: np.ndarray, at: Response) -> tuple[float,
         return top, where
     low, high = omega[summit - 1], omega[summit + 1]
     for _ in range(PEAK_ROUNDS):
-        points = low[:, None] + (high - low)[:, None] * SPLIT
+        points = low[:, None] + (high - low)[:, None] * INTERVAL_SHARES
         found = at(points)
         row, column = np.unravel_index(int(np.argmax(found)), found.shape)
         if found[row, column] > top:
             top, where = float(found[row, column]), float(points[row, column])
-        k = np.clip(found.argmax(axis=1), 1, len(SPLIT) - 2)
+        k = np.clip(found.argmax(axis=1), 1, len(INTERVAL_SHARES) - 2)
         rows = np.arange(len(k))
         low, high = points[rows, k - 1], points[rows, k + 1]
     return top, where
@@ -47,7 +47,7 @@ def zeros_of(omega: np.ndarray, values: np.ndarray, function: Response) -> np.nd
     low, high, sign = w[k], w[k + 1], np.sign(v[k])
     rows = np.arange(len(k))
     for _ in range(ROOT_ROUNDS):
-        points = low[:, None] + (high - low)[:, None] * SPLIT[1:-1]
+        points = low[:, None] + (high - low)[:, None] * INTERVAL_SHARES[1:-1]
         same = np.sign(function(points)) == sign[:, None]
         before = np.logical_and.accumulate(same, axis=1).sum(axis=1)
         grid = np.concatenate([low[:, None], points, high[:, None]], axis=1)

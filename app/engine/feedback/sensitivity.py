@@ -1,4 +1,4 @@
-"""The sensitivities of a feedback loop, cut at the plant's inputs and at its outputs, and where to sample them."""
+"""Compute the sensitivities of a loop at plant inputs and outputs, and where to sample them."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from functools import cached_property
 
 import numpy as np
 
+from ..systems.argument_checks import array, count, gated
 from ..systems.errors import EngineError, ShapeError, phrase
-from ..systems.gates import array, count, gated
 from ..systems.plant import Plant, as_matrix
 from ..systems.pole_sets import Poles, all_stable, sorted_poles
 from ..systems.spectrum import frequency_response, modal_coordinates
@@ -18,7 +18,7 @@ __all__ = ["Sensitivity", "sensitivity"]
 
 BASE = 400  # points of the logarithmic sweep
 AROUND = 31  # points around the frequency of each pole
-DECADES = 2.0  # that the sweep reaches beyond the slowest and the fastest pole
+EXTRA_DECADES = 2.0  # that the sweep reaches beyond the slowest and the fastest pole
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +58,7 @@ class Sensitivity:
         size = np.abs(poles)
         size = size[size > 1e-12 * size.max(initial=0.0)]
         low, high = (size.min(), size.max()) if size.size else (1.0, 1.0)
-        sweep = np.geomspace(low / 10**DECADES, high * 10**DECADES, BASE)
+        sweep = np.geomspace(low / 10**EXTRA_DECADES, high * 10**EXTRA_DECADES, BASE)
         ringing = poles[poles.imag > 0]
         turn = np.tan(np.linspace(-1.55, 1.55, AROUND))
         width = np.maximum(np.abs(ringing.real), 1e-9 * np.abs(ringing))

@@ -1,4 +1,4 @@
-"""Kalman filters, linear and not, one or many at once, and whether they are consistent."""
+"""Run Kalman filters, linear and nonlinear, one or many at once, and test their consistency."""
 
 from .adc import AdcNoise
 from .belief import Belief, Beliefs, Correction, Corrections, RootBelief

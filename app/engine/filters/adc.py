@@ -1,4 +1,4 @@
-"""Noise of an analogue-digital converter: white floor, 1/f below a corner, and quantisation."""
+"""Model converter noise: white floor, 1/f below a corner, quantisation."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ from typing import TypeVar
 import numpy as np
 from scipy.linalg import block_diag
 
+from ..systems.argument_checks import GENERATOR, MOST_NUMBERS, RECORD, SERIES, count, gated, number, passed
 from ..systems.errors import EngineError
-from ..systems.gates import GENERATOR, MOST_NUMBERS, RECORD, SERIES, count, gated, number, passed
 from .linear_filter import LinearFilter
 
 __all__ = ["AdcNoise", "with_coloured_noise"]
 
 Filter = TypeVar("Filter", bound=LinearFilter)
 PER_DECADE = 3  # relaxations; their sum ripples by less than 1 % about 1/f
-MOST = 60
-REACH = 10.0  # how far above the corner relaxations are placed; there the floor hides what is missing
+MAX_RELAXATIONS = 60
+RELAXATION_SPAN = 10.0  # how far above the corner relaxations are placed; there the floor hides what is missing
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ class AdcNoise:
         if self.corner > 0 and not 0 < self.lowest < min(self.corner, 0.5 / self.dt):
             raise EngineError("The lowest frequency must lie above 0 and below the corner and half the sampling "
                               "rate.")
-        if self.corner > 0 and len(self.relaxations[0]) > MOST:
+        if self.corner > 0 and len(self.relaxations[0]) > MAX_RELAXATIONS:
             raise EngineError("The lowest frequency is too far below the corner; raise it.")
 
     @cached_property
@@ -55,7 +55,7 @@ class AdcNoise:
         """Factors a (q,) of the relaxations over a sample, and the variance s² of each."""
         if self.corner == 0:
             return np.zeros(0), 0.0
-        top = max(min(REACH * self.corner, 0.25 / self.dt), self.lowest)
+        top = max(min(RELAXATION_SPAN * self.corner, 0.25 / self.dt), self.lowest)
         count = int(np.ceil(PER_DECADE * np.log10(top / self.lowest))) + 1
         corners = self.lowest * 10 ** (np.arange(count) / PER_DECADE)
         variance = 2 * self.sigma**2 * self.dt * self.corner * np.log(10) / PER_DECADE

@@ -1,4 +1,4 @@
-"""What a filter believes: a mean and a covariance, immutable; in one run or in many at once."""
+"""Define a filter's belief: mean and covariance, in one run or in many."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..systems.argument_checks import count, vector
 from ..systems.arrays import as_covariance, as_numbers, frozen
 from ..systems.errors import EngineError, ShapeError, phrase
-from ..systems.gates import count, vector
 
 __all__ = ["Belief", "Beliefs", "Correction", "Corrections", "RootBelief"]
 

@@ -1,4 +1,4 @@
-"""What no filter of a nonlinear plant can do better than: Cramér and Rao's bound for a state that is random itself."""
+"""Compute the posterior Cramér–Rao bound for the filters of a nonlinear plant."""
 
 from __future__ import annotations
 
@@ -6,18 +6,18 @@ from typing import Literal
 
 import numpy as np
 
-from ..kernels import given, kernel
+from ..kernels import as_kernel_array, compiled_kernel
 from ..kernels.bounds import bound_steps
-from ..systems.arrays import correlations, definite, symmetric
+from ..systems.arrays import correlations, is_definite, symmetric
 from ..systems.errors import EngineError, ShapeError
 from ..systems.noise import root
 from .kalman import ahead, gain, joseph
 
 __all__ = ["posterior_bound"]
 
-NOTHING = 1e-12  # eigenvalue of the correlations of Q beside the largest: below it there is no noise in that direction
-ROUNDING = 1e-9  # share of a slope by which it may differ from run to run where there is no noise
-MOST = 2000  # numbers that may be unknown together
+NO_NOISE_RTOL = 1e-12  # eigenvalue of the correlations of Q beside the largest: below it there is no noise in that direction
+NOISE_FREE_SLOPE_RTOL = 1e-9  # share of a slope by which it may differ from run to run where there is no noise
+MAX_UNKNOWNS = 2000  # numbers that may be unknown together
 Unknown = Literal["states", "noise"]
 
 
@@ -42,7 +42,7 @@ def posterior_bound(F: np.ndarray, H: np.ndarray, Q: np.ndarray, R: np.ndarray, 
     if len(F) + 1 != len(H) or not H.shape[1]:
         raise ShapeError("H must hold one sample more than F, and at least one run; they hold {h} and {f} samples of {runs} runs.",
                          h=len(H), f=len(F), runs=H.shape[1])
-    if not definite(R):
+    if not is_definite(R):
         raise EngineError("{name} must be positive definite: every eigenvalue above zero.", name="R")
     return (_of_states if unknown == "states" else _of_noise)(F, H, Q, R, P)
 
@@ -51,10 +51,10 @@ def _of_states(F: np.ndarray, H: np.ndarray, Q: np.ndarray, R: np.ndarray, P: np
     """The recursion, each half of it a correction by what is told."""
     middle, start = F.mean(axis=1), np.asarray(P, dtype=float)
     told, varying = _readings(_mean_square(_whitening(R) @ H)), _readings(_varying(F - middle[:, None], middle, Q))
-    if (work := kernel(bound_steps)) is not None:
+    if (work := compiled_kernel(bound_steps)) is not None:
         quick = np.empty((len(H), *start.shape))
         with np.errstate(all="ignore"):
-            if work(*map(given, (start, middle, Q, varying, told)), quick) == len(quick):
+            if work(*map(as_kernel_array, (start, middle, Q, varying, told)), quick) == len(quick):
                 return quick
     found = [_corrected(start, told[0])]
     for k, each in enumerate(middle):
@@ -66,12 +66,12 @@ def _of_noise(F: np.ndarray, H: np.ndarray, Q: np.ndarray, R: np.ndarray, P: np.
     """The information of the start and all noise together, one sample more each time."""
     runs, n = H.shape[1], len(P)
     values, axes, spread = _axes(Q)
-    noisy = values > NOTHING * max(values[-1], 0.0)
+    noisy = values > NO_NOISE_RTOL * max(values[-1], 0.0)
     enters = np.broadcast_to(spread[:, None] * axes[:, noisy] * np.sqrt(values[noisy]), (runs, n, int(noisy.sum())))
     count = n + len(F) * enters.shape[2]
-    if count > MOST:
+    if count > MAX_UNKNOWNS:
         raise EngineError("{count} numbers are unknown together, more than {most}; give fewer samples, or take the states for unknowns.",
-                          count=count, most=MOST)
+                          count=count, most=MAX_UNKNOWNS)
     S: np.ndarray = np.broadcast_to(root(P), (runs, n, n))
     seen, J, found = _whitening(R) @ H, np.eye(n), []
     for k, each in enumerate(seen):
@@ -107,11 +107,11 @@ def _axes(Q: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 def _varying(away: np.ndarray, middle: np.ndarray, Q: np.ndarray) -> np.ndarray:
     """E (F − E F)ᵀ Q⁻¹ (F − E F) (k, n, n) of away (k, N, n, n), by the directions in which Q is noise."""
     values, axes, spread = _axes(Q)
-    noisy = values > NOTHING * max(values[-1], 0.0)
+    noisy = values > NO_NOISE_RTOL * max(values[-1], 0.0)
     turned = axes.T @ (away / spread[:, None])
     if not noisy.all():
         size = np.abs(axes.T) @ np.abs(middle / spread[:, None])
-        if np.any(np.abs(turned[:, :, ~noisy]) > ROUNDING * size[:, None, ~noisy]):
+        if np.any(np.abs(turned[:, :, ~noisy]) > NOISE_FREE_SLOPE_RTOL * size[:, None, ~noisy]):
             raise EngineError("Q is singular where the slopes of f differ from run to run: give every such state some noise, or take the "
                               "noise for unknown.")
     return _mean_square(turned[:, :, noisy] / np.sqrt(values[noisy])[:, None])

@@ -1,4 +1,4 @@
-"""Does a filter know how wrong it is? The innovations' mean, whiteness and size against what it promises."""
+"""Test the innovations of a filter: mean, whiteness and size against its covariances."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .squared_error import SquaredError, chi2_band, covariances_of, nis, record_
 
 __all__ = ["InnovationTest", "Whiteness", "innovation_test", "whiteness"]
 
-ROUNDING = 1e-14  # of the largest value: a channel that varies less is constant
+CONSTANT_CHANNEL_RTOL = 1e-14  # of the largest value: a channel that varies less is constant
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +78,7 @@ def whiteness(innovations: object, *, lags: int = 20, level: float = 0.95) -> Wh
     chi2_band(1, count=1, level=level)
     away = nu - nu.mean(axis=0)
     spread = np.sqrt((away**2).mean(axis=0))
-    if not (spread > ROUNDING * np.abs(nu).max(axis=0)).all():
+    if not (spread > CONSTANT_CHANNEL_RTOL * np.abs(nu).max(axis=0)).all():
         raise EngineError("A channel of the innovations is constant; leave it out of the test.")
     away = away / spread
     C0 = away.T @ away / N

@@ -1,11 +1,10 @@
-"""The door of this room: what each of its calls takes from outside."""
+"""Declare the argument checks of the public calls of `engine.filters`."""
 
 from __future__ import annotations
 
 from types import MappingProxyType
 
-from ..systems.flow import NonlinearPlant
-from ..systems.gates import (
+from ..systems.argument_checks import (
     BOOLEAN,
     GENERATOR,
     LEVEL,
@@ -29,6 +28,7 @@ from ..systems.gates import (
     pair,
     vector,
 )
+from ..systems.flow import NonlinearPlant
 from ..systems.plant import Plant
 from . import (
     adc,

@@ -1,4 +1,4 @@
-"""What many runs of a nonlinear plant share, and what is found at each of their samples."""
+"""Define what many runs of a nonlinear plant share, and the record of each sample."""
 
 from __future__ import annotations
 
@@ -7,9 +7,23 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..systems.argument_checks import (
+    FUNCTION,
+    NAME,
+    Gate,
+    array,
+    count,
+    covariance,
+    instance,
+    items,
+    matrix,
+    optional,
+    pair,
+    passed,
+    vector,
+)
 from ..systems.errors import EngineError
 from ..systems.flow import Flow, NonlinearPlant
-from ..systems.gates import FUNCTION, NAME, Gate, array, count, covariance, instance, items, matrix, optional, pair, passed, vector
 from ..systems.jacobian import Map
 from .belief import Beliefs, Corrections
 from .nonlinear import NonlinearFilter

@@ -1,4 +1,4 @@
-"""Filters by first-order expansion: along the estimate (extended), and once about a point of rest."""
+"""Filter by first-order expansion: along the estimate (EKF), or once about a rest point."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from functools import cached_property
 
 import numpy as np
 
+from ..systems.argument_checks import FUNCTION, matrix, optional, passed, vector
 from ..systems.arrays import symmetric
 from ..systems.errors import ShapeError
 from ..systems.flow import Flow
-from ..systems.gates import FUNCTION, matrix, optional, passed, vector
 from ..systems.jacobian import Map, slopes
 from .belief import Belief, Beliefs
 from .kalman import ahead, joseph

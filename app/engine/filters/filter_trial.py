@@ -1,4 +1,4 @@
-"""A filter that believes something about the noise, tried on a record of the plant as it really is."""
+"""Try a filter with wrong noise assumptions on a record of the true plant."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 
 from ..design.optimal import DiscreteFilter
-from ..design.starting import starting_feedback
+from ..design.starting_gains import starting_feedback
 from ..simulation.scenario import Run, Scenario
 from ..simulation.simulate import simulate
 from ..systems.noise import root
@@ -20,7 +20,7 @@ from .trade_off import error_parts
 
 __all__ = ["FilterTrial", "simulate_filter"]
 
-SPREAD = 4.0  # covariance of the start, times that of the settled filter
+START_COVARIANCE_FACTOR = 4.0  # covariance of the start, times that of the settled filter
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +65,7 @@ def simulate_filter(plant: Plant, G: object, W: object, V: object, step: float, 
     matrices = (as_matrix(M, name) for M, name in ((G, "G"), (W, "W"), (V, "V")))
     truth, K, held = _held(plant, *((M.tobytes(), M.shape) for M in matrices), step)
     doubting = KalmanFilter(truth.A, truth.B, truth.C, believed[0] * truth.Q, believed[1] * truth.R, truth.D, truth.dt)
-    P0 = SPREAD * truth.steady.solution
+    P0 = START_COVARIANCE_FACTOR * truth.steady.solution
     P0 = P0 + 1e-12 * np.trace(P0) * np.eye(plant.n)
     x0 = root(P0) @ np.random.default_rng([seed, 11]).standard_normal(plant.n)
     kicks = () if kick is None else ((step * np.ceil(kick[0] / step - 1e-9), kick[1]),)

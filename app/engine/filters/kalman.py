@@ -1,4 +1,4 @@
-"""The Kalman filter: Joseph's form, and beside it the short form that lessons compare it with."""
+"""Compute Kalman prediction and correction: Joseph's form and the short form."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from ..kernels.recursion import joseph_steps
 from ..systems.arrays import frozen, symmetric
 from ..systems.errors import EngineError
 from .belief import Belief
+from .compiled_schedule import Goal, quick_schedule
 from .linear_filter import LOOK_EVERY, LinearFilter
-from .quick import Goal, quick_schedule
 
 __all__ = ["KalmanFilter", "ahead", "correct", "gain_of", "joseph", "predict", "short_form"]
 

@@ -1,4 +1,4 @@
-"""What the filters of linear plants share: the model, one step at a time, a whole record."""
+"""Define what linear filters share: the model, one step, a whole record."""
 
 from __future__ import annotations
 
@@ -10,19 +10,19 @@ from typing import Self
 import numpy as np
 
 from ..design.optimal import DiscreteFilter, dlqe
+from ..systems.argument_checks import MOST_NUMBERS, RECORD, SECONDS, count, covariance, gated, instance, matrix, optional, passed
 from ..systems.arrays import as_covariance, as_numbers
 from ..systems.errors import EngineError, ShapeError
-from ..systems.gates import MOST_NUMBERS, RECORD, SECONDS, count, covariance, gated, instance, matrix, optional, passed
 from ..systems.noise import step_covariance
 from ..systems.plant import Plant, as_matrix
 from ..systems.sampling import discretise
 from .belief import Belief, Correction
-from .quick import Goal
+from .compiled_schedule import Goal
 from .track import Schedule, Track, as_record, means_along
 
 __all__ = ["LinearFilter"]
 
-SETTLED = 1e-9  # distance from the Riccati solution, in standard deviations squared, that counts as none
+STEADY_RTOL = 1e-9  # distance from the Riccati solution, in standard deviations squared, that counts as none
 _BELIEF = instance(Belief)
 
 
@@ -190,7 +190,7 @@ class LinearFilter(ABC):
             return None
         spread = np.sqrt(np.maximum(np.diag(P), 0.0))
         spread = np.maximum(spread, 1e-9 * spread.max(initial=0.0))
-        return P, SETTLED * np.outer(spread, spread)
+        return P, STEADY_RTOL * np.outer(spread, spread)
 
     def _fitting(self, belief: Belief) -> Belief:
         if belief.mean.size != self.n:

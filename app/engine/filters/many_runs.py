@@ -1,4 +1,4 @@
-"""Many runs of a nonlinear plant, watched by several kinds of filter at once on the same noise."""
+"""Simulate many runs of a nonlinear plant with several filters on the same noise."""
 
 from __future__ import annotations
 
@@ -7,20 +7,20 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..kernels import given, kernel
+from ..kernels import as_kernel_array, compiled_kernel
 from ..kernels.bounds import square_steps
 from ..systems.errors import EngineError, ShapeError
 from ..systems.flow import Flow
 from ..systems.noise import root
 from .belief import Beliefs, Corrections
+from .compiled_runs import compiled_bank_of
 from .experiment import Experiment, Sample, State, Steering
 from .extended import ExtendedKalmanFilter
-from .quick_many import watch_of
 
 __all__ = ["errors_squared", "simulate_filters"]
 
-FAR = 1e12  # a state, an estimate or a variance beyond this is given up
-TOGETHER = 256  # samples of single runs that a kernel marches before it is looked at
+GIVE_UP_LIMIT = 1e12  # a state, an estimate or a variance beyond this is given up
+SAMPLES_PER_LOOK = 256  # samples of single runs that a kernel marches before it is looked at
 
 
 def simulate_filters(e: Experiment, rng: np.random.Generator) -> Iterator[Sample]:
@@ -32,11 +32,11 @@ def simulate_filters(e: Experiment, rng: np.random.Generator) -> Iterator[Sample
     if e.start.mean.shape != (n, N):
         raise ShapeError("The start is about {mean_shape} states and runs; the true states are {value}.",
                          mean_shape=e.start.mean.shape, value=(n, N))
-    shake, blur, p, watch = root(e.Q), root(e.R), len(e.R), watch_of(e)
+    shake, blur, p, watch = root(e.Q), root(e.R), len(e.R), compiled_bank_of(e)
     now = State(e.x0, dict.fromkeys(e.filters, e.start), {name: np.zeros(N, dtype=bool) for name in e.filters})
     k, count = 0, len(e.inputs)
     while k < count:
-        together = 1 if watch is None else min(max(TOGETHER // N, 1), count - k)
+        together = 1 if watch is None else min(max(SAMPLES_PER_LOOK // N, 1), count - k)
         noise = rng.standard_normal((together, p + n, N))
         v, w = blur @ noise[:, :p], shake @ noise[:, p:]
         at = 0
@@ -74,7 +74,7 @@ def _moved(e: Experiment, sample: Sample, w: np.ndarray) -> State:
     with np.errstate(over="ignore", invalid="ignore"):
         x, priors = _ahead(e, sample.x, sample.u, sample.corrections)
         x = x + w
-    if not (np.abs(x) < FAR).all():
+    if not (np.abs(x) < GIVE_UP_LIMIT).all():
         raise EngineError("A true state has left the region where the plant's equations hold; start it nearer "
                           "to rest.")
     return State(x, priors, sample.lost)
@@ -117,9 +117,9 @@ def _kept(beliefs: Beliefs, lost: np.ndarray, start: Beliefs) -> tuple[Beliefs, 
     """The beliefs with the runs given up put back to the start, and which those are."""
     mean, P = beliefs.mean, beliefs.covariance
     variances = np.diagonal(P, axis1=1, axis2=2)
-    if np.abs(mean).max() < FAR and variances.min() > 0 and variances.max() < FAR and not lost.any():
+    if np.abs(mean).max() < GIVE_UP_LIMIT and variances.min() > 0 and variances.max() < GIVE_UP_LIMIT and not lost.any():
         return beliefs, lost
-    bad = ~((np.abs(mean) < FAR).all(axis=0) & ((variances > 0) & (variances < FAR)).all(axis=1))
+    bad = ~((np.abs(mean) < GIVE_UP_LIMIT).all(axis=0) & ((variances > 0) & (variances < GIVE_UP_LIMIT)).all(axis=1))
     lost = lost | bad
     if len(P) == 1 and len(lost) > 1:
         P = np.repeat(P, len(lost), axis=0)
@@ -159,10 +159,10 @@ def errors_squared(e: np.ndarray, P: np.ndarray) -> np.ndarray:
 
 def _quick_squares(e: np.ndarray, P: np.ndarray) -> np.ndarray | None:
     """The same by a kernel; None where there is none, or where a P is not positive definite."""
-    work = kernel(square_steps)
+    work = compiled_kernel(square_steps)
     if work is None:
         return None
     n, found = e.shape[-1], np.empty(e.shape[:-1])
     with np.errstate(all="ignore"):
-        done = work(given(e.reshape(-1, n)), given(P.reshape(-1, n, n)), found.reshape(-1))
+        done = work(as_kernel_array(e.reshape(-1, n)), as_kernel_array(P.reshape(-1, n, n)), found.reshape(-1))
     return found if done == found.size else None

@@ -1,4 +1,4 @@
-"""What the filters of nonlinear plants share, in one run or in many at once: a step, a lost sample, a record."""
+"""Define what nonlinear filters share: one step, a lost sample, a record, many runs."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from typing import TypeVar, overload
 
 import numpy as np
 
+from ..systems.argument_checks import FUNCTION, RECORD, array, covariance, gated_runs, instance, passed
 from ..systems.arrays import as_covariance, as_numbers
 from ..systems.errors import EngineError, ShapeError
-from ..systems.gates import FUNCTION, RECORD, array, covariance, gated_runs, instance, passed
 from ..systems.jacobian import Map, values_of
 from .belief import Belief, Beliefs, Correction, Corrections
 from .kalman import gain_of

@@ -1,4 +1,4 @@
-"""Sigma points of the unscented filters: 2n + 1 of them, in one run or in many at once."""
+"""Compute the 2n + 1 sigma points of unscented filters, in one run or in many."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import numpy as np
 from ..systems.errors import EngineError
 
 SMALLEST_ALPHA = 0.1
-LEAST = 1e-12  # of an eigenvalue of a correlation matrix whose Cholesky factor does not exist
+MIN_EIGENVALUE = 1e-12  # of an eigenvalue of a correlation matrix whose Cholesky factor does not exist
 
 
 def check_spread(n: int, alpha: float, beta: float, kappa: float) -> None:
@@ -60,8 +60,8 @@ def roots(P: np.ndarray) -> np.ndarray:
         spread = np.sqrt(np.maximum(np.diagonal(P, axis1=-2, axis2=-1), 1e-300))
         scale = spread[..., :, None] * spread[..., None, :]
         values, vectors = np.linalg.eigh(np.nan_to_num(P / scale))
-        factors = spread[..., :, None] * (vectors * np.sqrt(np.maximum(values, LEAST))[..., None, :])
-        whole = (values[..., 0] > LEAST) & np.isfinite(P).all(axis=(-2, -1))  # whatever befalls the others
+        factors = spread[..., :, None] * (vectors * np.sqrt(np.maximum(values, MIN_EIGENVALUE))[..., None, :])
+        whole = (values[..., 0] > MIN_EIGENVALUE) & np.isfinite(P).all(axis=(-2, -1))  # whatever befalls the others
         if P.ndim > 2:
             factors[whole] = np.linalg.cholesky(P[whole])
         return factors

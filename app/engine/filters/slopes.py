@@ -1,4 +1,4 @@
-"""The slopes of a nonlinear plant along its runs, by a compiled kernel where one is ready and knows the equations."""
+"""Compute the slopes of a nonlinear plant along its runs, compiled where possible."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from contextlib import suppress
 
 import numpy as np
 
-from ..kernels import given, kernel
+from ..kernels import as_kernel_array, compiled_kernel
 from ..kernels.bounds import slope_steps
 from ..kernels.tape import Tape, recorded
 from ..systems.errors import ShapeError
@@ -34,11 +34,11 @@ def slopes_along(plant: NonlinearPlant, step: float, x: np.ndarray, u: np.ndarra
     if len(x) != plant.n or len(u) != plant.m or u.shape[1] not in (1, x.shape[1]):
         raise ShapeError("The plant has {n} states and {m} inputs: x needs {n} rows, u {m}, and a column for each state or one for all.",
                          n=plant.n, m=plant.m)
-    work = kernel(slope_steps)
+    work = compiled_kernel(slope_steps)
     tapes = None if work is None else tapes_of(plant)
     if work is None or tapes is None:
         return plant.flow(step, parts=parts).expand(x, u)[1], plant.output_slope(x, u)
     F, H = np.empty((x.shape[1], plant.n, plant.n)), np.empty((x.shape[1], plant.p, plant.n))
     with np.errstate(all="ignore"):
-        work(*tapes, step / parts, parts, given(x.T), given(np.broadcast_to(u, (plant.m, x.shape[1])).T), F, H)
+        work(*tapes, step / parts, parts, as_kernel_array(x.T), as_kernel_array(np.broadcast_to(u, (plant.m, x.shape[1])).T), F, H)
     return F, H

@@ -1,4 +1,4 @@
-"""The square-root Kalman filter: it carries U with P = U Uᵀ and steps by orthogonal transformations alone."""
+"""Run the square-root Kalman filter: carry U with P = U Uᵀ by orthogonal steps."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from ..kernels.recursion import root_steps
 from ..systems.errors import EngineError
 from ..systems.noise import root
 from .belief import Belief, RootBelief
+from .compiled_schedule import Goal, quick_schedule
 from .linear_filter import LOOK_EVERY, LinearFilter
-from .quick import Goal, quick_schedule
 
 __all__ = ["SquareRootFilter"]
 

@@ -1,4 +1,4 @@
-"""Squared errors and innovations in units of what a filter's own covariances promise, against χ²."""
+"""Compare normalised squared errors (NEES) and innovations (NIS) with χ²."""
 
 from __future__ import annotations
 

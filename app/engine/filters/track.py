@@ -1,4 +1,4 @@
-"""A whole record through a filter: covariances first, which no measurement changes, then the means."""
+"""Filter a whole record: covariances first, which no measurement changes, then the means."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..kernels import given, kernel
+from ..kernels import as_kernel_array, compiled_kernel
 from ..kernels.recursion import mean_steps
 from ..systems.arrays import as_numbers
 from ..systems.errors import ShapeError
-from ..systems.scan import affine_scan
+from ..systems.recursions import affine_scan
 from .belief import Belief
 
 __all__ = ["Schedule", "Track", "as_record", "means_along"]
@@ -68,7 +68,7 @@ class Track:
     def prior_covariances(self) -> np.ndarray:
         """P[k|k−1], (n_t, n, n).
 
-        >>> from app.engine import Belief, KalmanFilter
+        >>> from observer_lab.engine import Belief, KalmanFilter
         >>> KalmanFilter([[1]], [[0]], [[1]], 1.0, 1.0).run(Belief([0], [[1]]), [1.0, 1.0]).prior_covariances.ravel()
         array([1. , 1.5])
         """
@@ -122,9 +122,11 @@ def means_along(A: np.ndarray, C: np.ndarray, schedule: Schedule, start: np.ndar
     tail = steps if schedule.settled is None else schedule.settled  # a record with gaps never settles
     predicted, means, innovations, x = np.empty((steps, n)), np.empty((steps, n)), np.empty(known.shape), np.array(start)
     head = predicted[:tail], means[:tail], innovations[:tail]
-    if tail and (quick := kernel(mean_steps)) is not None:
-        forced = np.zeros((0, n)) if push is None else given(push[:tail])
-        quick(given(A), given(C), given(schedule.gains[:tail]), x, given(known[:tail]), forced, *head)
+    if tail and (quick := compiled_kernel(mean_steps)) is not None:
+        forced = np.zeros((0, n)) if push is None else as_kernel_array(push[:tail])
+        quick(
+            as_kernel_array(A), as_kernel_array(C), as_kernel_array(schedule.gains[:tail]), x, as_kernel_array(known[:tail]), forced, *head
+        )
     else:
         x = _means_while_changing(A, C, schedule.gains[:tail], x, known[:tail], push, *head)
     if tail < steps:

@@ -1,4 +1,4 @@
-"""From a deaf observer to a nervous one: what each lets through of the process noise and of the sensor noise."""
+"""Split an observer's error variance into process noise and sensor noise."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from ..systems.errors import EngineError, ShapeError
 from ..systems.lyapunov import settled_covariance
 from ..systems.noise import root
 from ..systems.plant import Plant, as_matrix
-from ..systems.scan import step_matrices
+from ..systems.recursions import step_matrices
 
 __all__ = ["ErrorParts", "Ladder", "error_parts", "growing_error", "noise_ladder"]
 
-SLOWEST = 1e-10  # beside the fastest pole: slower ones count as not settling
+SLOWEST_POLE_RTOL = 1e-10  # beside the fastest pole: slower ones count as not settling
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +61,7 @@ def error_parts(plant: Plant, L: object, G: object, W: object, V: object) -> Err
     F = plant.A - L @ plant.C
     poles = np.linalg.eigvals(F)
     worst = float((np.abs(poles) - 1 if plant.dt else np.real(poles)).max())
-    if worst >= -SLOWEST * max(float(np.abs(poles).max()), 1e-300):
+    if worst >= -SLOWEST_POLE_RTOL * max(float(np.abs(poles).max()), 1e-300):
         raise EngineError("The observer's error does not settle, so its noise has no variance to speak of; move "
                           "its poles.")
     return ErrorParts(*(settled_covariance(F, push, dt=plant.dt) for push in (G @ root(W), L @ root(V))))

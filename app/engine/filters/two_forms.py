@@ -1,4 +1,4 @@
-"""The covariances of a whole record by Joseph's form or the short form, in double or single precision."""
+"""Compute covariances by Joseph's or the short form, in double or single precision."""
 
 from __future__ import annotations
 

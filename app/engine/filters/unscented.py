@@ -1,4 +1,4 @@
-"""Unscented filters: 2n + 1 sigma points through f and h instead of derivatives."""
+"""Filter by 2n + 1 sigma points through f and h instead of derivatives (UKF)."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from functools import cached_property
 
 import numpy as np
 
+from ..systems.argument_checks import number, passed
 from ..systems.arrays import symmetric
-from ..systems.gates import number, passed
 from .belief import Belief, Beliefs
 from .nonlinear import Expected, NonlinearFilter
 from .sigma_points import centred, check_spread, roots, sigma_points, sigma_weights

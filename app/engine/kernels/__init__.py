@@ -1,10 +1,10 @@
-"""Recursions that NumPy cannot fuse, as plain functions of arrays that Numba compiles where it is installed.
+"""Define recursions as plain functions of arrays that Numba compiles where installed.
 
 Nothing here is needed for an answer: each has a plain way beside it, in the room that calls it.
 """
 
-from .rubbed import rubbed_steps
-from .shares import in_shares
-from .shelf import SHELF, given, kernel, prepare_kernels, ready
+from .compile_cache import SHELF, as_kernel_array, compiled_kernel, kernels_ready, prepare_kernels
+from .friction import friction_steps
+from .threads import run_in_threads
 
-__all__ = ["SHELF", "given", "in_shares", "kernel", "prepare_kernels", "ready", "rubbed_steps"]
+__all__ = ["SHELF", "as_kernel_array", "compiled_kernel", "friction_steps", "kernels_ready", "prepare_kernels", "run_in_threads"]

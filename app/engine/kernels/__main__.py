@@ -1,10 +1,10 @@
-"""`python -m app.engine.kernels` compiles all kernels into the user's cache, at low priority."""
+"""Compile all kernels into the user's cache: `python -m app.engine.kernels`."""
 
 from __future__ import annotations
 
 import os
 
-from .shelf import SHELF
+from .compile_cache import SHELF
 
 if __name__ == "__main__":
     if hasattr(os, "nice"):

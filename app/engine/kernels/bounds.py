@@ -1,12 +1,12 @@
-"""What the runs of a nonlinear plant are judged by: slopes along them, the bound of Cramér and Rao, squared errors."""
+"""Compute slopes, the Cramér–Rao bound and squared errors along nonlinear runs."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from .small import factor, product, symmetrise, turn
+from .filter_bank import gained, joseph_form, straight
+from .small_matrices import factor, product, symmetrise, turn
 from .tape import flow_lanes, run_lanes
-from .watched import gained, joseph_form, straight
 
 __all__ = ["bound_steps", "slope_steps", "square_steps"]
 

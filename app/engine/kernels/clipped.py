@@ -1,4 +1,4 @@
-"""A loop with clipped inputs along its grid, run by run: the switchings of `simulation.saturation`, compiled.
+"""March runs of a loop with clipped inputs along the grid, as `simulation.saturation` does.
 
 w = (z, q) holds the states z (N,) and what acts beside them, q = (1, r, v). For each mode s of clipping that has been
 met there are, transposed so that `times` reads them row by row:
@@ -13,14 +13,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from .exits import piece
-from .small import times
+from .limit_crossings import piece
+from .small_matrices import times
 
 __all__ = ["march"]
 
-HUGE = 1e100  # a state beyond this is not followed
-ROUNDING = 16 * 2.0**-52
-MOST = 100_000  # pieces of a step
+STATE_LIMIT = 1e100  # a state beyond this is not followed
+LIMIT_ROUNDING = 16 * 2.0**-52
+MAX_PIECES = 100_000  # pieces of a step
 DOUBT = 0.25  # as in simulation.saturation
 
 
@@ -170,7 +170,7 @@ def slack_of(i, w, limits, F):
     reach = 0.0
     for j in range(F.shape[1]):
         reach += abs(F[i, j]) * abs(w[j])
-    return max(limits[2, i], ROUNDING * reach)
+    return max(limits[2, i], LIMIT_ROUNDING * reach)
 
 
 def stays(ud, v, N, m, within, h):
@@ -192,11 +192,11 @@ def careful(w, left, slot, limits, F, within, counts, flow, read, rate, taylor, 
     """
     m, N = F.shape
     least, s = 1e-14 * h, 0
-    for _ in range(MOST):
+    for _ in range(MAX_PIECES):
         if not left > least:
             break
         most = np.sqrt(length2(w, N))
-        if not most < HUGE or blurred(w, most, limits, F):
+        if not most < STATE_LIMIT or blurred(w, most, limits, F):
             w[0] = np.inf
             return s
         s = mode_at(w, slot, limits, F, read, ud)
@@ -244,6 +244,6 @@ def blurred(w, most, limits, F):
             reach = 0.0
             for j in range(F.shape[1]):
                 reach += abs(F[i, j]) * abs(w[j])
-            if ROUNDING * reach > span:
+            if LIMIT_ROUNDING * reach > span:
                 return True
     return False

@@ -1,4 +1,4 @@
-"""A loop over a gear with play, step by step for as long as its contact and its clipping stay."""
+"""Step a loop with gear play until its contact or its clipping changes."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 
 __all__ = ["contact_steps"]
 
-ROUNDING = 1e-12  # as in simulation.contact
+TORQUE_ROUNDING = 1e-12  # as in simulation.contact
 
 
 def contact_steps(states, contact, v, flow, push, jumps, E, C, step, F, r, low, high, key, row, torque, sizes, places, half, side,
@@ -50,14 +50,14 @@ def contact_steps(states, contact, v, flow, push, jumps, E, C, step, F, r, low, 
             after[i] = a
         if half > 0.0:
             if side == 0:
-                if not abs(after[places[0]] - after[places[1]]) <= half * (1 + ROUNDING):
+                if not abs(after[places[0]] - after[places[1]]) <= half * (1 + TORQUE_ROUNDING):
                     return k
             else:
                 pushed, size = 0.0, 0.0
                 for j in range(N):
                     pushed += row[j] * after[j] + torque[j] * g[j]
                     size += sizes[j] * abs(after[j]) + abs(torque[j]) * abs(g[j])
-                if not side * pushed >= -ROUNDING * size:
+                if not side * pushed >= -TORQUE_ROUNDING * size:
                     return k
         for i in range(N):
             states[k + 1, i] = after[i] + (jumps[k, i] if jumps.shape[0] else 0.0)

@@ -1,10 +1,10 @@
-"""The recursions of linear filters while their gain changes: Joseph's form, square roots, and the means along them."""
+"""Step linear filters while their gain changes: Joseph's form, roots, means."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from .small import factor, product, put, solve_both, solve_upper, symmetrise, triangle, turn
+from .small_matrices import factor, product, put, solve_both, solve_upper, symmetrise, triangle, turn
 
 __all__ = ["joseph_steps", "mean_steps", "root_steps"]
 

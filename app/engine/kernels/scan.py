@@ -1,4 +1,4 @@
-"""An affine recursion, one step after another."""
+"""Step an affine recursion."""
 
 from __future__ import annotations
 

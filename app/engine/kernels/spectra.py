@@ -1,4 +1,4 @@
-"""Densities, frequency by frequency."""
+"""Compute spectral densities, frequency by frequency."""
 
 from __future__ import annotations
 

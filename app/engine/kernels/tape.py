@@ -1,4 +1,4 @@
-"""Equations as a list of steps: recorded from the function that says them, and run for many states at once by the kernels.
+"""Record equations as a list of steps, and run it for many states at once.
 
 A map of columns x (n, 1), u (m, 1) is called once with symbols in place of numbers; what it does to them is its tape. Step i of a
 tape is (operation, place, place) with a number beside it, and writes place n + m + i; x and u stand before.
@@ -17,7 +17,7 @@ import numpy as np
 __all__ = ["Tape", "flow_lanes", "recorded", "run_lanes"]
 
 ADD, LESS, TIMES, OVER, SCALED, SHIFTED, EXP, SIN, COS, ROOT, NUMBER = range(11)
-MOST = 2000  # steps of a tape; what is longer is NumPy's
+MAX_TAPE_STEPS = 2000  # steps of a tape; what is longer is NumPy's
 UNFIT = (TypeError, AttributeError, ValueError, ArithmeticError, IndexError)  # of a map that does what a tape cannot
 
 
@@ -162,7 +162,7 @@ def recorded(f: Callable[[np.ndarray, np.ndarray], np.ndarray], n: int, m: int, 
     x[:, 0], u[:, 0] = [_Symbol(keeper, i) for i in range(n)], [_Symbol(keeper, n + j) for j in range(m)]
     try:
         found = np.asarray(f(x, u))
-        if found.shape != (rows, 1) or len(keeper.steps) > MOST:
+        if found.shape != (rows, 1) or len(keeper.steps) > MAX_TAPE_STEPS:
             return None
         nothing = _Symbol(keeper, -1)
         ends = [(nothing + value).at() for value in found[:, 0].tolist()]

@@ -1,7 +1,6 @@
-"""Filters and loops over packets that can be lost or late."""
+"""Analyse filters and loops over packets that can be lost or late."""
 
 from .door import (
-    age_of,
     critical_loss,
     delayed_loop,
     intermittent_covariances,
@@ -13,13 +12,14 @@ from .door import (
     mean_square_growth,
     measured,
     network_meter,
+    newest_packet_age,
     promised_error,
     riccati_step,
     simulate_network,
     spectral_radius,
 )
 from .intermittent import CriticalLoss
-from .networked import NetworkRun, NetworkScenario
+from .network_simulation import NetworkRun, NetworkScenario
 from .packets import Link
 
 __all__ = [
@@ -27,7 +27,6 @@ __all__ = [
     "Link",
     "NetworkRun",
     "NetworkScenario",
-    "age_of",
     "critical_loss",
     "delayed_loop",
     "intermittent_covariances",
@@ -39,6 +38,7 @@ __all__ = [
     "mean_square_growth",
     "measured",
     "network_meter",
+    "newest_packet_age",
     "promised_error",
     "riccati_step",
     "simulate_network",

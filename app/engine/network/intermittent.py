@@ -1,4 +1,4 @@
-"""The Kalman filter whose measurements arrive only sometimes: its covariance, the mean of that, and the critical loss.
+"""Compute the covariance with lost measurements, bounds of its mean, and the critical loss.
 
 x[k+1] = A x + w, y = C x + v with covariances Q, R; a measurement is lost with probability `loss`, independently of
 everything else. Source: Sinopoli, Schenato, Franceschetti, Poolla, Jordan, Sastry, "Kalman filtering with intermittent
@@ -15,20 +15,20 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import schur
 
+from ..systems.argument_checks import SHARE, gated
 from ..systems.arrays import as_covariance, symmetric
 from ..systems.errors import EngineError, RiccatiError, ShapeError
-from ..systems.gates import SHARE, gated
 from ..systems.lyapunov import settled_covariance
 from ..systems.noise import root
 from ..systems.plant import as_matrix
-from .waiting import measured, riccati_path, riccati_step
+from .lossy_steps import corrected_covariance, riccati_path, riccati_step
 
 __all__ = ["CriticalLoss", "critical_loss", "intermittent_covariances", "intermittent_steps", "lossy_growth", "mare",
            "mean_bounds", "mean_lower_limit", "spectral_radius"]
 
-RANK = 1e-9  # relative singular value below which a sensor counts as blind
-SETTLED = 1e-13
-MOST_STEPS = 20_000
+RANK_RTOL = 1e-9  # relative singular value below which a sensor counts as blind
+STEADY_RTOL = 1e-13
+MAX_STEPS = 20_000
 HOPELESS = 1e100  # times Q
 
 
@@ -125,9 +125,9 @@ def mare(A: object, C: object, Q: object, R: object, loss: float) -> np.ndarray:
     if p > critical_loss(A, C).lost:
         raise _no_limit()
     X, look = Q, 16  # g(0)
-    for k in range(MOST_STEPS):
+    for k in range(MAX_STEPS):
         new = riccati_step(X, A, C, Q, R, 1 - p)
-        done = np.abs(new - X).max() <= SETTLED * np.abs(new).max()
+        done = np.abs(new - X).max() <= STEADY_RTOL * np.abs(new).max()
         X = new
         if done:
             return X
@@ -149,13 +149,13 @@ def _newton(X: np.ndarray, A: np.ndarray, C: np.ndarray, Q: np.ndarray, R: np.nd
     """The solution from the gain of X on, or None where that gain does not stabilise."""
     n, known = len(A), p * np.kron(A, A)
     for _ in range(30):
-        AM = A @ measured(X, C, R)[1]
+        AM = A @ corrected_covariance(X, C, R)[1]
         F = A - AM @ C
         T = known + (1 - p) * np.kron(F, F)
         if spectral_radius(T) >= 1 - 1e-12:
             return None
         new = np.linalg.solve(np.eye(n * n) - T, (Q + (1 - p) * AM @ R @ AM.T).ravel()).reshape(n, n)
-        done = np.abs(new - X).max() <= SETTLED * np.abs(new).max()
+        done = np.abs(new - X).max() <= STEADY_RTOL * np.abs(new).max()
         X = symmetric(new)
         if done:
             break
@@ -243,7 +243,7 @@ def _unstable(A: np.ndarray, C: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def _rank(matrix: np.ndarray) -> int:
     values = np.linalg.svd(matrix, compute_uv=False)
-    return int(np.sum(values > RANK * values[0])) if values.size and values[0] > 0 else 0
+    return int(np.sum(values > RANK_RTOL * values[0])) if values.size and values[0] > 0 else 0
 
 
 def _probability(loss: object) -> np.ndarray:

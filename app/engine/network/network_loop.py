@@ -1,4 +1,4 @@
-"""Delay and loss without noise: the spectrum of the loop with late inputs, and whether a lossy loop dies out on average."""
+"""Compute the spectrum of a delayed loop and the mean-square stability of a lossy one."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Packets on a link: which are lost, when the others arrive, and how old the newest is that has."""
+"""Draw packets on a link: which are lost, when the others arrive, how old the newest is."""
 
 from __future__ import annotations
 
@@ -6,12 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..systems.argument_checks import GENERATOR, SHARE, count, gated, passed
 from ..systems.errors import EngineError, ShapeError
-from ..systems.gates import GENERATOR, SHARE, count, gated, passed
 
 __all__ = ["Link"]
 
-LOST = -1
+LOST_PACKET = -1
 LATEST = 64  # samples a packet may be late
 
 
@@ -48,15 +48,15 @@ class Link:
         """
         chance, extra = rng.random(steps), rng.random(steps)
         arrivals = np.arange(steps) + self.delay + np.floor(extra * (self.jitter + 1)).astype(int)
-        return np.where(chance < self.loss, LOST, arrivals)
+        return np.where(chance < self.loss, LOST_PACKET, arrivals)
 
 
-def age_of(arrivals: np.ndarray) -> np.ndarray:
+def newest_packet_age(arrivals: np.ndarray) -> np.ndarray:
     """How many samples old the newest packet is that has arrived by each sample (N,); k + 1 where none has."""
     if arrivals.ndim != 1:
         raise ShapeError("{name} must have one dimension, not {ndim}.", name="arrivals", ndim=arrivals.ndim)
-    newest = np.full(len(arrivals), LOST)
+    newest = np.full(len(arrivals), LOST_PACKET)
     for j, k in enumerate(arrivals):
-        if LOST < k < len(arrivals):
+        if LOST_PACKET < k < len(arrivals):
             newest[k] = j  # j rises, so the newest packet of this sample stays
     return np.arange(len(arrivals)) - np.maximum.accumulate(newest)

@@ -1,4 +1,4 @@
-"""Observers beyond Luenberger's: functional, robust, bilinear, with unknown inputs, banks for faults."""
+"""Design functional, robust, bilinear and unknown-input observers, and fault banks."""
 
 from .bilinear import BilinearForm, BilinearObserver, BilinearPlant
 from .bilinear_run import BilinearRun

@@ -1,4 +1,4 @@
-"""Records of a functional observer of a bilinear plant: ẋ = A x + B u + u F x, y = C x, wanted g = K x.
+"""Define functional observers of bilinear plants: ẋ = A x + B u + u F x, y = C x, g = K x.
 
 Of k inputs each multiplies the state by a matrix of its own: Σ uⱼ Fⱼ x with F = [F₁ … F_k], n×(k n). The source has one input; its
 conditions hold input by input.

@@ -1,4 +1,4 @@
-"""Run a bilinear plant beside its functional observer under any input."""
+"""Simulate a bilinear plant beside its functional observer under any input."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from .bilinear import BilinearForm, BilinearPlant
 __all__ = ["BilinearRun", "simulate_bilinear"]
 
 ROOT15 = np.sqrt(15.0)
-NODES = np.array([0.5 - ROOT15 / 10, 0.5, 0.5 + ROOT15 / 10])
+GAUSS_NODES = np.array([0.5 - ROOT15 / 10, 0.5, 0.5 + ROOT15 / 10])
 STAGES = np.array([[5 / 36, 2 / 9 - ROOT15 / 15, 5 / 36 - ROOT15 / 30],
                    [5 / 36 + ROOT15 / 24, 2 / 9, 5 / 36 - ROOT15 / 24],
                    [5 / 36 + ROOT15 / 30, 2 / 9 + ROOT15 / 15, 5 / 36]])
-WEIGHTS = np.array([5 / 18, 4 / 9, 5 / 18])
-MOST_STEPS = 200_000
-CHUNK = 2048
-DIVERGED = 1e12
+GAUSS_WEIGHTS = np.array([5 / 18, 4 / 9, 5 / 18])
+MAX_STEPS = 200_000
+CHUNK_STEPS = 2048
+DIVERGENCE_LIMIT = 1e12
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,22 +70,22 @@ def simulate_bilinear(
     if K.shape[1] != plant.n:
         raise ShapeError("K must have {n} columns, one for each state; it has {columns}.",
                          n=plant.n, columns=K.shape[1])
-    if not (np.isfinite(horizon) and np.isfinite(dt) and 0 < dt <= horizon and horizon / dt <= MOST_STEPS):
+    if not (np.isfinite(horizon) and np.isfinite(dt) and 0 < dt <= horizon and horizon / dt <= MAX_STEPS):
         raise EngineError("The horizon must be positive and hold between 1 and {most_steps} steps dt.",
-                          most_steps=MOST_STEPS)
+                          most_steps=MAX_STEPS)
     t = np.arange(round(horizon / dt) + 1) * dt
     heard = _noise(noise, t.size, plant.m)
     still = x0.size + z0.size
     states = np.empty((t.size, still + 1 + heard.shape[1]))
     states[:, still], states[:, still + 1:] = 1.0, heard
     states[0, :still] = np.concatenate([x0, z0])
-    for begin in range(0, t.size - 1, CHUNK):
-        steps = _steps(plant, form, _input(u, t[begin:begin + CHUNK + 1][:-1, None] + NODES * dt, plant.inputs), dt,
+    for begin in range(0, t.size - 1, CHUNK_STEPS):
+        steps = _steps(plant, form, _input(u, t[begin:begin + CHUNK_STEPS + 1][:-1, None] + GAUSS_NODES * dt, plant.inputs), dt,
                        bool(heard.size))
         with np.errstate(over="ignore", invalid="ignore"):
             for k, step in enumerate(steps, start=begin):
                 np.dot(step, states[k], out=states[k + 1, :still])
-            fine = np.abs(states[begin + 1:begin + 1 + len(steps), :still]).max(axis=1) < DIVERGED
+            fine = np.abs(states[begin + 1:begin + 1 + len(steps), :still]).max(axis=1) < DIVERGENCE_LIMIT
         if not fine.all():
             count = begin + 1 + int(np.argmin(fine))
             return _record(plant, form, K, u, t[:count], states[:count], float(t[count]))
@@ -149,9 +149,9 @@ def _steps(plant: BilinearPlant, form: BilinearForm, u: np.ndarray, h: float, no
     k, inner = _stages(drift, h)
     pushes = heard @ (plant.C @ inner) + RC @ drift[..., :n] @ inner
     pushes[..., n:] += driven + RC @ drift[..., n:]
-    way = h * np.linalg.solve((np.eye(3 * q) - h * np.kron(STAGES, form.A)).T, np.kron(WEIGHTS[:, None], np.eye(q))).T
+    way = h * np.linalg.solve((np.eye(3 * q) - h * np.kron(STAGES, form.A)).T, np.kron(GAUSS_WEIGHTS[:, None], np.eye(q))).T
     steps = np.zeros((len(u), n + q, n + q + 1 + m))
-    whole = np.eye(n, n + 1) + h * (WEIGHTS @ k.reshape(len(u), 3, -1)).reshape(-1, n, n + 1)
+    whole = np.eye(n, n + 1) + h * (GAUSS_WEIGHTS @ k.reshape(len(u), 3, -1)).reshape(-1, n, n + 1)
     pushed = way @ pushes.reshape(-1, 3 * q, n + 1)
     for rows, part in ((slice(0, n), whole), (slice(n, None), pushed)):
         steps[:, rows, :n], steps[:, rows, n + q:n + q + 1] = part[..., :n], part[..., n:]

@@ -1,4 +1,4 @@
-"""The eight steps to a functional observer of a bilinear plant, taken in units in which nothing is large or small.
+"""Design a functional observer of a bilinear plant in eight steps, in scaled units.
 
 All equation numbers: "Synthesis of functional observers for bilinear plants", Avtometriya 53, 2017, no. 4.
 """
@@ -23,7 +23,7 @@ from .bilinear import BilinearObserver, BilinearPlant, Three, forms_of
 
 __all__ = ["bilinear_functional_observer"]
 
-MET = 1e-9  # a solvability condition counts as met below this, relative to its terms
+CONDITION_RTOL = 1e-9  # a solvability condition counts as met below this, relative to its terms
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,7 +112,7 @@ def _coordinates(plant: BilinearPlant, K: np.ndarray) -> _Coordinates:
     """Step 1: x = T₁ y + T₂ μ + T₃ η, (4)–(9)."""
     c = canonise(plant.C)
     K1 = K @ c.zero_right
-    if np.max(np.abs(K1)) <= MET * np.max(np.abs(K)):
+    if np.max(np.abs(K1)) <= CONDITION_RTOL * np.max(np.abs(K)):
         raise EngineError("K x can be read from y directly, so there is nothing to observe; choose another K.")
     c1 = canonise_right(K1)
     return _Coordinates(c, K1, c1, (c.summary, c.zero_right @ c1.unit_right, c.zero_right @ c1.zero_right))
@@ -158,7 +158,7 @@ def _steps(at: _Coordinates, plant: BilinearPlant, wanted: np.ndarray, asked: Po
     cQ = canonise(Q)
     defect = right @ cQ.zero_right
     size = _relative(defect, right, cQ.zero_right)
-    case = 1 if size > MET else 2 if cQ.rank == plant.m else 3
+    case = 1 if size > CONDITION_RTOL else 2 if cQ.rank == plant.m else 3
     base = right @ cQ.summary
     A_star = (V2 @ plant.A @ at.T[1] - base @ V1 @ plant.A @ at.T[1]).T
     B_star = (cQ.zero_left @ V1 @ plant.A @ at.T[1]).T

@@ -1,4 +1,4 @@
-"""Directions gᵢ for which K = N T + M C can be solved, given the observer's poles."""
+"""Find directions gᵢ for which K = N T + M C can be solved, given the observer's poles."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from ..systems.plant import Plant
 from ..systems.pole_sets import Poles
 
 __all__ = ["choose_directions", "full_stack", "gap", "linear_directions", "normalised", "row_condition",
-           "seen_rows", "upper"]
+           "seen_rows", "upper_half_poles"]
 
 STARTS = 12
-MET = 1e-11
+DIRECTION_RTOL = 1e-11
 
 
-def upper(poles: Poles) -> Poles:
+def upper_half_poles(poles: Poles) -> Poles:
     """The poles with Im s ≥ 0, in their order: one for each real pole and for each pair."""
     return poles[poles.imag >= 0]
 
@@ -89,7 +89,7 @@ def choose_directions(factors: CoprimeFactors, plant: Plant, K: np.ndarray, head
                             xtol=1e-15, ftol=1e-15, gtol=1e-15, max_nfev=200)
         if fit.cost < least:
             best, least = unpack(fit.x, heads, p), fit.cost
-        if np.sqrt(2 * least) < MET * np.linalg.norm(K):
+        if np.sqrt(2 * least) < DIRECTION_RTOL * np.linalg.norm(K):
             break
     return best
 

@@ -1,11 +1,11 @@
-"""The door of this room: what each of its calls takes from outside."""
+"""Declare the argument checks of the public calls of `engine.observers`."""
 
 from __future__ import annotations
 
 from types import MappingProxyType
 
 from ..filters.linear_filter import LinearFilter
-from ..systems.gates import (
+from ..systems.argument_checks import (
     FUNCTION,
     LEVEL,
     NAME,

@@ -1,4 +1,4 @@
-"""When a functional observer exists: the ranks of [T; C] and of [T; C; K], and how many numbers they leave free."""
+"""Decide whether a functional observer exists, by the ranks of [T; C] and [T; C; K]."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from ..structure.coprime import coprime_factors
 from ..systems.balance import UNLIKE, balance
 from ..systems.plant import Plant
 from ..systems.pole_sets import check_poles
-from .directions import choose_directions, seen_rows, upper
+from .directions import choose_directions, seen_rows, upper_half_poles
 from .functional import check_functional, like_units, real_rows
 
 __all__ = ["Existence", "existence"]
 
-MET = 1e-9  # a direction counts from here on, in rows of unit length
+RANK_RTOL = 1e-9  # a direction counts from here on, in rows of unit length
 
 
 @dataclass(frozen=True)
@@ -58,14 +58,14 @@ def existence(plant: Plant, K: object, poles: Any) -> Existence:
     asked, T = np.zeros(0, dtype=complex), np.zeros((0, plant.n))
     if np.size(poles):
         asked, factors = check_poles(poles, np.size(poles)), coprime_factors(plant)
-        heads = upper(asked)
+        heads = upper_half_poles(asked)
         T = real_rows(plant, factors, heads, choose_directions(factors, plant, wanted, heads))[1]
     _, s, Vt = np.linalg.svd(np.vstack([_unit(T * d), seen]))
-    rank = int(np.count_nonzero(s > MET * s[0]))
+    rank = int(np.count_nonzero(s > RANK_RTOL * s[0]))
     row = _unit(wanted * d)
     more = np.linalg.svd(row - row @ Vt[:rank].T @ Vt[:rank], compute_uv=False)
     Q = np.linalg.qr((_unit(Vt[:rank] / d)).T)[0]
-    return Existence(asked.size, asked.size + plant.p, rank, rank + int(np.count_nonzero(more > MET)),
+    return Existence(asked.size, asked.size + plant.p, rank, rank + int(np.count_nonzero(more > RANK_RTOL)),
                      float(np.linalg.norm(wanted - wanted @ Q @ Q.T) / np.linalg.norm(wanted)))
 
 

@@ -1,4 +1,4 @@
-"""All functional observers of one order and one number of complex pairs, over which algorithm RLO searches."""
+"""Parametrise all functional observers of one order, over which RLO searches."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .perturbation import Norm, Perturbations, criterion
 
 __all__: list[str] = []
 
-MET = 1e-9
+CONDITION_RTOL = 1e-9
 PROBES = 6
 
 
@@ -61,7 +61,7 @@ class Family:
             self.rest = len(stacks[0]) - max(int(np.linalg.matrix_rank(unit, 1e-10)) for unit in units)
             self.pull = rng.standard_normal((len(stacks[0]), self.rest)) * np.linalg.norm(self.K)
             probes = [sample(rng) for _ in range(PROBES)]
-        self.thin = min(np.linalg.norm(self.missed(x)) for x in probes) > MET
+        self.thin = min(np.linalg.norm(self.missed(x)) for x in probes) > CONDITION_RTOL
 
     def missed(self, point: np.ndarray) -> np.ndarray:
         """(K − N T − M C)/‖K‖ at its best, flat."""
@@ -125,7 +125,7 @@ class Family:
         T, C = t_rows(self.factors, heads, g), self.plant.C
         missed = float(np.linalg.norm(self.K - N @ T - M @ C) / np.linalg.norm(self.K))
         self.least_gap = min(self.least_gap, missed)
-        if not missed <= MET:
+        if not missed <= CONDITION_RTOL:
             return np.inf
         if not row_condition(T, *self.seen) <= self.worst:
             return np.inf

@@ -1,4 +1,4 @@
-"""Banks of residual generators: each ignores one sensor or one unknown input, so that the quiet one names the culprit."""
+"""Build residual-generator banks, each ignoring one sensor or input, to isolate faults."""
 
 from __future__ import annotations
 
@@ -13,20 +13,20 @@ from ..design.optimal import dlqe
 from ..filters.linear_filter import LinearFilter
 from ..filters.track import as_record
 from ..structure.decomposition import unobservable_subspace
+from ..systems.argument_checks import COMPLEX, GENERATOR, RECORD, array, gated, optional
 from ..systems.arrays import symmetric
 from ..systems.balance import balance, without_dust
 from ..systems.errors import EngineError, ShapeError
-from ..systems.gates import COMPLEX, GENERATOR, RECORD, array, gated, optional
 from ..systems.noise import root
 from ..systems.plant import Plant, as_matrix
 from ..systems.pole_sets import Poles, pole_text, sorted_poles
-from ..systems.scan import held_scan
+from ..systems.recursions import held_scan
 from .unknown_input import decoupling
 
 __all__ = ["FaultBank", "ResidualGenerator", "isolate", "residual_generator"]
 
-NOTHING, UNCLEAR = -1, -2
-SEEN = 1e-8  # a whitened response above this share of the bank's largest counts as seen
+NO_FAULT, UNCLEAR_FAULT = -1, -2
+SEEN_SHARE = 1e-8  # a whitened response above this share of the bank's largest counts as seen
 
 
 @dataclass(frozen=True, eq=False)
@@ -203,7 +203,7 @@ class FaultBank:
     def signature(self) -> np.ndarray:
         """Which member sees which fault, bool (members, p + m): sensors, then inputs, by the response at several z."""
         size = np.max([np.linalg.norm(self.response(np.exp(1j * angle)), axis=1) for angle in (0.11, 0.7, 1.9)], axis=0)
-        return size > SEEN * size.max(axis=0)
+        return size > SEEN_SHARE * size.max(axis=0)
 
 
 def isolate(alarms: object, signature: object) -> np.ndarray:
@@ -218,4 +218,4 @@ def isolate(alarms: object, signature: object) -> np.ndarray:
                          alarms_shape=alarms.shape, signature_shape=signature.shape)
     fits = (alarms[:, :, None] == signature[None]).all(axis=1)
     single = fits.sum(axis=1) == 1
-    return np.where(single, fits.argmax(axis=1), np.where(alarms.any(axis=1), UNCLEAR, NOTHING))
+    return np.where(single, fits.argmax(axis=1), np.where(alarms.any(axis=1), UNCLEAR_FAULT, NO_FAULT))

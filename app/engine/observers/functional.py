@@ -1,4 +1,4 @@
-"""Functional observers in parametric form: K x estimated directly, by fewer states than the plant has.
+"""Design functional observers in parametric form: estimate K x with fewer states.
 
 ż = F z + L (y − D u) + T B u, estimate of K x: N z + M (y − D u); the control law is u = −(estimate) + v.
 The source writes u = +K x: give −K for its K and N, M come out with the other sign; F, T, L do not change.
@@ -14,17 +14,17 @@ import numpy as np
 
 from ..structure.coprime import CoprimeFactors, coprime_factors
 from ..systems.arrays import frozen
-from ..systems.balance import SLOWEST, UNLIKE, Balance, balance
+from ..systems.balance import MIN_RATE, UNLIKE, Balance, balance
 from ..systems.errors import EngineError, PoleError, ShapeError
 from ..systems.plant import Plant, as_matrix
 from ..systems.pole_sets import Poles, check_poles, pole_text
-from .directions import choose_directions, normalised, row_condition, seen_rows, upper
+from .directions import choose_directions, normalised, row_condition, seen_rows, upper_half_poles
 from .perturbation import Norm, Perturbations, check_norm, criterion, every_entry
 
 __all__ = ["FunctionalObserver", "functional_observer"]
 
-MET = 1e-9  # the output condition counts as met below this, relative
-ROUNDING = 1e-14  # what is lost in a sum, relative to its terms
+CONDITION_RTOL = 1e-9  # the output condition counts as met below this, relative
+SUM_ROUNDING = 1e-14  # what is lost in a sum, relative to its terms
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,7 +111,7 @@ def functional_observer(
     if directions is None and W is None and free is None and own.states.max() > UNLIKE * own.states.min():
         return _in_like_units(plant, wanted, own, asked, every_entry(plant) if wrong is None else wrong, check_norm(norm))
     factors = coprime_factors(plant)
-    heads = upper(asked)
+    heads = upper_half_poles(asked)
     g = (choose_directions(factors, plant, wanted, heads) if directions is None
          else _given_directions(directions, asked, plant.p))
     observer = assemble(plant, wanted, factors, asked, g, W, None if free is None else as_matrix(free, "free"),
@@ -139,7 +139,7 @@ def like_units(plant: Plant, K: np.ndarray, own: Balance) -> tuple[Plant, np.nda
     """Plant and K (r×n) in balanced states and outputs, and the units (r, 1) in which K is told there."""
     x, y = own.states, own.outputs
     like = Plant(own.A(plant.A), plant.B / x[:, None], own.C(plant.C), np.asarray(plant.D) / y[:, None], plant.dt)
-    unit = 2.0 ** np.round(np.log2(np.abs(K * x).max(axis=1, keepdims=True) + SLOWEST))
+    unit = 2.0 ** np.round(np.log2(np.abs(K * x).max(axis=1, keepdims=True) + MIN_RATE))
     return like, K * x / unit, unit
 
 
@@ -147,7 +147,7 @@ def exists(observer: FunctionalObserver) -> bool:
     """K = N T + M C holds to 1e-9 of K, or as well as numbers of the size of N T and M C can tell."""
     o, d = observer, seen_rows(observer.plant.A, observer.plant.C)[1]
     terms = np.linalg.norm(np.abs(o.N) @ np.abs(o.T * d)) + np.linalg.norm(np.abs(o.M) @ np.abs(o.plant.C * d))
-    return bool(o.output_residual <= max(MET, ROUNDING * terms / np.linalg.norm(o.K * d)))
+    return bool(o.output_residual <= max(CONDITION_RTOL, SUM_ROUNDING * terms / np.linalg.norm(o.K * d)))
 
 
 def check_functional(plant: Plant, K: object) -> np.ndarray:
@@ -177,7 +177,7 @@ def assemble(plant: Plant, K: np.ndarray, factors: CoprimeFactors, poles: Poles,
 
     N, M by least squares, as near as can be to `start` (N for W = I; default zero), plus what `free` adds.
     """
-    heads = upper(poles)
+    heads = upper_half_poles(poles)
     J, T, L = real_rows(plant, factors, heads, g)
     q = poles.size
     turn = np.eye(q) if W is None else as_matrix(W, "W")
@@ -251,7 +251,7 @@ def _given_directions(directions: Any, poles: Poles, p: int) -> np.ndarray:
         raise ShapeError("There must be {poles_size} directions, one for each pole.", poles_size=poles.size) from problem
     if g.shape[1] != p or not np.isfinite(g).all():
         raise ShapeError("Every direction must hold {p} finite numbers, one for each output.", p=p)
-    heads, spare = upper(poles), list(range(poles.size))
+    heads, spare = upper_half_poles(poles), list(range(poles.size))
     chosen = []
     for s in heads:
         here = next(i for i in spare if poles[i] == s)
@@ -261,7 +261,7 @@ def _given_directions(directions: Any, poles: Poles, p: int) -> np.ndarray:
         if twin is not None:
             spare.remove(twin)
         mirrored = g[here] if twin is None else g[twin]
-        if np.max(np.abs(mirrored - g[here].conj())) > MET * np.max(np.abs(g[here])):
+        if np.max(np.abs(mirrored - g[here].conj())) > CONDITION_RTOL * np.max(np.abs(g[here])):
             raise EngineError("Directions must be real for real poles and conjugate for conjugate poles.")
         if not np.any(g[here]):
             raise EngineError("A direction is zero, so its pole would not belong to the observer; give one that "

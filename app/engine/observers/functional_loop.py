@@ -1,4 +1,4 @@
-"""A functional observer in a loop whose plant is not the model: error transfer, worst cases, runs.
+"""Analyse a functional observer in a loop with a wrong model: errors, worst cases, runs.
 
 All with u = −(N z + M (y − D u)) + v. e_u = K x − (N z + M (y − D u)) is what the estimate adds to the wanted
 u = −K x + v; it equals û − K x of the source, where u = +K x.
@@ -15,17 +15,17 @@ from scipy.linalg import expm
 
 from ..systems.errors import EngineError, ShapeError
 from ..systems.plant import Plant, as_matrix
-from ..systems.scan import affine_scan
+from ..systems.recursions import affine_scan
 from .functional import FunctionalObserver
 from .perturbation import Perturbations
 
 __all__ = ["FunctionalRun", "error_index", "error_transfer", "peak_gain", "perturbed_loop", "simulate_functional",
            "worst_error_gain"]
 
-NODES, WEIGHTS = np.polynomial.legendre.leggauss(5)
+GAUSS_NODES, GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(5)
 STABLE = 1e-12
-DIVERGED = 1e12
-MOST_STEPS = 1_000_000
+DIVERGENCE_LIMIT = 1e12
+MAX_STEPS = 1_000_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -177,9 +177,9 @@ def simulate_functional(observer: FunctionalObserver, v: Callable[[np.ndarray], 
     o, p = observer, observer.plant
     loop = perturbed_loop(o, dA=dA, dB=dB, dC=dC)
     dt = p.dt or float(dt)
-    if not (np.isfinite(horizon) and np.isfinite(dt) and 0 < dt <= horizon and horizon / dt <= MOST_STEPS):
+    if not (np.isfinite(horizon) and np.isfinite(dt) and 0 < dt <= horizon and horizon / dt <= MAX_STEPS):
         raise EngineError("The horizon must be positive and hold between 1 and {most_steps} steps dt.",
-                          most_steps=MOST_STEPS)
+                          most_steps=MAX_STEPS)
     start = np.concatenate([_start(x0, "x0", p.n), _start(z0, "z0", o.order)])
     t = np.arange(round(horizon / dt) + 1) * dt
     Phi: np.ndarray
@@ -187,14 +187,14 @@ def simulate_functional(observer: FunctionalObserver, v: Callable[[np.ndarray], 
     if p.dt:
         Phi, forcing = loop.A, _input(v, t[:-1], p.m) @ loop.B.T
     else:
-        nodes = (NODES + 1) / 2
+        nodes = (GAUSS_NODES + 1) / 2
         powers: np.ndarray = expm(np.append(1.0, 1 - nodes)[:, None, None] * dt * loop.A)
-        Phi, ways = powers[0], (WEIGHTS / 2 * dt)[:, None, None] * powers[1:] @ loop.B
+        Phi, ways = powers[0], (GAUSS_WEIGHTS / 2 * dt)[:, None, None] * powers[1:] @ loop.B
         given = np.hstack([_input(v, t[:-1] + node * dt, p.m) for node in nodes])
         forcing = given @ np.swapaxes(ways, 1, 2).reshape(-1, start.size)
     states = affine_scan(Phi, None if v is None else forcing, start, t.size - 1)
     with np.errstate(invalid="ignore"):
-        fine = np.abs(states).max(axis=1) < DIVERGED
+        fine = np.abs(states).max(axis=1) < DIVERGENCE_LIMIT
     count = t.size if fine.all() else max(1, int(np.argmin(fine)))
     x, z, given = states[:count, :p.n], states[:count, p.n:], _input(v, t[:count], p.m)
     seen = x @ (p.C + _error(dC, "dC", p.C.shape)).T

@@ -1,4 +1,4 @@
-"""What may be wrong in a model: ΔA = Σ δᵢ Aᵢ, ΔC = Σ δᵢ Cᵢ, and the criterion J that weighs it."""
+"""Define model errors ΔA = Σ δᵢ Aᵢ, ΔC = Σ δᵢ Cᵢ, and the criterion J that weighs them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How large a residual may be before it counts as an alarm: χ² statistics of a window, and what they let through."""
+"""Compute χ² alarm thresholds for residuals over a window, and their detection probability."""
 
 from __future__ import annotations
 

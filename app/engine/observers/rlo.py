@@ -1,4 +1,4 @@
-"""Algorithm RLO: the functional observer of lowest order that forgives most, its poles kept in a region."""
+"""Find the functional observer of lowest order and least sensitivity: algorithm RLO."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from ..structure.coprime import CoprimeFactors, coprime_factors
+from ..systems.argument_checks import number, passed, real
 from ..systems.errors import EngineError, PoleError
-from ..systems.gates import number, passed, real
 from ..systems.plant import Plant
 from .directions import seen_rows
 from .family import Family

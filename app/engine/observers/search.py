@@ -1,4 +1,4 @@
-"""Minimise a function that has kinks and is infinite outside its feasible set: grid or samples, then simplices."""
+"""Minimise a function with kinks that is infinite outside its feasible set."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ __all__ = ["kinked_line", "kinked_minimum", "spaced"]
 
 Objective = Callable[[np.ndarray], float]
 Sampler = Callable[[np.random.Generator], np.ndarray]
-GRID = 161
+GRID_POINTS = 161
 VALLEYS = 3
 
 
@@ -28,13 +28,13 @@ def kinked_line(f: Objective, low: float, high: float) -> tuple[np.ndarray, floa
 
     A kink is met to about 1e-8 relative; the value is inf where nothing on the grid is feasible.
     """
-    grid = spaced(low, high, GRID)
+    grid = spaced(low, high, GRID_POINTS)
     values = np.array([f(np.array([s])) for s in grid])
     best, at = float(values.min()), float(grid[int(values.argmin())])
-    inner = [k for k in range(GRID) if np.isfinite(values[k]) and values[k] <= values[max(k - 1, 0)]
-             and values[k] <= values[min(k + 1, GRID - 1)]]
+    inner = [k for k in range(GRID_POINTS) if np.isfinite(values[k]) and values[k] <= values[max(k - 1, 0)]
+             and values[k] <= values[min(k + 1, GRID_POINTS - 1)]]
     for k in sorted(inner, key=lambda k: values[k])[:VALLEYS]:
-        bracket = sorted((grid[max(k - 1, 0)], grid[min(k + 1, GRID - 1)]))
+        bracket = sorted((grid[max(k - 1, 0)], grid[min(k + 1, GRID_POINTS - 1)]))
         found: Any = minimize_scalar(lambda s: f(np.array([s])), bounds=bracket, method="bounded",
                                 options={"xatol": 1e-11 * max(1.0, abs(grid[k])), "maxiter": 200})
         if found.fun < best:

@@ -1,4 +1,4 @@
-"""Observers that a given unknown input cannot disturb: when they exist, and how they are built."""
+"""Design observers that an unknown input cannot disturb, and test whether they exist."""
 
 from __future__ import annotations
 
@@ -8,17 +8,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..design.placement import observer_gain
-from ..systems.arrays import definite, frozen, solve_even, symmetric
+from ..systems.argument_checks import gated, instance, matrix
+from ..systems.arrays import frozen, is_definite, solve_scaled, symmetric
 from ..systems.balance import UNLIKE, balance, without_dust
 from ..systems.errors import EngineError, Phrase, PoleError, ShapeError, phrase
-from ..systems.gates import gated, instance, matrix
 from ..systems.plant import Plant, as_matrix
 from ..systems.pole_sets import Poles, pole_text, sorted_poles
 from ..systems.zeros import invariant_zeros
 
 __all__ = ["Decoupling", "UnknownInputObserver", "decoupling", "unknown_input_observer"]
 
-RANK = 1e-9  # singular values below this, of columns of length one, count as zero
+RANK_RTOL = 1e-9  # singular values below this, of columns of length one, count as zero
 
 NO_REASON = Phrase("")
 
@@ -95,14 +95,14 @@ def decoupling(plant: Plant, E: object, *, weight: object | None = None) -> Deco
     if V.shape != (plant.p, plant.p):
         raise ShapeError("weight must be {p}×{p}, a row for each output; it is {rows}×{columns}.",
                          p=plant.p, rows=V.shape[0], columns=V.shape[1])
-    if np.abs(V - V.T).max() > RANK * np.abs(V).max() or not definite(symmetric(V)):
+    if np.abs(V - V.T).max() > RANK_RTOL * np.abs(V).max() or not is_definite(symmetric(V)):
         raise EngineError("The weight must be symmetric and positive definite, as the covariance of noise on "
                           "every sensor is.")
     own = balance(plant.A, E, plant.C)
     A, C, E = own.A(plant.A), own.C(plant.C), _range(own.B(E))
     q = E.shape[1]
     size = np.linalg.norm(C, axis=1, keepdims=True)
-    rank = int(np.count_nonzero(np.linalg.svd(C / np.where(size > 0, size, 1.0) @ E, compute_uv=False) > RANK))
+    rank = int(np.count_nonzero(np.linalg.svd(C / np.where(size > 0, size, 1.0) @ E, compute_uv=False) > RANK_RTOL))
     if rank < q:
         return Decoupling(rank, q, None, None, None, None, np.empty(0, dtype=complex),
                           phrase("rank(CE) = {rank} is less than rank(E) = {q}: the unknown input does not reach the outputs "
@@ -111,7 +111,7 @@ def decoupling(plant: Plant, E: object, *, weight: object | None = None) -> Deco
     V = symmetric(V) / own.outputs / own.outputs[:, None]
     if weight is None and own.outputs.max() > UNLIKE * own.outputs.min():
         V = np.eye(plant.p)  # no output is surer than another: in like units
-    weighted = solve_even(V, CE).T
+    weighted = solve_scaled(V, CE).T
     H = E @ np.linalg.solve(weighted @ CE, weighted)
     T = np.eye(plant.n) - H @ C
     zeros = invariant_zeros(A, E, C)
@@ -171,10 +171,10 @@ def _range(M: np.ndarray) -> np.ndarray:
     """Orthonormal columns that span the range of M."""
     size = np.linalg.norm(M, axis=0)
     U, s, _ = np.linalg.svd(M / np.where(size > 0, size, 1.0), full_matrices=False)
-    return U[:, s > RANK]
+    return U[:, s > RANK_RTOL]
 
 
 def _unstable(zeros: Poles, A: np.ndarray, dt: float) -> Poles:
     if dt:
-        return zeros[np.abs(zeros) >= 1 - RANK]
-    return zeros[zeros.real >= -RANK * float(np.linalg.norm(A, 2))]
+        return zeros[np.abs(zeros) >= 1 - RANK_RTOL]
+    return zeros[zeros.real >= -RANK_RTOL * float(np.linalg.norm(A, 2))]

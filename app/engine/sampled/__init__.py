@@ -1,4 +1,4 @@
-"""Loops with sampled controllers and real hardware, one run or many."""
+"""Simulate loops with sampled controllers and real hardware, one run or many."""
 
 from .door import (
     SampledLoop,

@@ -1,10 +1,10 @@
-"""The door of this room: what each of its calls takes from outside."""
+"""Declare the argument checks of the public calls of `engine.sampled`."""
 
 from __future__ import annotations
 
 from ..filters.belief import Belief
 from ..filters.linear_filter import LinearFilter
-from ..systems.gates import (
+from ..systems.argument_checks import (
     FINITE,
     SECONDS,
     SEED,

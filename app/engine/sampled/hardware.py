@@ -1,4 +1,4 @@
-"""What stands between a controller on paper and a deck on the floor: coils, drivers, sensors and the computer."""
+"""Define the hardware between controller and plant: coils, drivers, sensors, computer."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..systems.argument_checks import number, passed
 from ..systems.errors import EngineError
-from ..systems.gates import number, passed
 from ..systems.plant import Plant
 
 __all__ = ["Hardware", "coil_driver"]

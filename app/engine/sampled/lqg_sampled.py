@@ -1,4 +1,4 @@
-"""LQG on a computer: exact sampling of plant, cost and noise, with the steady filter or the recursive one."""
+"""Design sampled LQG: exact plant, cost and noise; steady or recursive filter."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from ..feedback.loop_spectrum import NoisyLoop, noisy_loop
 from ..filters.belief import Belief
 from ..filters.kalman import KalmanFilter
 from ..filters.track import Schedule
+from ..systems.argument_checks import SEED, array, count, gated, instance, matrix, optional
 from ..systems.arrays import as_covariance
 from ..systems.errors import EngineError, ShapeError
-from ..systems.gates import SEED, array, count, gated, instance, matrix, optional
 from ..systems.noise import root, step_covariance
 from ..systems.plant import Plant, as_matrix
-from ..systems.scan import affine_scan
+from ..systems.recursions import affine_scan
 
 __all__ = ["SampledLqg", "SampledRun", "sampled_cost", "sampled_lqg"]
 
-PART = 1000  # samples whose steps are made at once
+PART_SAMPLES = 1000  # samples whose steps are made at once
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,8 +122,8 @@ class SampledLqg:
         z = np.concatenate([_vector(x0, "x0", n), _vector(np.zeros(n) if xhat0 is None else xhat0, "xhat0", n)])
         early, M = (0, self.filter.steady.filter_gain) if gains is None else (min(steps, len(gains.gains)), gains.gains[-1])
         path = np.empty((steps, 2 * n))
-        for first in range(0, early, PART):  # gains that still change
-            part = slice(first, min(first + PART, early))
+        for first in range(0, early, PART_SAMPLES):  # gains that still change
+            part = slice(first, min(first + PART_SAMPLES, early))
             A, forcing = self._changing(real, gains.gains[part], w[part], v[part])  # type: ignore[union-attr]
             for k in range(part.start, part.stop):
                 path[k] = z

@@ -1,4 +1,4 @@
-"""What is continuous in a sampled loop, driver, plant and ground filter, from sample to sample."""
+"""Propagate driver, plant and ground filter from sample to sample."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ..systems.arrays import frozen
 from ..systems.errors import EngineError, ShapeError
 from ..systems.noise import step_covariance
 from ..systems.plant import Plant
-from ..systems.scan import step_matrices
+from ..systems.recursions import step_matrices
 from .hardware import Hardware, coil_driver
 
 __all__: list[str] = []
@@ -19,7 +19,7 @@ __all__: list[str] = []
 Packed = tuple[bytes, tuple[int, ...]] | None
 
 
-def packed(M: np.ndarray | None) -> Packed:
+def matrix_key(M: np.ndarray | None) -> Packed:
     """A matrix as a key of what is kept."""
     return None if M is None else (np.ascontiguousarray(M).tobytes(), M.shape)
 

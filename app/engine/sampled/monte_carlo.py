@@ -1,4 +1,4 @@
-"""Many runs of one sampled loop at once: spectra with their bands, and the size of outputs and inputs."""
+"""Simulate many runs of a sampled loop: spectra with bands, signal sizes."""
 
 from __future__ import annotations
 
@@ -8,20 +8,20 @@ from functools import partial
 
 import numpy as np
 
-from ..kernels import in_shares, kernel
-from ..kernels.held import held_steps
+from ..kernels import compiled_kernel, run_in_threads
+from ..kernels.sampled import sampled_steps
 from ..systems.errors import EngineError
-from ..systems.scan import affine_scan
+from ..systems.recursions import affine_scan
 from ..systems.spectrum import Spectrum
 from .mechanics import thin_root
 from .sampled_loop import SampledLoop
-from .stepping import DIVERGED, fused, padded
+from .stepping import DIVERGENCE_LIMIT, fused, padded
 
 __all__ = ["MonteCarlo", "simulate_trials", "welch_expectation"]
 
-CHUNK = 200  # samples between two looks at the caller
-TOGETHER = 50  # runs that go along in one product
-MOST = 12_000_000  # recorded numbers of one batch
+SAMPLES_PER_LOOK = 200  # samples between two looks at the caller
+BATCH_RUNS = 50  # runs that go along in one product
+MAX_BATCH_NUMBERS = 12_000_000  # recorded numbers of one batch
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,7 +54,7 @@ class MonteCarlo:
 
 
 def simulate_trials(loop: SampledLoop, runs: int, seconds: float, seed: int, *, segment: int | None = None,
-                together: int = TOGETHER) -> Iterator[tuple[float, MonteCarlo | None]]:
+                together: int = BATCH_RUNS) -> Iterator[tuple[float, MonteCarlo | None]]:
     """Run the loop `runs` times on fresh noise; yields (fraction, result so far), the result None until one batch is in.
 
     Every run starts from the loop's stationary covariance, so that no transient is in the spectra. `segment`: samples of
@@ -67,10 +67,10 @@ def simulate_trials(loop: SampledLoop, runs: int, seconds: float, seed: int, *, 
         raise EngineError("A Monte-Carlo needs at least one run, and a segment of 8 samples that is not longer "
                           "than a run.")
     signals = len(loop.outputs) + loop.U.shape[1]
-    if steps * signals > MOST:
+    if steps * signals > MAX_BATCH_NUMBERS:
         raise EngineError("The run must have at least one sample and fit into memory; shorten it.")
-    if min(together, runs) * steps * signals > MOST:
-        together = max(1, MOST // (steps * signals))
+    if min(together, runs) * steps * signals > MAX_BATCH_NUMBERS:
+        together = max(1, MAX_BATCH_NUMBERS // (steps * signals))
     start, sums, done = thin_root(loop.covariance), _Sums(length // 2 + 1, signals), 0
     result = None
     for rng in np.random.default_rng(seed).spawn(-(-runs // together)):
@@ -118,7 +118,7 @@ def _batch(loop: SampledLoop, start: np.ndarray, rng: np.random.Generator, recor
     width, hardware = N + p + m, loop.hardware
     unit, limit = hardware.step or 1.0, float(hardware.limit)
     rounds, clips, straight = hardware.step > 0, bool(np.isfinite(limit)), bool(np.any(loop.T))
-    now, path = np.empty((count, width)), np.empty((CHUNK, count, width))
+    now, path = np.empty((count, width)), np.empty((SAMPLES_PER_LOOK, count, width))
     now[:, :N] = rng.standard_normal((count, start.shape[1])) @ start.T
     now[:, N:N + p] = now[:, :N] @ loop.Y.T / unit + rng.standard_normal((count, p)) @ loop.sensor.T / unit
     now[:, N + p:] = now[:, :N] @ loop.U[0].T
@@ -127,14 +127,14 @@ def _batch(loop: SampledLoop, start: np.ndarray, rng: np.random.Generator, recor
     ramp[loop.bias] = hardware.ramp * loop.dt
     drift = np.concatenate([ramp, loop.Y @ ramp / unit, loop.U[-1] @ ramp])
     step, direct = np.ascontiguousarray(fused(loop, 0, unit).T), np.ascontiguousarray(loop.T[0].T * unit)
-    for k in range(0, steps, CHUNK):
-        size, quick = min(CHUNK, steps - k), None
+    for k in range(0, steps, SAMPLES_PER_LOOK):
+        size, quick = min(SAMPLES_PER_LOOK, steps - k), None
         push = (rng.standard_normal((size * count, enter.shape[0])) @ enter).reshape(size, count, width)
         if drift.any():
             push += drift
-        if k >= loop.varying and (quick := kernel(held_steps)) is not None:
+        if k >= loop.varying and (quick := compiled_kernel(sampled_steps)) is not None:
             work = partial(quick, now, push, padded(step), direct, limit, rounds, path[:size], clipped)
-            in_shares(work, count, size)
+            run_in_threads(work, count, size)
         for j in range(size if quick is None else 0):
             read, asked = now[:, N:N + p], now[:, N + p:]
             if rounds:
@@ -152,7 +152,7 @@ def _batch(loop: SampledLoop, start: np.ndarray, rng: np.random.Generator, recor
                 i = k + j + 1
                 now[:, N + p:] = now[:, :N] @ loop.U[i].T
                 step, direct = np.ascontiguousarray(fused(loop, i, unit).T), np.ascontiguousarray(loop.T[i].T * unit)
-        lost = ~(np.abs(now[:, :N]).max(axis=1, initial=0.0) < DIVERGED)  # readings are counted in steps of the converter
+        lost = ~(np.abs(now[:, :N]).max(axis=1, initial=0.0) < DIVERGENCE_LIMIT)  # readings are counted in steps of the converter
         if lost.any():
             gone |= lost
             now[lost] = 0.0
@@ -192,8 +192,8 @@ def welch_expectation(loop: SampledLoop, length: int) -> Spectrum:
     The transform of window ⋆ window times R(τ) = C F_cᵀ… P Cᵀ, leakage and finite resolution included; only the removal
     of the mean, which touches the lowest two bins, is left out. Raises EngineError for an unstable loop.
 
-    >>> from app.engine import compensator, sampled_loop
-    >>> from app.engine.sampled import sampled_controller
+    >>> from observer_lab.engine import compensator, sampled_loop
+    >>> from observer_lab.engine.sampled import sampled_controller
     >>> loop = sampled_loop(P := Plant([[0]], [[1]], [[1]]), sampled_controller(compensator(P, [[1]], [[3]]), 0.1), [0])
     >>> float(welch_expectation(loop, 64).frequency[-1])
     5.0

@@ -1,4 +1,4 @@
-"""Controllers as a computer runs them: sampled, steady or still learning."""
+"""Define controllers as a computer runs them: steady, or with a gain that still changes."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ..filters.belief import Belief
 from ..filters.linear_filter import LinearFilter
 from ..systems.errors import EngineError, ShapeError
 from ..systems.plant import Plant, as_matrix
-from ..systems.scan import step_matrices
+from ..systems.recursions import step_matrices
 
 __all__ = ["SampledController", "recursive_controller", "sampled_controller"]
 

@@ -1,4 +1,4 @@
-"""A continuous plant in the hands of a computer: one linear step from sample to sample, and what bends it."""
+"""Join a continuous plant and a sampled controller: linear step, clipping, rounding."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from itertools import pairwise
 import numpy as np
 
 from ..feedback.loop_spectrum import NoisyLoop
+from ..systems.argument_checks import count, gated, optional
 from ..systems.arrays import as_covariance, frozen, symmetric
 from ..systems.errors import EngineError, ShapeError, phrase
-from ..systems.gates import count, gated, optional
 from ..systems.lyapunov import settled_covariance
 from ..systems.noise import root
 from ..systems.plant import Plant, as_matrix
 from .hardware import Hardware
-from .mechanics import HeldMechanics, held_mechanics, packed, sensor_root, without_converter
+from .mechanics import HeldMechanics, held_mechanics, matrix_key, sensor_root, without_converter
 from .sampled_control import SampledController
 
 __all__ = ["SampledLoop", "sampled_loop"]
@@ -153,7 +153,7 @@ def sampled_loop(plant: Plant, controller: SampledController, controls: Sequence
     the plant's ẋ, the ground's columns of B by default. `outputs` (q×n): rows that are recorded of the plant's state, C
     by default. Raises ShapeError, EngineError, one sentence each.
 
-    >>> from app.engine.sampled import sampled_controller
+    >>> from observer_lab.engine.sampled import sampled_controller
     >>> plant = Plant([[0]], [[1]], [[1]])
     >>> sampled_loop(plant, sampled_controller(compensator(plant, [[1]], [[3]]), 0.1), [0]).dt
     0.1
@@ -179,7 +179,9 @@ def sampled_loop(plant: Plant, controller: SampledController, controls: Sequence
                          n=plant.n, columns=rows.shape[1])
     noise = None if W is None else as_covariance(W, "W", shaping.m if shaping else len(others))
     known = None if disturbances is None else as_matrix(disturbances, phrase("The disturbances"))
-    held = held_mechanics(plant, tuple(chosen), tuple(others), without_converter(hardware), shaping, packed(noise), packed(known), dt)
+    held = held_mechanics(
+        plant, tuple(chosen), tuple(others), without_converter(hardware), shaping, matrix_key(noise), matrix_key(known), dt
+    )
     return _assembled(held, controller, hardware, V, rows, p, m)
 
 
@@ -219,7 +221,7 @@ def _assembled(held: HeldMechanics, controller: SampledController, hardware: Har
         walk = np.zeros((N, p))
         walk[bias] = hardware.walk * np.sqrt(dt) * np.eye(p)
         jump = np.hstack([jump, walk])
-    sensor = np.zeros((p, p)) if V is None else sensor_root(packed(as_covariance(V, "V", p)), dt)
+    sensor = np.zeros((p, p)) if V is None else sensor_root(matrix_key(as_covariance(V, "V", p)), dt)
     return SampledLoop(F, F_m, F_s, Y, U, controller.D, held.x, slice(0, a), control, bias,
                        (held.whole, soon, late), shown, jump, sensor, _padded(held.Gamma, N), hardware, dt)
 

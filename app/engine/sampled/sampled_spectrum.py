@@ -1,4 +1,4 @@
-"""Densities of a sampled loop by the responses of its two halves, so that a delay costs nothing and nothing is defective."""
+"""Compute spectral densities of a sampled loop from the responses of its two halves."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..kernels import given, kernel
+from ..kernels import as_kernel_array, compiled_kernel
 from ..kernels.spectra import density_steps
 from ..systems.spectrum import frequency_response
 from .sampled_loop import SampledLoop
@@ -43,7 +43,7 @@ def mechanics_response(loop: SampledLoop, frequency: object) -> MechanicsRespons
     force, ground = H[:, :, :m], H[:, :, 2 * m if waits else m:]
     if waits:
         force = force + H[:, :, m:2 * m] * back
-    return MechanicsResponse(f, given(force * back**whole, kind=complex), given(ground, kind=complex))
+    return MechanicsResponse(f, as_kernel_array(force * back**whole, kind=complex), as_kernel_array(ground, kind=complex))
 
 
 def loop_density(loop: SampledLoop, mechanics: MechanicsResponse) -> np.ndarray:
@@ -84,12 +84,12 @@ def _walked(loop: SampledLoop, f: np.ndarray) -> np.ndarray:
 
 def _quick(loop: SampledLoop, mechanics: MechanicsResponse, K: np.ndarray) -> np.ndarray | None:
     """`loop_density` by its kernel; None where that is not ready, cannot be solved, or the readings' noises are not independent."""
-    quick, spread, f = kernel(density_steps), loop.reading, mechanics.frequency
+    quick, spread, f = compiled_kernel(density_steps), loop.reading, mechanics.frequency
     if quick is None or np.any(spread - np.diag(np.diag(spread))):
         return None
     reading = np.tile(np.diag(spread), (len(f), 1))
     if loop.hardware.walk > 0:
         reading += _walked(loop, f)[:, None]
     found = np.empty((len(f), len(loop.outputs) + len(loop.feedback)))
-    done = quick(*(given(each, kind=complex) for each in (K, mechanics.force, mechanics.ground)), reading, found)
+    done = quick(*(as_kernel_array(each, kind=complex) for each in (K, mechanics.force, mechanics.ground)), reading, found)
     return 2 * loop.dt * found if done == len(f) else None

@@ -1,14 +1,14 @@
-"""A sampled loop sample by sample: compiled where that is ready, else in NumPy."""
+"""Step a sampled loop sample by sample, compiled where ready, else in NumPy."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from ..kernels import given, kernel
-from ..kernels.held import held_steps
+from ..kernels import as_kernel_array, compiled_kernel
+from ..kernels.sampled import sampled_steps
 from .sampled_loop import SampledLoop
 
-DIVERGED = 1e12
+DIVERGENCE_LIMIT = 1e12
 
 
 def held(loop: SampledLoop, w: np.ndarray, push: np.ndarray, v: np.ndarray) -> int:
@@ -16,7 +16,7 @@ def held(loop: SampledLoop, w: np.ndarray, push: np.ndarray, v: np.ndarray) -> i
 
     The samples at which the controller still changes go the plain way.
     """
-    quick, last, hardware = kernel(held_steps), len(w) - 1, loop.hardware
+    quick, last, hardware = compiled_kernel(sampled_steps), len(w) - 1, loop.hardware
     if quick is None:
         return -1
     k = min(loop.varying, last)
@@ -29,20 +29,20 @@ def held(loop: SampledLoop, w: np.ndarray, push: np.ndarray, v: np.ndarray) -> i
     quick(now, extra[:, None], step, direct, float(hardware.limit), hardware.step > 0, path, np.zeros(1), 0, 1)
     w[k:last], w[last] = path[:, 0, :loop.n], now[0, :loop.n]
     with np.errstate(invalid="ignore"):
-        large = np.flatnonzero(~(np.abs(w[k + 1:]).max(axis=1) < DIVERGED))
+        large = np.flatnonzero(~(np.abs(w[k + 1:]).max(axis=1) < DIVERGENCE_LIMIT))
     return k + int(large[0]) if len(large) else last
 
 
 def settled_steps(loop: SampledLoop, w: np.ndarray, push: np.ndarray, v: np.ndarray,
                   unit: float) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """What `held_steps` takes of a settled loop at w (N,): now, what is added to each (w⁺, Y w⁺, U w⁺), step and direct."""
+    """What `sampled_steps` takes of a settled loop at w (N,): now, what is added to each (w⁺, Y w⁺, U w⁺), step and direct."""
     N, p, noise = loop.n, len(loop.Y), v / unit
     now = np.concatenate([w, loop.Y @ w / unit + noise[0], loop.U[-1] @ w])[None]
     extra = np.empty((len(push), now.shape[1]))
     extra[:, :N] = push
     extra[:, N:N + p] = push @ (loop.Y.T / unit) + noise[1:]
     extra[:, N + p:] = push @ loop.U[-1].T
-    return now, extra, padded(fused(loop, loop.varying, unit).T), given(loop.T[-1].T * unit)
+    return now, extra, padded(fused(loop, loop.varying, unit).T), as_kernel_array(loop.T[-1].T * unit)
 
 
 def padded(step: np.ndarray) -> np.ndarray:
@@ -91,9 +91,9 @@ def rounding(loop: SampledLoop, w: np.ndarray, push: np.ndarray, v: np.ndarray, 
                 asked[:] = loop.U[i] @ state
                 direct, settled = loop.T[i] * unit, k + j + 1 >= loop.varying
                 step = fused(loop, k + j + 1, unit)
-            if j % 256 == 255 and not np.abs(state).max() < DIVERGED:
+            if j % 256 == 255 and not np.abs(state).max() < DIVERGENCE_LIMIT:
                 break
-        large = np.flatnonzero(~(np.abs(w[k + 1:k + j + 2]).max(axis=1) < DIVERGED))
+        large = np.flatnonzero(~(np.abs(w[k + 1:k + j + 2]).max(axis=1) < DIVERGENCE_LIMIT))
     return k + int(large[0]) if len(large) else last
 
 
@@ -120,7 +120,7 @@ def stepping(loop: SampledLoop, w: np.ndarray, push: np.ndarray, direct: np.ndar
             np.dot(step, now, out=product)
             np.add(product, extra[j], out=now)
             w[k + j + 1] = state
-        large = np.flatnonzero(~(np.abs(w[k + 1:last + 1]).max(axis=1) < DIVERGED))
+        large = np.flatnonzero(~(np.abs(w[k + 1:last + 1]).max(axis=1) < DIVERGENCE_LIMIT))
     return k + int(large[0]) if len(large) else last
 
 

@@ -1,4 +1,4 @@
-"""One run of a sampled loop, and what it says in time: recovery, overshoot, peak and energy of the input."""
+"""Simulate one sampled run and measure recovery, overshoot, peak and input energy."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ import numpy as np
 from ..systems.arrays import frozen
 from ..systems.errors import EngineError, ShapeError, phrase
 from ..systems.plant import as_matrix
-from ..systems.scan import affine_scan
+from ..systems.recursions import affine_scan
 from .sampled_loop import SampledLoop
-from .stepping import DIVERGED, held, rounding, stepping
+from .stepping import DIVERGENCE_LIMIT, held, rounding, stepping
 
 __all__ = ["ResponseMeasures", "Trial", "response_measures", "simulate_trial", "trial_draws"]
 
 MOST_NUMBERS = 40_000_000  # state numbers in one run
-AHEAD = 256  # samples of the first block
-SHORT = 160  # a block that ends sooner is followed by BURST samples one by one, which takes less time
-KEPT = 4000  # samples of a run whose draws are kept for the next with its seed
+FIRST_BLOCK_SAMPLES = 256  # samples of the first block
+SHORT_BLOCK_SAMPLES = 160  # a block that ends sooner is followed by BURST samples one by one, which takes less time
+KEPT_DRAWS = 4000  # samples of a run whose draws are kept for the next with its seed
 BURST = 128  # twice as many each time, until a block of four times SHORT is met
 
 
@@ -69,7 +69,7 @@ def simulate_trial(loop: SampledLoop, steps: int, *, seed: int | None = None, st
     Linear stretches run in parallel blocks and are exact; a loop that clips or rounds goes sample by sample where it
     must. Loops with the same plant feel the same noise from the same seed. Raises ShapeError, EngineError.
 
-    >>> from app.engine.sampled import sampled_controller
+    >>> from observer_lab.engine.sampled import sampled_controller
     >>> loop = sampled_loop(P := Plant([[0]], [[1]], [[1]]), sampled_controller(compensator(P, [[1]], [[3]]), 0.1), [0])
     >>> bool(abs(simulate_trial(loop, 200, start=np.eye(loop.n)[0]).x[-1, 0]) < 1e-6)
     True
@@ -136,15 +136,15 @@ def trial_draws(loop: SampledLoop, steps: int, seed: int) -> tuple[np.ndarray, n
     Each column has a generator of its own: a longer run begins as a shorter one, and where rounding gives `jump` one way more on
     another machine the others stay what they are.
 
-    >>> from app.engine import compensator, sampled_loop
-    >>> from app.engine.sampled import sampled_controller
+    >>> from observer_lab.engine import compensator, sampled_loop
+    >>> from observer_lab.engine.sampled import sampled_controller
     >>> loop = sampled_loop(P := Plant([[0]], [[1]], [[1]]), sampled_controller(compensator(P, [[1]], [[3]]), 0.1), [0], V=[[1]])
     >>> [draws.shape for draws in trial_draws(loop, 5, 0)]
     [(5, 0), (5, 1), (5, 0)]
     """
     p = len(loop.Y)
     walks = p if loop.hardware.walk > 0 else 0
-    ground, sensors, bias = (_kept_draws if steps <= KEPT else _draws)(seed, steps, loop.jump.shape[1] - walks, p, walks)
+    ground, sensors, bias = (_kept_draws if steps <= KEPT_DRAWS else _draws)(seed, steps, loop.jump.shape[1] - walks, p, walks)
     return ground, sensors, bias
 
 
@@ -181,13 +181,13 @@ def _clipping(loop: SampledLoop, w: np.ndarray, push: np.ndarray, v: np.ndarray)
     if np.isinf(limit):
         path = affine_scan(loop.closed(), push[k:last] + v[k:last] @ loop.noise_in.T, w[k], last - k)
         with np.errstate(invalid="ignore"):
-            if max(path.max(), -path.min()) < DIVERGED:
+            if max(path.max(), -path.min()) < DIVERGENCE_LIMIT:
                 w[k:] = path
                 return last
-            good = int(np.argmin(np.abs(path).max(axis=1) < DIVERGED))
+            good = int(np.argmin(np.abs(path).max(axis=1) < DIVERGENCE_LIMIT))
         w[k:k + good] = path[:good]
         return k + good - 1
-    direct, read, modes, ahead, burst = v @ loop.T[-1].T, v @ loop.F_m[-1].T, {}, AHEAD, BURST
+    direct, read, modes, ahead, burst = v @ loop.T[-1].T, v @ loop.F_m[-1].T, {}, FIRST_BLOCK_SAMPLES, BURST
     while k < last:
         asked = loop.feedback @ w[k] + direct[k]
         side = (asked > limit).astype(int) - (asked < -limit)
@@ -202,16 +202,16 @@ def _clipping(loop: SampledLoop, w: np.ndarray, push: np.ndarray, v: np.ndarray)
         other = ((asked > limit).astype(int) - (asked < -limit) != side).any(axis=1)
         good = int(np.argmax(other)) + 1 if other.any() else len(path)
         with np.errstate(invalid="ignore"):
-            large = np.flatnonzero(~(np.abs(path[:good]).max(axis=1) < DIVERGED))
+            large = np.flatnonzero(~(np.abs(path[:good]).max(axis=1) < DIVERGENCE_LIMIT))
         if len(large):
             w[k:k + large[0]] = path[:large[0]]
             return k + int(large[0]) - 1
         w[k:k + good] = path[:good]
         k += good - 1
-        ahead = 2 * ahead if good == len(path) else max(SHORT, 2 * good)
-        if good > 4 * SHORT:
+        ahead = 2 * ahead if good == len(path) else max(SHORT_BLOCK_SAMPLES, 2 * good)
+        if good > 4 * SHORT_BLOCK_SAMPLES:
             burst = BURST
-        elif good <= SHORT and k < last:
+        elif good <= SHORT_BLOCK_SAMPLES and k < last:
             stop, burst = min(k + burst, last), 2 * burst
             done = stepping(loop, w, push, direct, read, k, stop)
             if done < stop:

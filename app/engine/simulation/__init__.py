@@ -1,4 +1,4 @@
-"""Runs of a loop: scenarios, disturbances, saturation, batches and maps of recovery."""
+"""Simulate loops: scenarios, disturbances, saturation, batches, recovery maps."""
 
 from .door import (
     autonomous_error,

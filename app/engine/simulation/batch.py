@@ -1,4 +1,4 @@
-"""Many starts of one scenario at once: the located switchings of saturation.py, vectorised across runs."""
+"""Simulate many starts of one scenario at once, with located switchings."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ from ..systems.errors import ShapeError, phrase
 from .disturbance import disturbances
 from .loop import Loop, ramped
 from .runner import Runner, beside
-from .saturation import MOST, ROUNDING, TERMS, Mode, Switcher
+from .saturation import LIMIT_ROUNDING, MAX_STEP_PIECES, TERMS, Mode, Switcher
 from .scenario import Scenario
 from .simulate import loop_of
 
 __all__ = ["simulate_starts"]
 
-NEWTON = 60
-CHUNK = 500_000  # numbers that the compiled march finds at once
-NOTHING = np.array([0.0, np.inf, np.inf, np.inf, np.inf])  # to judge
+MAX_NEWTON_STEPS = 60
+CHUNK_NUMBERS = 500_000  # numbers that the compiled march finds at once
+NO_JUDGEMENT = np.array([0.0, np.inf, np.inf, np.inf, np.inf])  # to judge
 
 
 def simulate_starts(scenario: Scenario, starts: np.ndarray) -> Iterator[np.ndarray]:
@@ -35,11 +35,11 @@ def simulate_starts(scenario: Scenario, starts: np.ndarray) -> Iterator[np.ndarr
     if starts.shape[1] != s.plant.n + s.model.n:
         raise ShapeError("{name} must have {length} entries; it has {vector_size}.",
                          name=phrase("A start"), length=s.plant.n + s.model.n, vector_size=starts.shape[1])
-    herd = Herd(s)
+    herd = RunBatch(s)
     Z, k = herd.started(starts), 0
     yield Z
     while k < herd.steps:
-        if (count := herd.compiled(k, max(1, CHUNK // max(1, Z.size)))) == 0:
+        if (count := herd.compiled(k, max(1, CHUNK_NUMBERS // max(1, Z.size)))) == 0:
             Z, k = herd.step(Z, k), k + 1
             yield Z
             continue
@@ -56,7 +56,7 @@ def simulate_starts(scenario: Scenario, starts: np.ndarray) -> Iterator[np.ndarr
         k += count
 
 
-class Herd:
+class RunBatch:
     """Many runs of a scenario, together: what disturbs them all, and their way from grid point to grid point."""
 
     def __init__(self, s: Scenario) -> None:
@@ -83,7 +83,7 @@ class Herd:
             return 0
         return min(most, int(self.stops[np.searchsorted(self.stops, k)]) - k)
 
-    def along(self, Z: np.ndarray, k: int, count: int, out: np.ndarray, judge: np.ndarray = NOTHING,
+    def along(self, Z: np.ndarray, k: int, count: int, out: np.ndarray, judge: np.ndarray = NO_JUDGEMENT,
               last: np.ndarray | None = None, lost: np.ndarray | None = None) -> None:
         """All runs Z over `count` steps from k on, in place, the states in out (count + 1, runs, N) unless it is empty.
 
@@ -153,7 +153,7 @@ def _groups(w: Switcher, Z: np.ndarray, r: np.ndarray, v: np.ndarray) -> list[tu
     """The runs by the mode they are in: (mode, their rows, its forcing); on a limit the slope of u decides."""
     u = Z @ w.loop.F.T + r
     sign = (u > w.u_max).astype(np.int8) - (u < w.u_min).astype(np.int8)
-    slack = np.maximum(w.slack, ROUNDING * (np.abs(Z) @ np.abs(w.loop.F).T))
+    slack = np.maximum(w.slack, LIMIT_ROUNDING * (np.abs(Z) @ np.abs(w.loop.F).T))
     upper, lower = np.abs(u - w.u_max) <= slack, np.abs(u - w.u_min) <= slack
     near = np.flatnonzero((upper | lower).any(axis=1))
     for mode, rows, force in _by_sign(w, sign[near], r, v):
@@ -195,8 +195,8 @@ def part_step(w: Switcher, Z: np.ndarray, r: np.ndarray, v: np.ndarray, left: np
     """All runs over their own durations `left` ≤ h, piece by Taylor piece from switching to switching."""
     Z, left = Z.copy(), left.copy()
     span = np.abs(w.loop.F).T, w.u_max - w.u_min
-    for _ in range(MOST):
-        blurred = (ROUNDING * (np.abs(Z) @ span[0]) > span[1]).any(axis=1)
+    for _ in range(MAX_STEP_PIECES):
+        blurred = (LIMIT_ROUNDING * (np.abs(Z) @ span[0]) > span[1]).any(axis=1)
         active = np.flatnonzero((left > 1e-14 * w.h) & ~blurred)
         if not len(active):
             break
@@ -241,7 +241,7 @@ def _roots(line: np.ndarray, limit: float, side: float, a: np.ndarray, b: np.nda
     s: np.ndarray = (a + b) / 2
     value: np.ndarray
     slope: np.ndarray
-    for _ in range(NEWTON):
+    for _ in range(MAX_NEWTON_STEPS):
         value, slope = np.zeros_like(s), np.zeros_like(s)
         for term in range(line.shape[1] - 1, -1, -1):
             slope = slope * s + value

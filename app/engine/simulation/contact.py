@@ -1,4 +1,4 @@
-"""Two bodies that a gap lets part: one motion while a flank pushes, another between the flanks, and what happens at a change."""
+"""Simulate two bodies with a gap: one motion in contact, another between the flanks."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..systems.scan import step_matrices
+from ..systems.recursions import step_matrices
 
 __all__: list[str] = []
 
-PARTS = 8  # a change of contact is located to h / 2^PARTS
+CONTACT_HALVINGS = 8  # a change of contact is located to h / 2^PARTS
 TURNS = 12  # changes of contact followed within one step
-ROUNDING = 1e-12  # of the terms of a torque: what is smaller counts as none
+TORQUE_ROUNDING = 1e-12  # of the terms of a torque: what is smaller counts as none
 Flow = tuple[tuple[np.ndarray, np.ndarray], ...]
 
 
@@ -59,16 +59,16 @@ class Contact:
     def holds(self, z: np.ndarray, g: np.ndarray, side: int) -> bool:
         """Whether a contact still pushes, or a body between the flanks has not yet met one."""
         if not side:
-            return abs(float(z[self.inner[0]] - z[self.outer[0]])) <= self.half * (1 + ROUNDING)
+            return abs(float(z[self.inner[0]] - z[self.outer[0]])) <= self.half * (1 + TORQUE_ROUNDING)
         pushed = side * float(self.row @ z + self.torque @ g)
-        return pushed >= 0 or pushed >= -ROUNDING * float(np.abs(self.torque) @ (np.abs(self.A) @ np.abs(z) + np.abs(g)))
+        return pushed >= 0 or pushed >= -TORQUE_ROUNDING * float(np.abs(self.torque) @ (np.abs(self.A) @ np.abs(z) + np.abs(g)))
 
     def _through(self, z: np.ndarray, g: np.ndarray, side: int) -> tuple[np.ndarray, int]:
         """Over a step in which the contact changes: the longest dyadic parts that hold, and across each change the smallest."""
-        left, turns, after = 2**PARTS, 0, z
+        left, turns, after = 2**CONTACT_HALVINGS, 0, z
         while left:
             for level, (Phi, Phi1) in enumerate(self.together if side else self.apart):
-                part = 2**(PARTS - level)
+                part = 2**(CONTACT_HALVINGS - level)
                 if part > left:
                     continue
                 after = Phi @ z + Phi1 @ g
@@ -94,9 +94,9 @@ class Contact:
 
 def _flow(M: np.ndarray, enter: np.ndarray, h: float) -> Flow:
     """(Φ, Φ₁) of ż = M z + `enter` g over h, h/2 … h/2^PARTS."""
-    Phi, Phi1 = step_matrices(M, h / 2**PARTS)
+    Phi, Phi1 = step_matrices(M, h / 2**CONTACT_HALVINGS)
     flow = [(Phi, Phi1 @ enter)]
-    for _ in range(PARTS):
+    for _ in range(CONTACT_HALVINGS):
         Phi, Phi1 = Phi @ Phi, Phi1 + Phi @ Phi1
         flow.append((Phi, Phi1 @ enter))
     return tuple(flow[::-1])

@@ -1,4 +1,4 @@
-"""What disturbs a run: the noise of its seed, and its impulses."""
+"""Draw a run's disturbances: the noise of its seed, and its impulses."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 
 from ..systems.errors import EngineError
 from ..systems.noise import process_noise, root
-from ..systems.scan import step_matrices
+from ..systems.recursions import step_matrices
 from .loop import Loop
 from .scenario import Scenario
 

@@ -1,10 +1,10 @@
-"""The door of this room: what each of its calls takes from outside."""
+"""Declare the argument checks of the public calls of `engine.simulation`."""
 
 from __future__ import annotations
 
 from types import MappingProxyType
 
-from ..systems.gates import FUNCTION, SECONDS, SERIES, array, count, gated, instance, matrix, number, optional
+from ..systems.argument_checks import FUNCTION, SECONDS, SERIES, array, count, gated, instance, matrix, number, optional
 from ..systems.plant import Plant
 from . import batch, geared, loop, recovery
 from .geared import Gear

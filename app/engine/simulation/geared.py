@@ -1,4 +1,4 @@
-"""A loop over a gear with play and an encoder that counts: what its linear observer knows nothing of."""
+"""Simulate a loop with backlash and encoder quantisation that its observer ignores."""
 
 from __future__ import annotations
 
@@ -8,16 +8,16 @@ from typing import Any, Literal
 
 import numpy as np
 
-from ..kernels import given, kernel
+from ..kernels import as_kernel_array, compiled_kernel
 from ..kernels.geared import contact_steps
+from ..systems.argument_checks import choice, count, number, passed, vector
 from ..systems.errors import EngineError, ShapeError
-from ..systems.gates import choice, count, number, passed, vector
 from ..systems.plant import Plant
 from .contact import Contact
 from .disturbance import disturbances
 from .loop import Loop, continuous_loop
 from .scenario import Run, Scenario
-from .simulate import DIVERGED
+from .simulate import DIVERGENCE_FACTOR
 
 __all__ = ["Gear", "GearedRun", "simulate_geared"]
 
@@ -129,7 +129,7 @@ def _march(s: Scenario, loop: Loop, gear: Gear) -> tuple[np.ndarray, np.ndarray,
     d, n = disturbances(rounded, loop), s.plant.n
     r = np.zeros((s.n_t, s.plant.m)) if s.reference is None else s.reference
     C = np.hstack([s.plant.C, np.zeros((s.plant.p, len(d.z0) - n))])
-    bound = DIVERGED * max(1.0, float(np.max(np.abs(d.z0))))
+    bound = DIVERGENCE_FACTOR * max(1.0, float(np.max(np.abs(d.z0))))
     modes: dict[tuple[int, ...], tuple[Contact, np.ndarray]] = {}
     F, E, step, low, high = loop.F, loop.E, gear.step, s.u_min.tolist(), s.u_max.tolist()
     states, contact, v = np.empty((s.n_t, len(d.z0))), np.zeros(s.n_t, dtype=int), np.zeros((s.n_t, s.plant.p))
@@ -167,17 +167,25 @@ class _Stretch:
 
     def __init__(self, states: np.ndarray, contact: np.ndarray, v: np.ndarray, jumps: np.ndarray | None, r: np.ndarray, loop: Loop,
                  C: np.ndarray, s: Scenario, step: float, bound: float) -> None:
-        self._work, self._last, self._bound = kernel(contact_steps), s.n_t - 1, bound
+        self._work, self._last, self._bound = compiled_kernel(contact_steps), s.n_t - 1, bound
         if self._work is not None:
             self._filled = states, contact, v
-            self._read = (given(np.empty((0, states.shape[1])) if jumps is None else jumps), given(loop.E), given(C), float(step),
-                          given(loop.F), given(r), given(s.u_min), given(s.u_max))
+            self._read = (
+                as_kernel_array(np.empty((0, states.shape[1])) if jumps is None else jumps),
+                as_kernel_array(loop.E),
+                as_kernel_array(C),
+                float(step),
+                as_kernel_array(loop.F),
+                as_kernel_array(r),
+                as_kernel_array(s.u_min),
+                as_kernel_array(s.u_max),
+            )
 
     def go_on(self, k: int, motion: Contact, push: np.ndarray, key: tuple[int, ...], side: int) -> int:
         """The step up to which all is filled: k, or later."""
         if self._work is None:
             return k
         flow, torque = (motion.together if side or not motion.half else motion.apart)[0], np.abs(motion.torque)
-        return self._work(*self._filled, given(np.array(flow)), given(push), *self._read, np.array(key, dtype=float),
-                          given(motion.row), given(motion.torque), given(torque @ np.abs(motion.A)),
+        return self._work(*self._filled, as_kernel_array(np.array(flow)), as_kernel_array(push), *self._read, np.array(key, dtype=float),
+                          as_kernel_array(motion.row), as_kernel_array(motion.torque), as_kernel_array(torque @ np.abs(motion.A)),
                           np.array([motion.inner[0], motion.outer[0]]), float(motion.half), side, self._bound, k, self._last)

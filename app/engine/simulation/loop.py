@@ -1,4 +1,4 @@
-"""The loop of plant, observer and controller as matrices on z = (x, x̂), actuator left open."""
+"""Build the loop of plant, observer and controller as matrices on z = (x, x̂), input open."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ import numpy as np
 
 from ..systems.errors import ShapeError
 from ..systems.plant import Plant
+from ..systems.recursions import step_matrices
 from ..systems.sampling import discretise
-from ..systems.scan import step_matrices
 from .scenario import Scenario
 
 __all__ = ["Loop", "continuous_loop", "discrete_loop", "emulated_gain"]

@@ -1,4 +1,4 @@
-"""The three ways along the grid: a plain continuous loop, one with a delay, and a sampled one."""
+"""March along the grid: a continuous loop, one with a delay, or a sampled one."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ from collections.abc import Iterable, Iterator
 
 import numpy as np
 
-from ..kernels import given, kernel
-from ..kernels.late import late_steps
-from ..systems.scan import affine_scan, held_scan, step_matrices
+from ..kernels import as_kernel_array, compiled_kernel
+from ..kernels.delayed import delayed_steps
+from ..systems.recursions import affine_scan, held_scan, step_matrices
 from .disturbance import Disturbances
 from .loop import Loop, ramped
 from .runner import Runner
@@ -111,13 +111,28 @@ def delayed(s: Scenario, loop: Loop, d: Disturbances, r: np.ndarray, bound: floa
     jumps = np.zeros((steps, N)) if d.jumps is None else d.jumps
     states = np.empty((steps + 1, N))
     states[0] = d.z0
-    quick = None if modal else kernel(late_steps)
+    quick = None if modal else compiled_kernel(delayed_steps)
     k, kicked = 0, sorted({j - j % lag for j in d.kicks})
     while k < steps:
         if quick is not None and k not in kicked:
             stop = min([j for j in kicked if j > k], default=steps)
-            got = quick(states, begin, end, given(Phi[:N].T), given(push[:, :N]), given(jumps), given(loop.F), given(r), given(s.u_min),
-                        given(s.u_max), h, lag, bound, k, stop)
+            got = quick(
+                states,
+                begin,
+                end,
+                as_kernel_array(Phi[:N].T),
+                as_kernel_array(push[:, :N]),
+                as_kernel_array(jumps),
+                as_kernel_array(loop.F),
+                as_kernel_array(r),
+                as_kernel_array(s.u_min),
+                as_kernel_array(s.u_max),
+                h,
+                lag,
+                bound,
+                k,
+                stop,
+            )
             if got < stop:
                 return states[:got + 1], begin
             k = stop

@@ -1,4 +1,4 @@
-"""Which starts come home: a map over one entry of x(0) and one of e(0)."""
+"""Map which starts recover, over one entry of x(0) and one of e(0)."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..systems.errors import EngineError, ShapeError
-from .batch import Herd
+from .batch import RunBatch
 from .scenario import Scenario
 
 __all__ = ["RecoveryMap", "simulate_recovery"]
 
-SLICE = 0.010  # seconds of work between two yields
+SLICE_S = 0.010  # seconds of work between two yields
 MOST_STARTS = 250_000
-FEW = 8  # compiled steps before it is known how long they take
-NEAR = 0.05  # of the largest start on the map
-FAR = 1e3
+TIMING_STEPS = 8  # compiled steps before it is known how long they take
+RECOVERED_SHARE = 0.05  # of the largest start on the map
+LOST_FACTOR = 1e3
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +63,7 @@ def starts_of(s: Scenario, x_index: int, x_values: np.ndarray, e_index: int, e_v
 
 def simulate_recovery(scenario: Scenario, x_index: int, x_values: object, e_index: int, e_values: object, *,
                  threshold: float | None = None, bound: float | None = None,
-                 slice_seconds: float = SLICE) -> Iterator[tuple[float, RecoveryMap]]:
+                 slice_seconds: float = SLICE_S) -> Iterator[tuple[float, RecoveryMap]]:
     """Run every start of the grid and yield (fraction done, map so far) about every `slice_seconds`, (1.0, map) last.
 
     x(0)[x_index] runs over x_values, e(0)[e_index] over e_values, all else as in the scenario; x̂(0) = x(0) − e(0).
@@ -76,10 +76,10 @@ def simulate_recovery(scenario: Scenario, x_index: int, x_values: object, e_inde
     n, dt, steps = scenario.plant.n, scenario.dt, scenario.n_t - 1
     x0 = starts[:, :n]
     size = float(np.max(np.linalg.norm(x0, axis=1))) or float(np.max(np.linalg.norm(x0 - starts[:, n:], axis=1))) or 1.0
-    near = NEAR * size if threshold is None else float(threshold)
-    far = FAR * size if bound is None else float(bound)
-    herd = Herd(scenario)
-    Z, k, count = herd.started(starts), 0, FEW
+    near = RECOVERED_SHARE * size if threshold is None else float(threshold)
+    far = LOST_FACTOR * size if bound is None else float(bound)
+    herd = RunBatch(scenario)
+    Z, k, count = herd.started(starts), 0, TIMING_STEPS
     lost, last_out = np.zeros(len(starts), dtype=bool), np.full(len(starts), -1)
     judge = np.array([n, near**2, far**2, 1e6 * far, np.inf])
     _judge(Z, 0, judge, last_out, lost)

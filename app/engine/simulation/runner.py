@@ -1,4 +1,4 @@
-"""Runs of a clipped loop along its grid, one or many: compiled where that is ready, else the plain way."""
+"""Run a clipped loop along its grid, compiled where ready, else in NumPy."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ from functools import partial
 
 import numpy as np
 
-from ..kernels import given, in_shares, kernel
+from ..kernels import as_kernel_array, compiled_kernel, run_in_threads
 from ..kernels.clipped import march
 from .disturbance import Kicks
-from .packed import Packed
+from .packed_modes import Packed
 from .saturation import Switcher
 
 MOST_INPUTS = 8  # 3⁸ ways to be clipped
@@ -20,7 +20,7 @@ class Runner:
 
     def __init__(self, switcher: Switcher) -> None:
         self.switcher = switcher
-        self.march = kernel(march) if len(switcher.loop.F) <= MOST_INPUTS else None
+        self.march = compiled_kernel(march) if len(switcher.loop.F) <= MOST_INPUTS else None
         self.packed = None if self.march is None else Packed(switcher)
 
     def run(self, z0: np.ndarray, r: np.ndarray, v: np.ndarray, jumps: np.ndarray | None, kicks: Kicks,
@@ -53,10 +53,10 @@ class Runner:
         at = np.full(runs, k)
         last = np.full(runs, -1) if last is None else last
         lost = np.zeros(runs, dtype=bool) if lost is None else lost
-        push = np.zeros((0, N)) if jumps is None else given(jumps)
+        push = np.zeros((0, N)) if jumps is None else as_kernel_array(jumps)
         while True:
             work = partial(self.march, Z, at, end, out, q, push, judge, last, lost, *self.packed.given())
-            missing = in_shares(work, runs, end - k) - {-1}
+            missing = run_in_threads(work, runs, end - k) - {-1}
             if not missing:
                 return at, lost
             for code in missing:

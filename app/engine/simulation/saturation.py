@@ -1,4 +1,4 @@
-"""A loop with clipped inputs is affine between switchings: propagate exactly and locate each switching."""
+"""Propagate a clipped loop exactly between switchings, and locate each switching."""
 
 from __future__ import annotations
 
@@ -7,20 +7,20 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.linalg import matrix_balance
 
-from ..systems.scan import affine_scan
+from ..systems.recursions import affine_scan
 from .loop import Loop
 
 __all__ = ["Mode", "Switcher"]
 
 TERMS = 18  # of the Taylor series of e^{M h} with ‖M h‖₁ ≤ 1: remainder 1/18! ≈ 1.6e-16
-ROUNDING = 16 * np.finfo(float).eps
+LIMIT_ROUNDING = 16 * np.finfo(float).eps
 SLACK = 1e-12  # relative to the limits: closer than this counts as on the limit
 RINGING = 1.5  # |imaginary| over |real| part beyond which a mode swings more than once
-SAMPLES = np.linspace(0.0, 1.0, 9)
-POWERS = SAMPLES[:, None] ** np.arange(TERMS + 1)
-HUGE = 1e100  # a state beyond this is not followed
-LONGEST = 512  # grid steps tried at once in one mode
-MOST = 100_000  # pieces of a grid step
+CROSSING_SHARES = np.linspace(0.0, 1.0, 9)
+POWERS = CROSSING_SHARES[:, None] ** np.arange(TERMS + 1)
+STATE_LIMIT = 1e100  # a state beyond this is not followed
+MAX_STEPS_AT_ONCE = 512  # grid steps tried at once in one mode
+MAX_STEP_PIECES = 100_000  # pieces of a grid step
 DOUBT = 0.25  # of the cubic term; an exponential that decays by a factor of 55 from end to end is off by a tenth of it
 
 
@@ -116,7 +116,7 @@ class Switcher:
         """The mode the loop is in just after a state; on a limit the slope of u decides."""
         u = self.loop.F @ z + r
         sign = (u > self.u_max).astype(np.int8) - (u < self.u_min).astype(np.int8)
-        slack = np.maximum(self.slack, ROUNDING * (np.abs(self.loop.F) @ np.abs(z)))  # u itself is no better known
+        slack = np.maximum(self.slack, LIMIT_ROUNDING * (np.abs(self.loop.F) @ np.abs(z)))  # u itself is no better known
         upper, lower = np.abs(u - self.u_max) <= slack, np.abs(u - self.u_min) <= slack
         if upper.any() or lower.any():
             mode = self.mode_of(sign)
@@ -129,7 +129,7 @@ class Switcher:
         left, guard = duration, 0
         while left > 1e-14 * self.h:
             guard += 1
-            if guard > MOST or not np.abs(z).max() < HUGE or self.blurred(z):
+            if guard > MAX_STEP_PIECES or not np.abs(z).max() < STATE_LIMIT or self.blurred(z):
                 return np.full_like(z, np.inf)
             mode = self.mode_at(z, r, v)
             force = self.loop.forcing(mode.free, mode.held, r, v)
@@ -139,7 +139,7 @@ class Switcher:
 
     def blurred(self, z: np.ndarray) -> bool:
         """Whether a state is so large that rounding alone takes u from one limit to the other."""
-        return bool(np.any(ROUNDING * (np.abs(self.loop.F) @ np.abs(z)) > self.u_max - self.u_min))
+        return bool(np.any(LIMIT_ROUNDING * (np.abs(self.loop.F) @ np.abs(z)) > self.u_max - self.u_min))
 
     def _stretch(self, mode: Mode, z: np.ndarray, force: np.ndarray, r: np.ndarray,
                  left: float) -> tuple[np.ndarray, float]:
@@ -195,7 +195,7 @@ class Switcher:
             if k == stops[0]:
                 stops.pop(0)
             elif (good := self._scan(states, k, min(k + ahead, stops[0]), r, v, jumps, bound)) > k:
-                ahead = min(2 * ahead, LONGEST) if good == min(k + ahead, stops[0]) else 16
+                ahead = min(2 * ahead, MAX_STEPS_AT_ONCE) if good == min(k + ahead, stops[0]) else 16
                 k = good
                 continue
             with np.errstate(over="ignore", invalid="ignore"):
@@ -253,7 +253,7 @@ class Switcher:
 def _first_exit(coefficients: np.ndarray, low: np.ndarray, high: np.ndarray, end: float) -> float:
     """The first s in (0, end] where a polynomial (column of coefficients, rising powers) leaves [low, high], or end."""
     first = end
-    samples = SAMPLES * end
+    samples = CROSSING_SHARES * end
     values = POWERS @ (coefficients * end ** np.arange(TERMS + 1)[:, None])  # (9, m)
     for i, row in enumerate(values.T):
         for limit, side in ((high[i], 1.0), (low[i], -1.0)):

@@ -1,4 +1,4 @@
-"""What is to be simulated, and what came out: two frozen records."""
+"""Define a scenario and the run that it leads to, as frozen records."""
 
 from __future__ import annotations
 
@@ -8,9 +8,24 @@ from typing import Any, Literal
 
 import numpy as np
 
+from ..systems.argument_checks import (
+    ANY,
+    BOOLEAN,
+    MOST_NUMBERS,
+    SEED,
+    choice,
+    gated,
+    instance,
+    items,
+    matrix,
+    number,
+    optional,
+    pair,
+    passed,
+    real,
+)
 from ..systems.arrays import as_covariance, as_numbers, frozen
 from ..systems.errors import EngineError, ShapeError, phrase
-from ..systems.gates import ANY, BOOLEAN, MOST_NUMBERS, SEED, choice, gated, instance, items, matrix, number, optional, pair, passed, real
 from ..systems.plant import Plant, as_matrix
 
 __all__ = ["Run", "Scenario"]

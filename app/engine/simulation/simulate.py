@@ -1,4 +1,4 @@
-"""Simulate a scenario: exact at the grid points while linear, exact between located switchings when clipped."""
+"""Simulate a scenario exactly, linear between grid points and clipped between switchings."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 from ..systems.errors import EngineError
-from ..systems.scan import affine_scan, step_matrices
+from ..systems.recursions import affine_scan, step_matrices
 from .disturbance import Disturbances, disturbances
 from .loop import Loop, continuous_loop, discrete_loop
 from .march import delayed, in_parts, plain, sampled, with_kicks
@@ -16,7 +16,7 @@ from .scenario import Run, Scenario
 
 __all__ = ["autonomous_error", "separation_meter", "simulate", "simulate_until"]
 
-DIVERGED = 1e9  # times the larger of 1 and the size of the start
+DIVERGENCE_FACTOR = 1e9  # times the larger of 1 and the size of the start
 
 
 def simulate(scenario: Scenario) -> Run:
@@ -50,7 +50,7 @@ def simulate_until(scenario: Scenario, looks: Sequence[float], enough: Callable[
     ends = sorted({*(min(max(round(look / s.dt), 1), s.n_t - 1) for look in looks), s.n_t - 1})
     if s.limited and not s.discrete and not s.lag:
         parts, late = [], None
-        for states in in_parts(s, loop, d, _reference(s), ends, DIVERGED):
+        for states in in_parts(s, loop, d, _reference(s), ends, DIVERGENCE_FACTOR):
             parts.append(states)
             if enough(states[:, :n]):
                 break
@@ -63,7 +63,7 @@ def simulate_until(scenario: Scenario, looks: Sequence[float], enough: Callable[
 
 def _states(s: Scenario, loop: Loop, d: Disturbances) -> tuple[np.ndarray, np.ndarray | None]:
     """z (≤ n_t, N), and the delayed clipped inputs of a loop with a delay."""
-    r, bound = _reference(s), DIVERGED * max(1.0, float(np.max(np.abs(d.z0))))
+    r, bound = _reference(s), DIVERGENCE_FACTOR * max(1.0, float(np.max(np.abs(d.z0))))
     if s.discrete and (s.limited or s.lag):
         return sampled(s, loop, d, r, bound)
     return delayed(s, loop, d, r, bound) if s.lag else (plain(s, loop, d, r, bound), None)

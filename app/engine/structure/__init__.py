@@ -1,4 +1,4 @@
-"""What a plant is made of: observability, controllability, decomposition, Gramians, dominance."""
+"""Analyse plants: observability, controllability, decomposition, Gramians, dominance."""
 
 from .analysis import Controllability, Mode, Observability
 from .canonise import Canonisation

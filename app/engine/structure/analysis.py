@@ -1,4 +1,4 @@
-"""What the output sees and what the input reaches, mode by mode and as distances."""
+"""Test observability and controllability, mode by mode and as distances."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from ..systems.arrays import frozen
 from ..systems.balance import poles_within, stable_poles, state_scale
 from ..systems.errors import EngineError
-from ..systems.exact import MOST_STATES, exact_poles
+from ..systems.exact_roots import MAX_STATES, exact_poles
 from ..systems.plant import Plant
 from ..systems.pole_sets import match_poles
 from .decomposition import balanced_staircase
@@ -17,7 +17,7 @@ from .decomposition import balanced_staircase
 __all__ = ["Controllability", "Mode", "Observability", "controllability", "controllability_matrix", "observability", "observability_matrix"]
 
 
-SURE = 1e-12  # of the largest pole: what rounding may move another by before it is asked what A has in truth
+POLE_ROUNDING_RTOL = 1e-12  # of the largest pole: what rounding may move another by before it is asked what A has in truth
 
 
 @dataclass(frozen=True)
@@ -134,7 +134,7 @@ def _modes(A: np.ndarray, C: np.ndarray, dt: float, rtol: float | None) -> tuple
 def _sure(A: np.ndarray, poles: np.ndarray) -> np.ndarray:
     """The poles at which distances are taken: those of A itself, in truth where copies of a multiple one are scattered."""
     own, slack = poles_within(A)
-    if len(own) <= MOST_STATES and slack.max(initial=0.0) > SURE * np.abs(own).max(initial=0.0):
+    if len(own) <= MAX_STATES and slack.max(initial=0.0) > POLE_ROUNDING_RTOL * np.abs(own).max(initial=0.0):
         own = exact_poles(A, np.zeros((len(A), 0)), np.zeros((0, len(A))), own, state_scale(A)).values
     return own[match_poles(poles, own)[0]]
 

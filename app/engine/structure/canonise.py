@@ -1,4 +1,4 @@
-"""Canonisation of a matrix: zero divisors and unit divisors on the left and on the right."""
+"""Canonise a matrix: compute its zero divisors and unit divisors on both sides."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from ..systems.arrays import frozen
 
 __all__ = ["Canonisation", "canonise", "canonise_right"]
 
-ZERO = 1e-10  # what is left of the matrix counts as zero below this, relative to its largest entry
+ZERO_RTOL = 1e-10  # what is left of the matrix counts as zero below this, relative to its largest entry
 TIMID = 1e-3  # a pivot this much smaller than the largest entry left is not used
 
 
@@ -62,7 +62,7 @@ def canonise(M: np.ndarray) -> Canonisation:
     Source: method of canonisation as used in the bilinear functional observer (Avtometriya 53, 2017, no. 4).
     """
     left, right, work = np.eye(M.shape[0]), np.eye(M.shape[1]), np.array(M, dtype=float)
-    floor = ZERO * np.max(np.abs(work), initial=0.0)
+    floor = ZERO_RTOL * np.max(np.abs(work), initial=0.0)
     rank = 0
     while rank < min(work.shape):
         row, column = _pivot(work[rank:, rank:])

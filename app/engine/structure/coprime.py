@@ -1,4 +1,4 @@
-"""Right coprime factors of (sI − Aᵀ)⁻¹ Cᵀ: every row vector t with tᵀA − s tᵀ = lᵀC, for every s."""
+"""Compute right coprime factors of (sI − Aᵀ)⁻¹ Cᵀ."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .analysis import observability
 __all__ = ["CoprimeFactors", "coprime_factors"]
 
 DEPENDENT = 1e-9  # a unit vector this near the span of earlier ones depends on them
-CLEAR = 0.1  # of one power of Aᵀ, a vector comes last that is this much nearer to the span than another
+SPAN_DISTANCE_SHARE = 0.1  # of one power of Aᵀ, a vector comes last that is this much nearer to the span than another
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,7 +105,7 @@ def _relations(A: np.ndarray, C: np.ndarray) -> tuple[tuple[int, ...], np.ndarra
         while waiting:
             rests = [_beyond(frame, tips[:, i]) for i in waiting]
             shares = [np.linalg.norm(r) / max(float(np.linalg.norm(tips[:, i])), 1e-300) for r, i in zip(rests, waiting, strict=True)]
-            at = next(k for k, share in enumerate(shares) if share >= CLEAR * max(shares))
+            at = next(k for k, share in enumerate(shares) if share >= SPAN_DISTANCE_SHARE * max(shares))
             i, rest = waiting.pop(at), rests[at]
             v = tips[:, i]
             if np.linalg.norm(rest) <= DEPENDENT * np.linalg.norm(v):

@@ -1,4 +1,4 @@
-"""Which states the input reaches and the output sees: staircase and Kalman decomposition.
+"""Decompose a plant: staircase form and Kalman decomposition.
 
 rank(O) is not asked: it falls to 7 on a plant of twenty visible modes. The staircase only ever compares
 one block with ‖A‖, and changes coordinates by orthogonal matrices.

@@ -1,4 +1,4 @@
-"""How nearly diagonal a square transfer matrix is, frequency by frequency."""
+"""Measure the diagonal dominance of a square transfer matrix over frequency."""
 
 from __future__ import annotations
 

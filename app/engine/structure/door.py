@@ -1,8 +1,8 @@
-"""The door of this room: what each of its calls takes from outside."""
+"""Declare the argument checks of the public calls of `engine.structure`."""
 
 from __future__ import annotations
 
-from ..systems.gates import FINITE, SERIES, array, count, gated, instance, matrix, number, pair
+from ..systems.argument_checks import FINITE, SERIES, array, count, gated, instance, matrix, number, pair
 from ..systems.plant import Plant
 from . import analysis, coprime, decomposition, gramian, mixing
 from .canonise import canonise as _canonise

@@ -1,4 +1,4 @@
-"""Gramians, Hankel singular values, balanced truncation.
+"""Compute Gramians, Hankel singular values, and balanced truncation.
 
 Factors, never the Gramians themselves, are multiplied: a Hankel value 1e-7 of the largest would drown in the
 rounding of Wc·Wo.
@@ -17,7 +17,7 @@ from ..systems.errors import EngineError, phrase
 from ..systems.lyapunov import settled_factor
 from ..systems.plant import Plant
 from .decomposition import in_new_states
-from .projected import added_by_rounding
+from .projection_error import projection_rounding_error
 
 __all__ = ["Gramians", "StableSplit", "Truncation", "balanced_truncation", "gramians", "hankel_singular_values",
            "observability_gramian", "reachability_gramian", "split_stable"]
@@ -195,7 +195,11 @@ def balanced_truncation(plant: Plant, order: int) -> Truncation:
     T = np.hstack([split.T[:, :k] @ right, split.T[:, k:]])
     L = np.vstack([left @ inverse[:k], inverse[k:]])
     reduced = _part(plant, T, L, plant.D, f"cut to {int(order)}")
-    bound = float(2 * sigma[r:].sum()) * (1 + _unsure(split.stable)) + 2 * len(sigma[r:]) * dust + added_by_rounding(plant, reduced, T, L)
+    bound = (
+        float(2 * sigma[r:].sum()) * (1 + _unsure(split.stable))
+        + 2 * len(sigma[r:]) * dust
+        + projection_rounding_error(plant, reduced, T, L)
+    )
     return Truncation(reduced, frozen(T), frozen(L), bound, frozen(sigma), kept)
 
 

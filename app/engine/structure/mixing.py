@@ -1,4 +1,4 @@
-"""Static mixing of two inputs, S = [[1, b], [a, 1]], that takes residual coupling out of a 2×2 block.
+"""Find the static mixing S = [[1, b], [a, 1]] that minimises the coupling of a 2×2 block.
 
 Source: report on the three-degree-of-freedom platform, equations (19)–(22).
 """
@@ -11,17 +11,17 @@ from functools import cached_property
 import numpy as np
 from scipy.optimize import minimize
 
-from ..kernels import given, kernel
-from ..kernels.valley import valley_steps
+from ..kernels import as_kernel_array, compiled_kernel
+from ..kernels.decoupling_search import decoupling_search_steps
 from ..systems.errors import EngineError, ShapeError
 
 __all__ = ["Coupling", "Mixing", "best_mixing", "coupling", "mixing_matrix"]
 
 NEAR_SINGULAR = 1e-3  # |1 − ab| below which two mixed inputs are one
 EVALUATIONS = 600
-NEAR = 1e-3  # how near a simplex must come to the end of a valley before Newton's steps
-NEWTON = 12
-SMALL = 1e-6  # a step of Newton's below which J, all rounding there, is no longer asked whether it falls
+VALLEY_TOLERANCE = 1e-3  # how near a simplex must come to the end of a valley before Newton's steps
+MAX_NEWTON_STEPS = 12
+FINAL_STEP = 1e-6  # a step of Newton's below which J, all rounding there, is no longer asked whether it falls
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,14 +145,14 @@ def coupling(response: object, *, channels: tuple[int, int] = (0, 1)) -> Couplin
 def _bottom(J: Coupling, x: np.ndarray) -> np.ndarray | None:
     """The end (2,) of the valley near x by Newton's steps, to rounding of the slopes; None where they do not lead there."""
     begun, value = x, J(*x)
-    for _ in range(NEWTON):
+    for _ in range(MAX_NEWTON_STEPS):
         slope, bend = J.slopes(*x)
         if not (bend[0, 0] > 0 and bend[0, 0] * bend[1, 1] > bend[0, 1] ** 2):
             return None
         step = np.linalg.solve(bend, slope)
         x, last = x - step, value
         value = J(*x)
-        if (not value <= last * (1 + 1e-12) and np.abs(step).max() > SMALL) or np.abs(x - begun).max() > 10 * NEAR:
+        if (not value <= last * (1 + 1e-12) and np.abs(step).max() > FINAL_STEP) or np.abs(x - begun).max() > 10 * VALLEY_TOLERANCE:
             return None
         if np.abs(step).max() <= 1e-10:
             return x
@@ -172,19 +172,19 @@ def best_mixing(response: object, *, channels: tuple[int, int] = (0, 1)) -> Mixi
     spread = max(0.05, *(abs(v) for v in start))
 
     def walk(x: np.ndarray, side: float, near: float, flat: float) -> np.ndarray:
-        corners, quick = np.array([x, (x[0] + side, x[1]), (x[0], x[1] + side)]), kernel(valley_steps)
+        corners, quick = np.array([x, (x[0] + side, x[1]), (x[0], x[1] + side)]), compiled_kernel(decoupling_search_steps)
         if quick is not None:
             with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-                quick(*map(given, J.quadratics), NEAR_SINGULAR, corners, near, flat, EVALUATIONS)
+                quick(*map(as_kernel_array, J.quadratics), NEAR_SINGULAR, corners, near, flat, EVALUATIONS)
             return corners[0]
         return minimize(lambda v: J(v[0], v[1]), x, method="Nelder-Mead", options={
             "initial_simplex": corners, "xatol": near, "fatol": flat, "maxfev": EVALUATIONS}).x
 
     def run(x: tuple[float, float]) -> tuple[float, float, float]:
-        valley = walk(np.array(x), spread, NEAR, np.inf)
+        valley = walk(np.array(x), spread, VALLEY_TOLERANCE, np.inf)
         end = _bottom(J, valley)
         if end is None:
-            valley = walk(valley, NEAR, 1e-9, 1e-12)  # as near as J itself can tell, which is half the digits of the slopes
+            valley = walk(valley, VALLEY_TOLERANCE, 1e-9, 1e-12)  # as near as J itself can tell, which is half the digits of the slopes
             end = _bottom(J, valley)
             end = valley if end is None else end
         return J(*end), float(end[0]), float(end[1])

@@ -1,4 +1,4 @@
-"""Plants, poles, conversion, noise and sampling: what every other room of the engine stands on."""
+"""Define plants, poles, conversion, noise and sampling, on which the rest of the engine builds."""
 
 from .balance import Balance
 from .door import (

@@ -1,4 +1,4 @@
-"""Matrices, covariances and weights: the one gate through which all rooms take them, in any units."""
+"""Turn arguments into finite, read-only matrices, covariances and weights, in any units."""
 
 from __future__ import annotations
 
@@ -10,14 +10,24 @@ import numpy as np
 
 from .errors import EngineError, ShapeError
 
-__all__ = ["as_covariance", "as_definite", "as_matrix", "as_numbers", "as_weight", "correlations", "definite", "frozen",
-           "solve_even", "symmetric"]
+__all__ = [
+    "as_covariance",
+    "as_definite",
+    "as_matrix",
+    "as_numbers",
+    "as_weight",
+    "correlations",
+    "frozen",
+    "is_definite",
+    "solve_scaled",
+    "symmetric",
+]
 
 ASYMMETRY = 1e-9  # beside the roots of the diagonal entries; below ROUNDING of the largest entry nothing is said of it
-ROUNDING = 1e-15
+EIGENVALUE_ROUNDING = 1e-15
 NEGATIVE = 1e-9  # how far below zero rounding may push an eigenvalue of the correlation matrix
-LARGEST = 10_000_000  # entries of one matrix
-KEPT = 1024  # entries: a weight or covariance up to this size is judged once, however often a loop is built from it
+MAX_ENTRIES = 10_000_000  # entries of one matrix
+CACHED_ENTRIES = 1024  # entries: a weight or covariance up to this size is judged once, however often a loop is built from it
 
 
 def as_numbers(value: object, name: str, *, missing: bool = False, imaginary: bool = False,
@@ -28,13 +38,13 @@ def as_numbers(value: object, name: str, *, missing: bool = False, imaginary: bo
     (unless `imaginary`), masked or NaN entries (unless `missing`) and infinity (unless `infinite`), ShapeError for more entries than memory
     should hold.
     """
-    if type(value) is np.ndarray and not imaginary and value.dtype.kind == "f" and value.size <= LARGEST and np.isfinite(value).all():
+    if type(value) is np.ndarray and not imaginary and value.dtype.kind == "f" and value.size <= MAX_ENTRIES and np.isfinite(value).all():
         return value
     if isinstance(value, np.ma.MaskedArray):
         value = _unmasked(value, name, missing)
     count = value.size if isinstance(value, np.ndarray) else len(value) if isinstance(value, Sized) else 1
-    if count > LARGEST:
-        raise ShapeError("{name} has more than {largest:.0e} entries; give a smaller matrix.", name=name, largest=LARGEST)
+    if count > MAX_ENTRIES:
+        raise ShapeError("{name} has more than {largest:.0e} entries; give a smaller matrix.", name=name, largest=MAX_ENTRIES)
     array = _plain(value, name)
     if array.dtype.kind == "c" and not imaginary:
         if np.imag(array).any():
@@ -108,20 +118,20 @@ def correlations(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return matrix / spread / spread[:, None], spread
 
 
-def solve_even(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
+def solve_scaled(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
     """X (n×k) of S X = right for a positive definite S (n×n), by its correlations: the units of S cost no digits."""
     even, spread = correlations(matrix)
     return np.linalg.solve(even, right / spread[:, None]) / spread[:, None]
 
 
-def definite(matrix: np.ndarray) -> bool:
+def is_definite(matrix: np.ndarray) -> bool:
     """Whether a symmetric matrix is positive definite, by its correlations: diag(1e-18, 1) is."""
     if not len(matrix):
         return True
     if not np.diag(matrix).min() > 0:
         return False
     values = np.linalg.eigvalsh(correlations(matrix)[0])
-    return bool(values[0] > ROUNDING * values[-1])
+    return bool(values[0] > EIGENVALUE_ROUNDING * values[-1])
 
 
 def as_covariance(value: object, name: str, size: int) -> np.ndarray:
@@ -150,7 +160,7 @@ def as_weight(value: object, name: str, size: int) -> np.ndarray:
 def as_definite(value: object, name: str, size: int) -> np.ndarray:
     """As `as_weight`, positive definite."""
     matrix = as_weight(value, name, size)
-    if not definite(matrix):
+    if not is_definite(matrix):
         raise EngineError("{name} must be positive definite: every eigenvalue above zero.", name=name)
     return matrix
 
@@ -159,7 +169,7 @@ def _square_and_even(matrix: np.ndarray, name: str, size: int) -> np.ndarray:
     if matrix.shape != (size, size):
         raise ShapeError("{name} must be {size}×{size}; it is {rows}×{columns}.",
                          name=name, size=size, rows=matrix.shape[0], columns=matrix.shape[1])
-    if not (_kept_symmetry if matrix.size <= KEPT else _symmetry)(matrix.tobytes(), size):
+    if not (_kept_symmetry if matrix.size <= CACHED_ENTRIES else _symmetry)(matrix.tobytes(), size):
         raise EngineError("{name} must be symmetric; replace it by ({name} + {name}ᵀ)/2.", name=name)
     return symmetric(matrix)
 
@@ -168,7 +178,7 @@ def _symmetry(entries: bytes, size: int) -> bool:
     """Whether a matrix is symmetric but for rounding."""
     matrix = np.frombuffer(entries).reshape(size, size)
     spread = np.sqrt(np.abs(np.diag(matrix)))
-    allowed = np.maximum(ASYMMETRY * np.outer(spread, spread), ROUNDING * np.abs(matrix).max(initial=0.0))
+    allowed = np.maximum(ASYMMETRY * np.outer(spread, spread), EIGENVALUE_ROUNDING * np.abs(matrix).max(initial=0.0))
     return not np.any(np.abs(matrix - matrix.T) > allowed)
 
 
@@ -176,7 +186,7 @@ def _negative(matrix: np.ndarray) -> bool:
     """Whether an eigenvalue lies below zero by more than rounding, in units of each entry's own."""
     if not len(matrix):
         return False
-    return (_kept_sign if matrix.size <= KEPT else _sign)(matrix.tobytes(), len(matrix))
+    return (_kept_sign if matrix.size <= CACHED_ENTRIES else _sign)(matrix.tobytes(), len(matrix))
 
 
 def _sign(entries: bytes, size: int) -> bool:

@@ -1,4 +1,4 @@
-"""Units drop out: the diagonal scalings in which every tolerance of the engine is meant.
+"""Scale states, inputs and outputs so that no tolerance depends on the units.
 
 A plant in millimetres and volts is the plant in metres and kilovolts, so no decision may depend on which. What a change
 of units leaves alone are the strengths of paths: from input k to state i, from state j to state i, to output l. The
@@ -16,13 +16,13 @@ from scipy.linalg import eig, matrix_balance
 from .arrays import frozen
 from .errors import ShapeError
 
-__all__ = ["SLOWEST", "UNLIKE", "Balance", "balance", "natural_scale", "plain_scale", "poles_within", "stable_poles",
+__all__ = ["MIN_RATE", "UNLIKE", "Balance", "balance", "natural_scale", "plain_scale", "poles_within", "stable_poles",
            "state_scale", "without_dust"]
 
-DUST = 1e-14  # an entry this small beside its row and its column is rounding: it must not steer the scales
+ROUNDING_ENTRY_RTOL = 1e-14  # an entry this small beside its row and its column is rounding: it must not steer the scales
 UNLIKE = 2.0**12  # states whose natural units are further apart than this are not in like units
 CANCELLED = 1e-14
-SLOWEST = 1e-200  # a rate below this is none
+MIN_RATE = 1e-200  # a rate below this is none
 CLEARLY = 10.0  # times rounding
 WIDEST = 400.0  # log₂ of the largest scale
 
@@ -83,10 +83,10 @@ def _balance(a: bytes, b: bytes, c: bytes, d: bytes, n: int, m: int, p: int) -> 
     A, B, C, D = (np.abs(np.frombuffer(data)).reshape(shape)
                   for data, shape in ((a, (n, n)), (b, (n, m)), (c, (p, n)), (d, (p, m))))
     tall, wide = _largest(A, 0), _largest(A, 1)
-    A = np.where(DUST * np.minimum(wide, tall) < A, A, 0.0)
-    B, C = np.where(DUST * _largest(B, 0) < B, B, 0.0), np.where(DUST * _largest(C, 1) < C, C, 0.0)
+    A = np.where(ROUNDING_ENTRY_RTOL * np.minimum(wide, tall) < A, A, 0.0)
+    B, C = np.where(ROUNDING_ENTRY_RTOL * _largest(B, 0) < B, B, 0.0), np.where(ROUNDING_ENTRY_RTOL * _largest(C, 1) < C, C, 0.0)
     rate = float(np.abs(np.linalg.eigvals(A)).max(initial=0.0))
-    rate = rate if rate > SLOWEST else 1.0
+    rate = rate if rate > MIN_RATE else 1.0
     delta = _scales(_paths(A, B, C, D, np.log2(rate)), n)
     delta = np.clip(delta, -WIDEST, WIDEST)
     scale, exact = frozen(2.0 ** np.round(delta)), frozen(2.0 ** delta)

@@ -1,4 +1,4 @@
-"""Plants from and to JSON, MATLAB .mat files and python-control: names, units and period travel along.
+"""Convert plants from and to JSON, .mat files and python-control, with names and units.
 
 A file comes from a stranger: its size, depth, shapes and kinds are checked before anything is built from it.
 """
@@ -17,7 +17,7 @@ from scipy.io import savemat
 
 from .arrays import as_matrix
 from .errors import EngineError, phrase
-from .file_gate import MAX_BYTES, MAX_STATES, bytes_of, full, kind_of, number, parse, rows, text_of
+from .file_checks import MAX_BYTES, MAX_STATES, bytes_of, full, kind_of, number, parse, rows, text_of
 from .matfile import read_mat
 from .plant import Plant
 

@@ -1,16 +1,12 @@
-"""The door of this room: what each of its calls takes from outside."""
+"""Declare the argument checks of the public calls of `engine.systems`."""
 
 from __future__ import annotations
 
 import os
 from types import MappingProxyType
 
-from . import arrays, convert, jacobian, lyapunov, noise, pole_sets, sampling, scan, spectrum, zeros
-from .balance import balance as _balance
-from .balance import natural_scale as _natural_scale
-from .balance import stable_poles as _stable_poles
-from .balance import state_scale as _state_scale
-from .gates import (
+from . import arrays, convert, jacobian, lyapunov, noise, pole_sets, recursions, sampling, spectrum, zeros
+from .argument_checks import (
     COMPLEX,
     COUNT,
     FINITE,
@@ -35,6 +31,10 @@ from .gates import (
     optional,
     vector,
 )
+from .balance import balance as _balance
+from .balance import natural_scale as _natural_scale
+from .balance import stable_poles as _stable_poles
+from .balance import state_scale as _state_scale
 from .plant import Plant
 
 _PLANT = instance(Plant)
@@ -50,9 +50,9 @@ def _target(value: object, name: str, sizes: dict[str, int]) -> object:
 WINDOWS = ("hann", "hamming", "blackman", "blackmanharris", "bartlett", "boxcar", "flattop")
 
 affine_scan = gated(Phi=matrix("N N"), forcing=optional(array("k N")), z0=vector("N"),
-                    steps=count(0, MOST_NUMBERS, beside="N"))(scan.affine_scan)
-held_scan = gated(Phi=matrix("N N"), Gamma=matrix("N q"), inputs=array("k q"), z0=vector("N"))(scan.held_scan)
-step_matrices = gated(M=matrix("N N"), duration=FINITE)(scan.step_matrices)
+                    steps=count(0, MOST_NUMBERS, beside="N"))(recursions.affine_scan)
+held_scan = gated(Phi=matrix("N N"), Gamma=matrix("N q"), inputs=array("k q"), z0=vector("N"))(recursions.held_scan)
+step_matrices = gated(M=matrix("N N"), duration=FINITE)(recursions.step_matrices)
 all_stable = gated(poles=POLES, dt=PERIOD)(pole_sets.all_stable)
 check_poles = gated(poles=POLES, count=count())(pole_sets.check_poles)
 match_poles = gated(a=POLES, b=POLES)(pole_sets.match_poles)

@@ -1,4 +1,4 @@
-"""Errors of the engine: one sentence each, saying what happened and what to change.
+"""Define the engine's errors: one sentence that says what is wrong and what to change.
 
 A sentence is a message with named values, `EngineError("A must be square; it is {rows}×{columns}.", rows=2, columns=3)`:
 `str()` is the English, and whoever speaks another language has the message and the values to say it with.
@@ -57,7 +57,7 @@ class ShapeError(EngineError):
 
     >>> Plant([[0, 1]], [[0], [1]], [[1, 0]])
     Traceback (most recent call last):
-    app.engine.systems.errors.ShapeError: A must be square; it is 1×2.
+    observer_lab.engine.systems.errors.ShapeError: A must be square; it is 1×2.
     """
 
 
@@ -66,7 +66,7 @@ class PoleError(EngineError):
 
     >>> place([[0, 1], [0, 0]], [[0], [1]], [-1, -1 + 1j])
     Traceback (most recent call last):
-    app.engine.systems.errors.PoleError: The complex pole -1 + 1j lacks its conjugate -1 - 1j: ...
+    observer_lab.engine.systems.errors.PoleError: The complex pole -1 + 1j lacks its conjugate -1 - 1j: ...
     """
 
 
@@ -75,5 +75,5 @@ class RiccatiError(EngineError):
 
     >>> lqr([[1]], [[0]], [[1]], [[1]])
     Traceback (most recent call last):
-    app.engine.systems.errors.RiccatiError: The mode at 1 is not stable and is uncontrollable: no K can stabilise it; change the plant.
+    observer_lab.engine.systems.errors.RiccatiError: The mode at 1 is not stable and is uncontrollable: no K ...
     """

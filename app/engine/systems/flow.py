@@ -1,4 +1,4 @@
-"""A nonlinear plant over one sampling step: Runge and Kutta's fourth order, many states at a time, and its derivative."""
+"""Integrate a nonlinear plant over one sampling step by Runge–Kutta, with its derivative."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .gates import FUNCTION, NAME, SECONDS, count, optional, passed
+from .argument_checks import FUNCTION, NAME, SECONDS, count, optional, passed
 from .jacobian import Map, slopes
 from .plant import Plant
 

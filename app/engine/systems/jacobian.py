@@ -1,4 +1,4 @@
-"""Values and derivatives of maps of the state, many states at a time."""
+"""Compute values and derivatives of maps of the state, many states at a time."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .errors import EngineError, ShapeError
 __all__ = ["each_column", "slopes", "values_of"]
 
 Map = Callable[[np.ndarray, np.ndarray], np.ndarray]
-STEP = 1e-30  # of the complex step: its square is below every rounding
+COMPLEX_STEP = 1e-30  # of the complex step: its square is below every rounding
 
 
 def each_column(one: Map) -> Map:
@@ -47,7 +47,7 @@ def slopes(f: Map, x: np.ndarray, u: np.ndarray, *, name: str = "The map",
     Exact to rounding. Squire and Trapp (1998). f must be analytic: no |x|, no comparisons. Raises ShapeError, EngineError.
     """
     n, N = x.shape
-    many = (x[:, None, :] + 1j * STEP * np.eye(n)[:, :, None]).reshape(n, n * N)
+    many = (x[:, None, :] + 1j * COMPLEX_STEP * np.eye(n)[:, :, None]).reshape(n, n * N)
     unfit = EngineError("{name} cannot be differentiated by a complex step; give its slope.", name=name)
     try:
         with warnings.catch_warnings():
@@ -58,4 +58,4 @@ def slopes(f: Map, x: np.ndarray, u: np.ndarray, *, name: str = "The map",
     if not np.iscomplexobj(values):
         raise unfit
     values = values.reshape(len(values), n, N)
-    return np.real(values[:, 0]).copy(), (np.imag(values) / STEP).transpose(2, 0, 1)
+    return np.real(values[:, 0]).copy(), (np.imag(values) / COMPLEX_STEP).transpose(2, 0, 1)

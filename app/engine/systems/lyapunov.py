@@ -1,4 +1,4 @@
-"""Lyapunov's equations by square-root factors in balanced states: variances that cannot come out negative."""
+"""Solve Lyapunov equations by square-root factors, so that variances stay positive."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ __all__ = ["settled_covariance", "settled_factor"]
 EPS = float(np.finfo(float).eps)
 UNEVEN = 1e-4  # deviations further apart than this, in balanced states, cost the small ones digits
 DIM = 1e-7  # squares tell deviations down to this share of the largest
-WIDE = 4  # times as many columns as states, before a factor is compressed
-LARGEST = 1e150  # a factor as large as this has variances that overflow
+MAX_FACTOR_WIDTH = 4  # times as many columns as states, before a factor is compressed
+MAX_FACTOR = 1e150  # a factor as large as this has variances that overflow
 
 
 def settled_covariance(A: np.ndarray, G: np.ndarray, *, dt: float = 0.0) -> np.ndarray:
@@ -87,11 +87,11 @@ class _Triangular:
                 added = np.vdot(more, more)
                 if added <= EPS**2 * np.vdot(R, R):
                     break
-                if not added < LARGEST**2:
+                if not added < MAX_FACTOR**2:
                     raise EngineError("Rounding hides whether the loop is stable, so its variances cannot be told; choose gentler "
                                       "gains or other units.")
                 R = np.concatenate([R, more], axis=1)
-                if R.shape[1] > WIDE * n:
+                if R.shape[1] > MAX_FACTOR_WIDTH * n:
                     R = _compress(R)
                 power = power @ power
         found = self.Z @ _compress(R)

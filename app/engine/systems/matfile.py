@@ -1,4 +1,4 @@
-"""The full real matrices and texts of a MATLAB 5 (-v6, -v7) file, read without trusting one byte of it.
+"""Read matrices and texts of a MATLAB 5 file without trusting any byte.
 
 Why not scipy.io.loadmat: a single flipped byte in a file can end the whole process (bus error), and a small
 compressed variable can unpack to gigabytes. Here every length is checked against what is left.

@@ -1,4 +1,4 @@
-"""White noise on a grid: exact covariances over a step, and the draws of a seed."""
+"""Compute exact noise covariances over a step, and draw noise from a seed."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The plant: ẋ = A x + B u + G w, y = C x + D u + v."""
+"""Define the plant: ẋ = A x + B u + G w, y = C x + D u + v."""
 
 from __future__ import annotations
 

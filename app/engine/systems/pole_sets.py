@@ -1,4 +1,4 @@
-"""Sets of poles: those of a matrix, checking a request, matching two sets, moving one pole by hand."""
+"""Handle sets of poles: compute, check, match two sets, move one pole."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ __all__ = ["Poles", "all_stable", "check_poles", "match_poles", "move_pole", "po
 Poles = npt.NDArray[np.complex128]
 
 PAIR_TOLERANCE = 1e-9  # how far a pole may be from the conjugate of its partner, relative to its size
-SMALLEST = 1e-100  # the size below which no pole is told apart from 0
-LARGEST = 1e12  # rad/s; beyond this a request is a slip of the hand
+MIN_POLE = 1e-100  # the size below which no pole is told apart from 0
+MAX_POLE_RAD_S = 1e12  # rad/s; beyond this a request is a slip of the hand
 
 
 def sorted_poles(A: np.ndarray) -> Poles:
@@ -52,14 +52,14 @@ def check_poles(poles: Iterable[complex], count: int) -> Poles:
                         count=count, asked_size=asked.size)
     if not np.all(np.isfinite(asked)):
         raise PoleError("A requested pole is NaN or infinite; every pole must be a finite number.")
-    if asked.size and np.abs(asked).max() > LARGEST:
-        raise PoleError("A requested pole is larger than {largest:g}; ask for slower poles.", largest=LARGEST)
+    if asked.size and np.abs(asked).max() > MAX_POLE_RAD_S:
+        raise PoleError("A requested pole is larger than {largest:g}; ask for slower poles.", largest=MAX_POLE_RAD_S)
     return _pair_up(asked.copy())
 
 
 def _pair_up(asked: Poles) -> Poles:
     """Make near-real poles real and near-conjugate pairs exact; PoleError where a partner is missing."""
-    size = np.maximum(np.abs(asked), SMALLEST)
+    size = np.maximum(np.abs(asked), MIN_POLE)
     near_real = np.abs(asked.imag) <= PAIR_TOLERANCE * size
     asked[near_real] = asked[near_real].real
     lower = [i for i in range(asked.size) if asked[i].imag < 0]
@@ -117,7 +117,7 @@ def move_pole(
     partner = _partner(moved, index)
     if index in fixed or partner in fixed:
         return tuple(moved)
-    on_axis = abs(to.imag) < axis_snap or abs(to.imag) <= PAIR_TOLERANCE * max(abs(to), SMALLEST)
+    on_axis = abs(to.imag) < axis_snap or abs(to.imag) <= PAIR_TOLERANCE * max(abs(to), MIN_POLE)
     if partner is None and not on_axis:
         partner = _nearest_real(moved, index, to, fixed)
         on_axis = partner is None

@@ -1,4 +1,4 @@
-"""The zero-order hold and its inverse: from a plant to the one seen at its samples, and back."""
+"""Discretise a plant by the zero-order hold, and invert it."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from scipy.linalg import expm, logm
 
 from .errors import EngineError
 from .plant import Plant
-from .scan import step_matrices
+from .recursions import step_matrices
 
 __all__ = ["continuous_of", "discretise"]
 

@@ -1,4 +1,4 @@
-"""Spectra: the density of a series, and the response of a linear system."""
+"""Compute the spectral density of a series and the response of a linear system."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from .plant import as_matrix
 __all__ = ["Spectrum", "amplitude_response", "frequency_response", "modal_coordinates", "psd"]
 
 CANCELLATION = 1e-6  # of the sum of the sizes of the residues' terms: less is not told by them
-ABSENT, FEW = 1e-12, 64
-KEPT = 40  # states of a system whose modes are kept
+ABSENT, FEW_POINTS = 1e-12, 64
+CACHED_STATES = 40  # states of a system whose modes are kept
 WORST_EIGENVECTORS = 1e6  # condition beyond which modal residues lose too many digits
 
 
@@ -78,7 +78,7 @@ def modal_coordinates(A: np.ndarray, B: np.ndarray, C: np.ndarray) -> tuple[np.n
     """
     if not len(A):
         return np.empty(0, dtype=complex), np.empty((len(C), 0), dtype=complex), np.empty((0, B.shape[1]), dtype=complex)
-    if len(A) > KEPT:
+    if len(A) > CACHED_STATES:
         return _in_modes(A, B, C)
     a, b, c = (np.ascontiguousarray(M, dtype=float).tobytes() for M in (A, B, C))
     return _kept(a, b, c, len(A))
@@ -137,7 +137,7 @@ def response_at(modal: tuple[np.ndarray, np.ndarray, np.ndarray] | None, a: np.n
         terms = (np.abs(weights) @ np.abs(residues)).reshape(-1, *d.shape)
         told = np.where(terms > 0, np.abs(found) / terms, 1.0)
     # an entry of a whole sweep that never rises above rounding is a channel that is not there
-    there = (told.max(axis=0, initial=0.0) > ABSENT) | (len(points) <= FEW)
+    there = (told.max(axis=0, initial=0.0) > ABSENT) | (len(points) <= FEW_POINTS)
     lost = np.flatnonzero(((told < CANCELLATION) & there).any(axis=(1, 2)) & np.isfinite(terms).all(axis=(1, 2)))
     if lost.size:
         found[lost] = solved_response(a, b, c, d, points[lost])

@@ -1,4 +1,4 @@
-"""Transmission zeros: what is left of a plant once everything that an input can hide or an output misses is taken out."""
+"""Compute transmission and invariant zeros of a plant."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from .plant import Plant
 
 __all__ = ["invariant_zeros", "transmission_zeros"]
 
-RANK = 1e-10  # of a block beside the largest of the balanced system: what is smaller is zero
+RANK_RTOL = 1e-10  # of a block beside the largest of the balanced system: what is smaller is zero
 
 
 def transmission_zeros(plant: Plant) -> np.ndarray | None:
@@ -57,7 +57,7 @@ def _without_forbidden(A: np.ndarray, B: np.ndarray, C: np.ndarray, D: np.ndarra
     Outputs that D does not reach forbid the states they see; that those stay zero is the next output.
     """
     while True:
-        floor = RANK * max(1.0, *(float(np.linalg.norm(M)) for M in (A, B) if M.size), 0.0)
+        floor = RANK_RTOL * max(1.0, *(float(np.linalg.norm(M)) for M in (A, B) if M.size), 0.0)
         U, s, _ = np.linalg.svd(D)
         rank = int(np.count_nonzero(s > floor))
         C, D = U.T @ C, U.T @ D

@@ -10,10 +10,10 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from app.engine import EngineError, Plant, PoleError, compensator, frequency_response, observer_gain, place, sensitivity
-from app.engine.design import diophantine, rational, sylvester
-from app.engine.feedback import to_tf
-from app.engine.systems import match_poles
+from observer_lab.engine import EngineError, Plant, PoleError, compensator, frequency_response, observer_gain, place, sensitivity
+from observer_lab.engine.design import diophantine, rational, sylvester
+from observer_lab.engine.feedback import to_tf
+from observer_lab.engine.systems import match_poles
 
 
 def test_a_double_integrator_by_hand() -> None:

@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pole_requests import random_pair, random_poles
 
-from app.engine import EngineError, PoleError, place
-from app.engine.systems import check_poles, move_pole
+from observer_lab.engine import EngineError, PoleError, place
+from observer_lab.engine.systems import check_poles, move_pole
 
 
 def test_a_pair_moves_together():

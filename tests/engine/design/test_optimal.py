@@ -11,10 +11,10 @@ from hypothesis import strategies as st
 from mpmath import mp
 from scipy.linalg import solve_continuous_lyapunov
 
-from app.engine import EngineError, Plant, RiccatiError, ShapeError, dlqe, dlqr, lqe, lqr
-from app.engine.design import riccati
-from app.engine.systems.noise import step_covariance
-from app.engine.systems.sampling import discretise
+from observer_lab.engine import EngineError, Plant, RiccatiError, ShapeError, dlqe, dlqr, lqe, lqr
+from observer_lab.engine.design import riccati
+from observer_lab.engine.systems.noise import step_covariance
+from observer_lab.engine.systems.sampling import discretise
 
 ONES = np.ones((2, 2))
 DOYLE_A, DOYLE_B, DOYLE_C = np.array([[1.0, 1.0], [0.0, 1.0]]), np.array([[0.0], [1.0]]), np.array([[1.0, 0.0]])

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from mpmath import mp
 from pole_requests import POSITION, SPRING, random_pair, random_poles, same_polynomial
 
-from app.engine import observer_gain, place
+from observer_lab.engine import observer_gain, place
 
 
 # --- published numbers ---------------------------------------------------------------------------------------------

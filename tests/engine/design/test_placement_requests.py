@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from pole_requests import SPRING
 
-from app.engine import EngineError, PoleError, ShapeError, observer_gain, place
-from app.engine.systems import check_poles, match_poles
+from observer_lab.engine import EngineError, PoleError, ShapeError, observer_gain, place
+from observer_lab.engine.systems import check_poles, match_poles
 
 
 # --- uncontrollable modes --------------------------------------------------------------------------------------------

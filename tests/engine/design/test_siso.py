@@ -9,17 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from app.engine import EngineError, Plant, ShapeError, frequency_response
-from app.engine.design import (
-    LoopShape,
-    diagonal_controller,
-    loop_shaped,
-    negated,
-    polynomial_roots,
-    rational,
-    realise,
-    series,
-)
+from observer_lab.engine import EngineError, Plant, ShapeError, frequency_response
+from observer_lab.engine.design import LoopShape, diagonal_controller, loop_shaped, negated, polynomial_roots, rational, realise, series
 
 OMEGA = np.geomspace(1e-3, 1e4, 60)
 

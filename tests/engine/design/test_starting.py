@@ -7,16 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from app.engine import EngineError, Plant, PoleError, observability, place
-from app.engine.design import (
-    in_natural_units,
-    shift_observer,
-    shift_poles,
-    starting_feedback,
-    starting_observer,
-    typical_rate,
-)
-from app.engine.systems import match_poles
+from observer_lab.engine import EngineError, Plant, PoleError, observability, place
+from observer_lab.engine.design import in_natural_units, shift_observer, shift_poles, starting_feedback, starting_observer, typical_rate
+from observer_lab.engine.systems import match_poles
 
 
 def plant_of(seed: int, n: int, m: int, p: int, dt: float = 0.0) -> Plant:

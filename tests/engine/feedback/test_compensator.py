@@ -6,9 +6,9 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from app.engine import Plant, ShapeError, closed_loop, compensator, lqe, lqr, observer_gain, place
-from app.engine.feedback import to_tf
-from app.engine.systems import match_poles
+from observer_lab.engine import Plant, ShapeError, closed_loop, compensator, lqe, lqr, observer_gain, place
+from observer_lab.engine.feedback import to_tf
+from observer_lab.engine.systems import match_poles
 
 
 def random_plant(seed, n, m, p, through=0.0, dt=0.0):

@@ -7,9 +7,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.stats import chi2
 
-from app.engine import EngineError, Plant, Scenario, ShapeError, compensator, lqg, noisy_loop, psd, simulate
-from app.plants import platform, platform_lqg
-from app.plants.platform_channels import CHANNELS, T_u, T_y, controller_from_channels, in_channels
+from observer_lab.engine import EngineError, Plant, Scenario, ShapeError, compensator, lqg, noisy_loop, psd, simulate
+from observer_lab.plants.platform import lqg_weights, model
+from observer_lab.plants.platform.channels import CHANNELS, T_u, T_y, controller_from_channels, in_channels
 
 
 def random_loop(seed: int, n: int = 3, m: int = 2, p: int = 2) -> tuple[Plant, Plant, np.ndarray]:
@@ -181,7 +181,7 @@ def test_the_riccati_cost_is_the_lyapunov_cost_and_no_other_gain_is_cheaper(seed
 
 # --- the platform ----------------------------------------------------------------------------------------------------
 def test_the_channels_are_the_reports_and_the_residual_of_a_rigid_deck_is_zero() -> None:
-    p = platform.plant()
+    p = model.plant()
     y = dict(zip(p.output_names, np.eye(4), strict=True))
     assert T_y[0] == pytest.approx((y["VL"] + y["VR"]) / 2) and T_y[1] == pytest.approx((y["VL"] - y["VR"]) / 2)
     assert T_y[2] == pytest.approx((y["HL"] - y["HR"]) / 2) and T_y[3] == pytest.approx((y["HL"] + y["HR"]) / 2)
@@ -191,13 +191,13 @@ def test_the_channels_are_the_reports_and_the_residual_of_a_rigid_deck_is_zero()
 
 
 def test_a_controller_in_the_channels_is_the_same_loop_as_its_matrix_controller() -> None:
-    p = platform.plant()
+    p = model.plant()
     inside = in_channels(p)
     assert (inside.m, inside.p) == (3, 4)
     damper = Plant(np.zeros((0, 0)), np.zeros((0, 4)), np.zeros((3, 0)), np.hstack([-np.diag([30.0, 20.0, 10.0]), np.zeros((3, 1))]))
     W = 1e-12
-    in_z = noisy_loop(inside, damper, platform_lqg.ground(p), W)
-    in_y = noisy_loop(platform_lqg.coils(p), controller_from_channels(damper), platform_lqg.ground(p), W)
+    in_z = noisy_loop(inside, damper, lqg_weights.ground(p), W)
+    in_y = noisy_loop(lqg_weights.coils(p), controller_from_channels(damper), lqg_weights.ground(p), W)
     assert np.sort_complex(in_z.poles) == pytest.approx(np.sort_complex(in_y.poles))
     f = np.array([0.3, 1.0, 1.5, 20.0])
     assert in_y.psd(f, in_y.outputs(T_y[:3])) == pytest.approx(in_z.psd(f)[:, :3], rel=1e-6)
@@ -210,9 +210,9 @@ SUPPRESSION = {1e-18: (110, 96, 113), 1e-12: (61, 61, 57), 1e-10: (41, 26, 37), 
 
 @pytest.mark.parametrize("V", SUPPRESSION)
 def test_the_lqg_of_the_report_suppresses_the_peaks_as_the_table_says(V: float) -> None:
-    p = platform.plant()
-    d = platform_lqg.lqg(p, platform_lqg.Weights(v0=V))
-    loops = (noisy_loop(platform_lqg.coils(p), c, platform_lqg.ground(p), 1e-12, V=platform_lqg.LITERAL_V)
+    p = model.plant()
+    d = lqg_weights.lqg(p, lqg_weights.Weights(v0=V))
+    loops = (noisy_loop(lqg_weights.coils(p), c, lqg_weights.ground(p), 1e-12, V=lqg_weights.LITERAL_V)
              for c in (None, d.controller))
     f = np.unique(np.concatenate([np.geomspace(0.01, 100, 400), np.linspace(0.9, 1.6, 1500)]))
     opened, closed = (loop.psd(f, loop.outputs(T_y[:3])).max(axis=0) for loop in loops)
@@ -222,9 +222,9 @@ def test_the_lqg_of_the_report_suppresses_the_peaks_as_the_table_says(V: float) 
 
 
 def test_at_v_1e_9_the_pitch_is_amplified_at_a_tenth_of_a_hertz() -> None:
-    p = platform.plant()
-    d = platform_lqg.lqg(p)
-    loops = [noisy_loop(platform_lqg.coils(p), c, platform_lqg.ground(p), 1e-12, V=platform_lqg.LITERAL_V)
+    p = model.plant()
+    d = lqg_weights.lqg(p)
+    loops = [noisy_loop(lqg_weights.coils(p), c, lqg_weights.ground(p), 1e-12, V=lqg_weights.LITERAL_V)
              for c in (None, d.controller)]
     opened, closed = (loop.psd(0.1, loop.outputs(T_y[:3]))[0] for loop in loops)
     assert closed[1] > 100 * opened[1]  # 31 dB
@@ -232,16 +232,16 @@ def test_at_v_1e_9_the_pitch_is_amplified_at_a_tenth_of_a_hertz() -> None:
 
 
 def test_the_literal_design_is_stiff_and_has_a_drift_pole() -> None:
-    d = platform_lqg.lqg(platform.plant(), platform_lqg.LITERAL)
+    d = lqg_weights.lqg(model.plant(), lqg_weights.LITERAL)
     assert d.regulator.poles[0].real == pytest.approx(-3.8e5, rel=0.02)
     assert d.regulator.poles[-1].real == pytest.approx(-1.06e-4, rel=0.005)
     assert d.regulator.residual < 1e-10 and d.estimator.residual < 1e-10
 
 
 def test_the_controller_is_equations_88_and_89() -> None:
-    p = platform.plant()
-    d = platform_lqg.lqg(p)
-    B = platform_lqg.coils(p).B
+    p = model.plant()
+    d = lqg_weights.lqg(p)
+    B = lqg_weights.coils(p).B
     assert np.array_equal(d.controller.A, p.A - B @ d.K - d.L @ p.C)
     assert np.array_equal(d.controller.B, d.L) and np.array_equal(d.controller.C, -d.K) and not np.any(d.controller.D)
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from doyle_loop import DOYLE, ONES
 
-from app.engine import Plant, lqe, lqr, recover
-from app.engine.feedback import recover_at_output
-from app.engine.systems import transmission_zeros
+from observer_lab.engine import Plant, lqe, lqr, recover
+from observer_lab.engine.feedback import recover_at_output
+from observer_lab.engine.systems import transmission_zeros
 
 
 def test_recovery_brings_doyles_margins_back():

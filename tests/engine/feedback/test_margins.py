@@ -7,22 +7,10 @@ from doyle_loop import DOYLE, ONES, doyle
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from app.engine import (
-    EngineError,
-    Plant,
-    ShapeError,
-    compensator,
-    dlqe,
-    dlqr,
-    loop_margins,
-    lqe,
-    lqr,
-    recover,
-    sensitivity,
-)
-from app.engine.feedback import DiskMargin, margins, state_feedback_margins
-from app.engine.systems import discretise
-from app.plants import platform
+from observer_lab.engine import EngineError, Plant, ShapeError, compensator, dlqe, dlqr, loop_margins, lqe, lqr, recover, sensitivity
+from observer_lab.engine.feedback import DiskMargin, margins, state_feedback_margins
+from observer_lab.engine.systems import discretise
+from observer_lab.plants.platform import model
 
 
 def lqg(seed, n=4, m=2, p=2):
@@ -229,8 +217,8 @@ def test_sampled_loop_is_judged_on_the_unit_circle():
 
 
 def test_platform_lqg_has_named_margins_and_a_loop_stable_to_them():
-    whole = platform.plant()
-    plant = Plant(whole.A, whole.B[:, :3], whole.C, None, 0.0, whole.state_names, platform.COILS, platform.SENSORS)
+    whole = model.plant()
+    plant = Plant(whole.A, whole.B[:, :3], whole.C, None, 0.0, whole.state_names, model.COIL_IDS, model.SENSOR_IDS)
     K = lqr(plant.A, plant.B, plant.C.T @ np.diag([1e8, 1e10, 1e8, 1e10]) @ plant.C * 100, 0.1 * np.eye(3)).gain
     L = lqe(plant.A, whole.B[:, 3:], plant.C, 1e-12 * np.eye(2), 1e-9 * np.eye(4)).gain
     controller = compensator(plant, K, L)

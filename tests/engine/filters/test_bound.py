@@ -5,8 +5,8 @@ import pytest
 from scipy.linalg import block_diag
 from scipy.special import ndtri
 
-from app.engine import Belief, EngineError, KalmanFilter, ShapeError
-from app.engine.filters import posterior_bound
+from observer_lab.engine import Belief, EngineError, KalmanFilter, ShapeError
+from observer_lab.engine.filters import posterior_bound
 
 RUNS, STEPS = 5, 7
 

@@ -8,8 +8,8 @@ from scipy.integrate import trapezoid
 from scipy.linalg import cholesky, solve_discrete_lyapunov
 from scipy.stats import chi2, kstest
 
-from app.engine import Belief, EngineError, KalmanFilter, ShapeError, chi2_band, innovation_test, nees, nis, psd
-from app.engine.filters import AdcNoise, independent_errors, whiteness, with_coloured_noise
+from observer_lab.engine import Belief, EngineError, KalmanFilter, ShapeError, chi2_band, innovation_test, nees, nis, psd
+from observer_lab.engine.filters import AdcNoise, independent_errors, whiteness, with_coloured_noise
 
 A, C = np.array([[0.95, 0.1], [-0.1, 0.9]]), np.eye(2)
 Q, R = np.array([[0.3, 0.1], [0.1, 0.2]]), np.diag([1.0, 2.0])

@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 from scipy.linalg import solve_continuous_lyapunov, solve_discrete_are
 
-from app.engine import Belief, EngineError, KalmanFilter, Plant, ShapeError, SquareRootFilter
-from app.engine.filters import RootBelief, joseph, short_form
-from app.plants import platform
+from observer_lab.engine import Belief, EngineError, KalmanFilter, Plant, ShapeError, SquareRootFilter
+from observer_lab.engine.filters import RootBelief, joseph, short_form
+from observer_lab.plants.platform import model as platform
 
 BOTH = pytest.mark.parametrize("kind", [KalmanFilter, SquareRootFilter])
 

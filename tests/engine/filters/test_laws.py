@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
-from app.engine import (
+from observer_lab.engine import (
     Belief,
     EngineError,
     ExtendedKalmanFilter,
@@ -15,7 +15,7 @@ from app.engine import (
     SquareRootFilter,
     UnscentedKalmanFilter,
 )
-from app.engine.filters import Beliefs, LinearFilter, LinearisedFilter, NonlinearFilter, joseph, short_form
+from observer_lab.engine.filters import Beliefs, LinearFilter, LinearisedFilter, NonlinearFilter, joseph, short_form
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,17 +5,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from app.engine import (
-    Belief,
-    EngineError,
-    ExtendedKalmanFilter,
-    KalmanFilter,
-    ShapeError,
-    UnscentedKalmanFilter,
-    chi2_band,
-    nees,
-)
-from app.engine.filters import (
+from observer_lab.engine import Belief, EngineError, ExtendedKalmanFilter, KalmanFilter, ShapeError, UnscentedKalmanFilter, chi2_band, nees
+from observer_lab.engine.filters import (
     Beliefs,
     Experiment,
     LinearisedFilter,
@@ -24,7 +15,7 @@ from app.engine.filters import (
     errors_squared,
     simulate_filters,
 )
-from app.plants import cart_pendulum, growth
+from observer_lab.plants import cart_pendulum, growth
 
 RUNS, STEPS = 6, 12
 Q, R = np.diag([1e-5, 2e-5, 4e-4, 9e-4]), np.diag([4e-4, 9e-4])

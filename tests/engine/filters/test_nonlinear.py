@@ -6,9 +6,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from app.engine import Belief, EngineError, ExtendedKalmanFilter, KalmanFilter, ShapeError, UnscentedKalmanFilter, nees
-from app.engine.filters import Beliefs, PrintedUnscentedFilter
-from app.engine.systems import each_column, slopes
+from observer_lab.engine import Belief, EngineError, ExtendedKalmanFilter, KalmanFilter, ShapeError, UnscentedKalmanFilter, nees
+from observer_lab.engine.filters import Beliefs, PrintedUnscentedFilter
+from observer_lab.engine.systems import each_column, slopes
 
 
 def test_without_the_redraw_the_printed_algorithm_is_not_the_kalman_filter():

@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.linalg import solve_discrete_lyapunov
 
-from app.engine import EngineError, Plant, Scenario, ShapeError, dlqe, error_parts, lqe, nis, simulate
-from app.engine.filters import growing_error, noise_ladder, simulate_filter
+from observer_lab.engine import EngineError, Plant, Scenario, ShapeError, dlqe, error_parts, lqe, nis, simulate
+from observer_lab.engine.filters import growing_error, noise_ladder, simulate_filter
 
 BELIEFS = np.logspace(-2, 2, 5)
 

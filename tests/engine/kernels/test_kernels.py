@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from app.engine import (
+from observer_lab.engine import (
     Belief,
     EngineError,
     KalmanFilter,
@@ -26,7 +26,7 @@ from app.engine import (
     simulate,
     simulate_trial,
 )
-from app.engine.filters import (
+from observer_lab.engine.filters import (
     Beliefs,
     Experiment,
     ExtendedKalmanFilter,
@@ -39,17 +39,19 @@ from app.engine.filters import (
     simulate_filters,
     slopes_along,
 )
-from app.engine.kernels import SHELF, prepare_kernels, shelf
-from app.engine.kernels.shelf import SIGNATURES
-from app.engine.kernels.tape import recorded
-from app.engine.network import Link, NetworkScenario, mean_bounds, simulate_network
-from app.engine.sampled import Hardware, SampledLoop, loop_density, mechanics_response, sampled_controller, simulate_trials
-from app.engine.simulation import Gear, Run, simulate_geared, simulate_recovery, simulate_starts
-from app.engine.structure import best_mixing, dominance
-from app.engine.systems import NonlinearPlant, affine_scan, held_scan
-from app.plants import cart_pendulum, falling_body, nonlinear_platform
-from lessons.decoupling.loops import three
-from lessons.showdown.friction import Guides, rub
+from observer_lab.engine.kernels import SHELF, compile_cache, prepare_kernels
+from observer_lab.engine.kernels.compile_cache import SIGNATURES
+from observer_lab.engine.kernels.tape import recorded
+from observer_lab.engine.network import Link, NetworkScenario, mean_bounds, simulate_network
+from observer_lab.engine.sampled import Hardware, SampledLoop, loop_density, mechanics_response, sampled_controller, simulate_trials
+from observer_lab.engine.simulation import Gear, Run, simulate_geared, simulate_recovery, simulate_starts
+from observer_lab.engine.structure import best_mixing, dominance
+from observer_lab.engine.systems import NonlinearPlant, affine_scan, held_scan
+from observer_lab.lessons.decoupling.loops import three
+from observer_lab.lessons.showdown.friction import Guides, rub
+from observer_lab.plants import cart_pendulum
+from observer_lab.plants.bodies import falling_body
+from observer_lab.plants.platform import nonlinear
 
 Parts = dict[str, np.ndarray]
 
@@ -219,7 +221,7 @@ def cases(steps: int) -> Iterator[tuple[str, Callable[[], Parts]]]:
     yield "watched pole", partial(watched, cart_pendulum.nonlinear_plant(sensor="both"), few, 0.1, by="points")
     yield "watched pole, as printed", partial(watched, cart_pendulum.nonlinear_plant(), few, 0.1, PrintedUnscentedFilter, "once", 1.0)
     yield "watched fall", partial(watched, falling_body.plant(), few, 1.0, known=1e-6, parts=2)
-    yield "watched deck", partial(watched, nonlinear_platform.plant(), few, 1e-3, PrintedUnscentedFilter, "along", 1.0)
+    yield "watched deck", partial(watched, nonlinear.plant(), few, 1e-3, PrintedUnscentedFilter, "along", 1.0)
     falling = Scenario(FALLING, [[5.0, 4.0]], [[12.0], [37.0]], horizon=horizon / 8, u_min=-1, u_max=1, **KICKED)
     yield "map", partial(mapped, falling, 5, 10.0)
     yield "map in slices", partial(mapped, falling, 3, 0.0)
@@ -262,8 +264,8 @@ def test_a_compiler_that_fails_leaves_the_plain_ways(monkeypatch: pytest.MonkeyP
         raise ImportError("another version is needed")
 
     monkeypatch.delenv("OBSERVER_LAB_KERNELS")
-    monkeypatch.setattr(shelf, "cache_folder", lambda: None)
-    monkeypatch.setattr(shelf, "_compiled", fails)
+    monkeypatch.setattr(compile_cache, "cache_folder", lambda: None)
+    monkeypatch.setattr(compile_cache, "_compiled", fails)
     prepare_kernels().join()
     assert not SHELF.made and "another version is needed" in caplog.text
 
@@ -289,13 +291,13 @@ def test_compiled_kernels_say_what_the_plain_ways_say(monkeypatch: pytest.Monkey
 def test_a_cache_is_only_called_complete_for_the_files_that_the_compiler_would_take_from_it(tmp_path, monkeypatch) -> None:
     """It asks for the place and the time of each file, not only for what stands in it."""
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    here = shelf.cache_folder()
-    assert here is not None and here == shelf.cache_folder()
+    here = compile_cache.cache_folder()
+    assert here is not None and here == compile_cache.cache_folder()
     copy = tmp_path / "copy"
-    shutil.copytree(Path(shelf.__file__).parent, copy)
-    monkeypatch.setattr(shelf, "__file__", str(copy / "shelf.py"))
-    moved = shelf.cache_folder()
-    os.utime(copy / "small.py", (1, 1))
-    touched = shelf.cache_folder()
-    monkeypatch.setattr(shelf, "version", lambda name: "another")
-    assert len({here, moved, touched, shelf.cache_folder()}) == 4
+    shutil.copytree(Path(compile_cache.__file__).parent, copy)
+    monkeypatch.setattr(compile_cache, "__file__", str(copy / "shelf.py"))
+    moved = compile_cache.cache_folder()
+    os.utime(copy / "small_matrices.py", (1, 1))
+    touched = compile_cache.cache_folder()
+    monkeypatch.setattr(compile_cache, "version", lambda name: "another")
+    assert len({here, moved, touched, compile_cache.cache_folder()}) == 4

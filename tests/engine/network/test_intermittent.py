@@ -11,8 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.linalg import solve_discrete_are
 
-from app.engine import Belief, EngineError, KalmanFilter, RiccatiError, critical_loss
-from app.engine.network import intermittent_covariances, lossy_growth, mare, mean_bounds, mean_lower_limit, riccati_step
+from observer_lab.engine import Belief, EngineError, KalmanFilter, RiccatiError, critical_loss
+from observer_lab.engine.network import intermittent_covariances, lossy_growth, mare, mean_bounds, mean_lower_limit, riccati_step
 
 Model = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
 TWO: Model = (np.array([[1.25, 0.0], [1.0, 1.1]]), np.array([[1.0, 1.0]]), 20 * np.eye(2), np.array([[2.5]]))

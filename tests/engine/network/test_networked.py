@@ -8,19 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from app.engine import (
-    Belief,
-    EngineError,
-    KalmanFilter,
-    Link,
-    NetworkScenario,
-    Plant,
-    ShapeError,
-    dlqe,
-    dlqr,
-    simulate_network,
-)
-from app.engine.network import NetworkRun, age_of, delayed_loop, mean_square_growth, network_meter, promised_error
+from observer_lab.engine import Belief, EngineError, KalmanFilter, Link, NetworkScenario, Plant, ShapeError, dlqe, dlqr, simulate_network
+from observer_lab.engine.network import NetworkRun, delayed_loop, mean_square_growth, network_meter, newest_packet_age, promised_error
 
 A = np.array([[1.1, 0.3], [0.0, 0.9]])
 B = np.array([[0.1], [1.0]])
@@ -86,7 +75,7 @@ def test_a_larger_loss_loses_all_that_a_smaller_one_loses_and_every_delay_is_kep
 
 def test_age_of_the_newest_packet_by_hand() -> None:
     # packet 0 comes at 2, packet 1 at 1, packet 2 is lost, packet 3 at 5, packet 4 at 5
-    assert age_of(np.array([2, 1, -1, 5, 5, -1])).tolist() == [1, 0, 1, 2, 3, 1]
+    assert newest_packet_age(np.array([2, 1, -1, 5, 5, -1])).tolist() == [1, 0, 1, 2, 3, 1]
 
 
 def test_a_lost_input_is_held_or_zero() -> None:

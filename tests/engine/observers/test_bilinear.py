@@ -6,17 +6,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from app.engine import (
-    BilinearPlant,
-    EngineError,
-    PoleError,
-    ShapeError,
-    bilinear_functional_observer,
-    simulate_bilinear,
-)
-from app.plants import bilinear as example
+from observer_lab.engine import BilinearPlant, EngineError, PoleError, ShapeError, bilinear_functional_observer, simulate_bilinear
+from observer_lab.plants import bilinear as example
 
-P = example.PLANT
+P = example.BILINEAR_PLANT
 
 
 def plant_of(seed, n, m, inputs=1):
@@ -87,7 +80,7 @@ def test_a_family_whose_pole_stays_put_says_so():
 
 
 def test_an_unstable_pole_is_no_observer():
-    o = bilinear_functional_observer(P.A, P.B, P.F, P.C, example.K, 2.0)
+    o = bilinear_functional_observer(P.A, P.B, P.F, P.C, example.WANTED_ROW, 2.0)
     assert o.case == 3 and not o.solved and "decay" in o.reason
 
 
@@ -103,7 +96,7 @@ def test_an_unstable_pole_is_no_observer():
     ({"pole": float("nan")}, PoleError, "NaN"),
 ])
 def test_requests_that_make_no_sense_get_one_sentence(change, error, word):
-    request = {"A": P.A, "B": P.B, "F": P.F, "C": P.C, "K": example.K, "pole": -30.0} | change
+    request = {"A": P.A, "B": P.B, "F": P.F, "C": P.C, "K": example.WANTED_ROW, "pole": -30.0} | change
     with pytest.raises(error, match=word):
         bilinear_functional_observer(**request)
 
@@ -191,7 +184,7 @@ def test_noise_is_heard_as_the_exact_response_to_held_values_says(seed):
 
 
 def test_a_run_is_refused_where_its_parts_do_not_fit():
-    observer = bilinear_functional_observer(*(getattr(example.PLANT, k) for k in "ABFC"), example.K, example.POLE)
+    observer = bilinear_functional_observer(*(getattr(example.BILINEAR_PLANT, k) for k in "ABFC"), example.WANTED_ROW, example.POLE)
     form, x0, z0 = observer.without_derivative, np.ones(observer.plant.n), np.zeros(observer.order)
     with pytest.raises(EngineError, match="x0 holds NaN"):
         simulate_bilinear(observer.plant, form, observer.K, np.sin, np.nan * x0, z0)

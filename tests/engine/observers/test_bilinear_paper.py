@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from app.engine import bilinear_functional_observer, simulate_bilinear
-from app.engine.observers import BilinearForm
-from app.plants import bilinear as example
+from observer_lab.engine import bilinear_functional_observer, simulate_bilinear
+from observer_lab.engine.observers import BilinearForm
+from observer_lab.plants import bilinear as example
 
-P = example.PLANT
-OBSERVER = bilinear_functional_observer(P.A, P.B, P.F, P.C, example.K, example.POLE)
+P = example.BILINEAR_PLANT
+OBSERVER = bilinear_functional_observer(P.A, P.B, P.F, P.C, example.WANTED_ROW, example.POLE)
 INPUTS = {
     "sine": lambda t: np.sin(2 * t),
     "rest": lambda t: 0.0,
@@ -89,7 +89,7 @@ def test_the_plant_is_stable_as_published():
 # --- the run -------------------------------------------------------------------------------------------------------
 @pytest.mark.parametrize("u", INPUTS.values(), ids=INPUTS.keys())
 def test_the_error_decays_with_the_pole_under_every_input(u):
-    run = simulate_bilinear(P, OBSERVER.without_derivative, example.K, u, example.X0, [0.0])
+    run = simulate_bilinear(P, OBSERVER.without_derivative, example.WANTED_ROW, u, example.X0, [0.0])
     assert run.g[0, 0] == pytest.approx(21, abs=1e-12)
     law = -1318 / 85 * np.exp(-30 * run.t)
     np.testing.assert_allclose(run.error[:, 0], law, rtol=0, atol=2e-11)
@@ -99,13 +99,13 @@ def test_the_error_decays_with_the_pole_under_every_input(u):
 def test_both_forms_are_one_observer(u):
     """μ̂ = χ + L y: started alike, the form with ẏ and the one without give the same estimate."""
     y0 = P.C @ np.ones(6)
-    plain = simulate_bilinear(P, OBSERVER.without_derivative, example.K, u, example.X0, [0.0])
-    fed = simulate_bilinear(P, OBSERVER.with_derivative, example.K, u, example.X0, OBSERVER.L @ y0)
+    plain = simulate_bilinear(P, OBSERVER.without_derivative, example.WANTED_ROW, u, example.X0, [0.0])
+    fed = simulate_bilinear(P, OBSERVER.with_derivative, example.WANTED_ROW, u, example.X0, OBSERVER.L @ y0)
     np.testing.assert_allclose(fed.estimate, plain.estimate, atol=1e-10)
 
 
 def test_the_plant_moves_as_an_adaptive_solver_says():
-    run = simulate_bilinear(P, OBSERVER.without_derivative, example.K, INPUTS["sine"], example.X0, [0.0])
+    run = simulate_bilinear(P, OBSERVER.without_derivative, example.WANTED_ROW, INPUTS["sine"], example.X0, [0.0])
 
     def rate(t, x):
         u = np.sin(2 * t)
@@ -120,14 +120,14 @@ def test_printed_coefficients_leave_a_floor():
     form = BilinearForm(*(np.array(m) for m in (
         [[-30.0]], [[-273.64, -213.93, 408.38, -198.94]], [[8.85]], [[-44.26, 27.98, -81.33, 36.08]],
         np.zeros((1, 4)), [[-11.49, 19.68, -15.99, 13.29]], [[1.0]])))
-    run = simulate_bilinear(P, form, example.K, INPUTS["sine"], example.X0, [0.0], horizon=6.0)
+    run = simulate_bilinear(P, form, example.WANTED_ROW, INPUTS["sine"], example.X0, [0.0], horizon=6.0)
     late = np.abs(run.error[run.t > 2, 0]).max()
     assert 1e-3 < late < 2e-2
-    ours = simulate_bilinear(P, OBSERVER.without_derivative, example.K, INPUTS["sine"], example.X0, [0.0], horizon=6.0)
+    ours = simulate_bilinear(P, OBSERVER.without_derivative, example.WANTED_ROW, INPUTS["sine"], example.X0, [0.0], horizon=6.0)
     assert np.abs(ours.error[ours.t > 2, 0]).max() < 1e-11
 
 
 def test_a_plant_that_runs_away_is_cut_off():
-    run = simulate_bilinear(P, OBSERVER.without_derivative, example.K, lambda t: -40.0, example.X0, [0.0],
+    run = simulate_bilinear(P, OBSERVER.without_derivative, example.WANTED_ROW, lambda t: -40.0, example.X0, [0.0],
                             horizon=20.0, dt=0.01)
     assert run.diverged_at is not None and np.isfinite(run.x).all() and len(run.t) == len(run.x) < 2001

@@ -6,8 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.stats import ncx2
 
-from app.engine import EngineError, KalmanFilter, Plant, ShapeError, innovation_test, residual_generator
-from app.engine.observers import (
+from observer_lab.engine import EngineError, KalmanFilter, Plant, ShapeError, innovation_test, residual_generator
+from observer_lab.engine.observers import (
     FaultBank,
     alarm_probability,
     binomial_band,
@@ -176,7 +176,7 @@ def test_the_binomial_band_holds_what_it_says():
 
 def test_a_mode_that_nothing_shows_is_left_out():
     """Velocity of a mass on a spring, its force unknown: a constant force is invisible, at z = 1."""
-    from app.engine.systems import discretise
+    from observer_lab.engine.systems import discretise
 
     plant = discretise(Plant([[0, 1, 0], [-4, -0.1, 0], [0, 0, -1]], [[0], [1], [0]], [[0, 1, 0], [0, 1, 1]]), 0.1)
     model = KalmanFilter(plant.A, plant.B, plant.C, 0.01 * np.eye(3), 0.1 * np.eye(2), dt=0.1)

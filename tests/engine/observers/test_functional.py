@@ -6,8 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from paper_examples import ONE, TWO, two
 
-from app.engine import EngineError, Plant, PoleError, ShapeError, functional_observer, simulate_functional
-from app.engine.observers import (
+from observer_lab.engine import EngineError, Plant, PoleError, ShapeError, functional_observer, simulate_functional
+from observer_lab.engine.observers import (
     criterion,
     error_index,
     error_transfer,
@@ -17,8 +17,8 @@ from app.engine.observers import (
     vertices,
     worst_error_gain,
 )
-from app.engine.structure import coprime_factors
-from app.plants.duan import EXAMPLE_1, EXAMPLE_2, push
+from observer_lab.engine.structure import coprime_factors
+from observer_lab.plants.duan import EXAMPLE_1, EXAMPLE_2, outer_input
 
 
 def plant_of(seed, n, p, m=1):
@@ -215,7 +215,7 @@ def test_peak_gain_at_infinity_and_of_an_unstable_plant():
 
 def test_a_loop_that_runs_away_is_cut_off():
     o = functional_observer(ONE, EXAMPLE_1.K, 1, poles=[-5])
-    run = simulate_functional(o, push, x0=EXAMPLE_1.x0, z0=EXAMPLE_1.z0, horizon=40.0, dA=np.diag([30.0, 30.0]))
+    run = simulate_functional(o, outer_input, x0=EXAMPLE_1.x0, z0=EXAMPLE_1.z0, horizon=40.0, dA=np.diag([30.0, 30.0]))
     assert run.diverged_at is not None and np.isfinite(run.e_u).all()
 
 

@@ -5,9 +5,9 @@ import pytest
 from paper_examples import ONE, TWO, one, two
 from scipy.integrate import solve_ivp
 
-from app.engine import EngineError, functional_observer, simulate_functional
-from app.engine.observers import error_index, error_transfer, perturbed_loop, vertices, worst_error_gain
-from app.plants.duan import EXAMPLE_1, EXAMPLE_2, push
+from observer_lab.engine import EngineError, functional_observer, simulate_functional
+from observer_lab.engine.observers import error_index, error_transfer, perturbed_loop, vertices, worst_error_gain
+from observer_lab.plants.duan import EXAMPLE_1, EXAMPLE_2, outer_input
 
 
 # --- example 1 -----------------------------------------------------------------------------------------------------
@@ -38,11 +38,11 @@ def test_example_1_state_feedback_poles():
 @pytest.mark.parametrize(("s", "true", "perturbed"), [(-5 / 3, -11, None), (-5, -111, -116)])
 def test_figure_1_starts(s, true, perturbed):
     o = functional_observer(ONE, EXAMPLE_1.K, 1, poles=[s])
-    run = simulate_functional(o, push, x0=EXAMPLE_1.x0, z0=EXAMPLE_1.z0)
+    run = simulate_functional(o, outer_input, x0=EXAMPLE_1.x0, z0=EXAMPLE_1.z0)
     assert run.e_u[0, 0] == pytest.approx(true, abs=1e-11)
     np.testing.assert_allclose(run.e_u[:, 0], true * np.exp(s * run.t), atol=1e-10)  # the true plant: N ε alone
     if perturbed:
-        wrong = simulate_functional(o, push, x0=EXAMPLE_1.x0, z0=EXAMPLE_1.z0, dA=EXAMPLE_1.dA, dC=EXAMPLE_1.dC)
+        wrong = simulate_functional(o, outer_input, x0=EXAMPLE_1.x0, z0=EXAMPLE_1.z0, dA=EXAMPLE_1.dA, dC=EXAMPLE_1.dC)
         assert wrong.e_u[0, 0] == pytest.approx(perturbed, abs=1e-11)
 
 
@@ -54,7 +54,7 @@ def test_figure_1_perturbed_poles_and_steady_amplitude(s, amplitude, poles):
     o = functional_observer(ONE, EXAMPLE_1.K, 1, poles=[s])
     loop = perturbed_loop(o, dA=EXAMPLE_1.dA, dB=None, dC=EXAMPLE_1.dC)
     np.testing.assert_allclose(loop.poles, poles, atol=6e-5)
-    run = simulate_functional(o, push, x0=EXAMPLE_1.x0, z0=EXAMPLE_1.z0, horizon=20.0, dA=EXAMPLE_1.dA, dC=EXAMPLE_1.dC)
+    run = simulate_functional(o, outer_input, x0=EXAMPLE_1.x0, z0=EXAMPLE_1.z0, horizon=20.0, dA=EXAMPLE_1.dA, dC=EXAMPLE_1.dC)
     late = run.t > 15
     wave = np.column_stack([np.sin(5 * run.t[late]), np.cos(5 * run.t[late])])
     fitted = np.hypot(*np.linalg.lstsq(wave, run.e_u[late, 0], rcond=None)[0])
@@ -73,7 +73,7 @@ def test_run_against_an_adaptive_solver_written_from_the_paper():
 
     peer = solve_ivp(rate, (0, 4), [1, 1, -0.3], "DOP853", [1, 2, 4], rtol=1e-12, atol=1e-13).y.T
     o = functional_observer(ONE, EXAMPLE_1.K, 1, poles=[s])
-    run = simulate_functional(o, push, x0=EXAMPLE_1.x0, z0=EXAMPLE_1.z0, horizon=4.0, dA=dA, dC=dC)
+    run = simulate_functional(o, outer_input, x0=EXAMPLE_1.x0, z0=EXAMPLE_1.z0, horizon=4.0, dA=dA, dC=dC)
     np.testing.assert_allclose(np.hstack([run.x, run.z])[[100, 200, 400]], peer, atol=1e-9)
     v_less = run.u - run.v
     np.testing.assert_allclose(v_less[:, 0], -30 * run.z[:, 0] + (50 + 30 * s) * run.y[:, 0], atol=1e-9)
@@ -148,8 +148,8 @@ def test_W_changes_coordinates_and_nothing_that_can_be_felt():
                                rtol=1e-9)
     assert error_index(plain) == pytest.approx(error_index(turned), rel=1e-9)
     assert abs(plain.J - turned.J) > 1  # J does see W
-    same = [simulate_functional(o, push, x0=E.x0, z0=E.z0) for o in (plain, turned)]
-    moved = simulate_functional(turned, push, x0=E.x0, z0=E.turn @ np.array(E.z0))
+    same = [simulate_functional(o, outer_input, x0=E.x0, z0=E.z0) for o in (plain, turned)]
+    moved = simulate_functional(turned, outer_input, x0=E.x0, z0=E.turn @ np.array(E.z0))
     assert np.abs(same[0].e_u - same[1].e_u).max() > 1
     np.testing.assert_allclose(moved.e_u, same[0].e_u, atol=1e-10)
 

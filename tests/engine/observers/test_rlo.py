@@ -5,11 +5,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from app.engine import EngineError, Plant, functional_observer, rlo
-from app.engine.observers import Region, rlo_steps, vertices, worst_error_gain
-from app.engine.structure import coprime_factors
-from app.plants import MODELS
-from app.plants.duan import EXAMPLE_1, EXAMPLE_2
+from observer_lab.engine import EngineError, Plant, functional_observer, rlo
+from observer_lab.engine.observers import Region, rlo_steps, vertices, worst_error_gain
+from observer_lab.engine.structure import coprime_factors
+from observer_lab.plants import MODELS
+from observer_lab.plants.duan import EXAMPLE_1, EXAMPLE_2
 
 E1, E2 = EXAMPLE_1, EXAMPLE_2
 

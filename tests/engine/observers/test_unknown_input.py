@@ -7,10 +7,10 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
-from app.engine import EngineError, Plant, PoleError, ShapeError, unknown_input_observer
-from app.engine.observers import decoupling
-from app.engine.systems import discretise
-from app.plants.platform import deck
+from observer_lab.engine import EngineError, Plant, PoleError, ShapeError, unknown_input_observer
+from observer_lab.engine.observers import decoupling
+from observer_lab.engine.systems import discretise
+from observer_lab.plants.platform.model import deck
 
 BOOK = Plant([[-1, 1, 0], [-1, 0, 0], [0, -1, -1]], [[-1], [0], [0]], [[1, 0, 0], [0, 0, 1]])
 BOOK_E = np.array([[-1.0], [0.0], [0.0]])

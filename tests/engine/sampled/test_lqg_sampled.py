@@ -6,24 +6,24 @@ import pytest
 from scipy.integrate import quad_vec
 from scipy.linalg import expm
 
-from app.engine import Belief, EngineError, Plant, balanced_truncation, noisy_loop, sampled_lqg
-from app.engine.sampled import sampled_cost
-from app.plants import platform, platform_lqg
-from app.plants.platform_channels import T_y
+from observer_lab.engine import Belief, EngineError, Plant, balanced_truncation, noisy_loop, sampled_lqg
+from observer_lab.engine.sampled import sampled_cost
+from observer_lab.plants.platform import lqg_weights, model
+from observer_lab.plants.platform.channels import T_y
 
 DT = 1e-3
 
 
 def report(V: float, dt: float = DT, plant: Plant | None = None):
-    p = platform.plant() if plant is None else plant
-    w = platform_lqg.Weights(v0=V)
-    return sampled_lqg(platform_lqg.coils(p), w.Q(p), w.R, w.W, w.V, dt, G=platform_lqg.ground(p))
+    p = model.plant() if plant is None else plant
+    w = lqg_weights.Weights(v0=V)
+    return sampled_lqg(lqg_weights.coils(p), w.Q(p), w.R, w.W, w.V, dt, G=lqg_weights.ground(p))
 
 
 def suppression(loop) -> np.ndarray:
-    p = platform.plant()
+    p = model.plant()
     f = np.unique(np.concatenate([np.geomspace(0.01, 100, 400), np.linspace(0.9, 1.6, 1500)]))
-    free = noisy_loop(platform_lqg.coils(p), None, platform_lqg.ground(p), 1e-12)
+    free = noisy_loop(lqg_weights.coils(p), None, lqg_weights.ground(p), 1e-12)
     return 10 * np.log10(free.psd(f, free.outputs(T_y[:3])).max(axis=0) / loop.psd(f, loop.outputs(T_y[:3])).max(axis=0))
 
 
@@ -67,8 +67,8 @@ def test_the_literal_design_at_1_khz_loses_what_its_sampling_cannot_carry() -> N
 def test_after_convergence_the_recursive_filter_closes_the_same_loop_at_1_khz() -> None:
     """Joseph's recursion from the covariance of the open loop; the gain meets the Riccati one to 1e-6."""
     s = report(1e-10)
-    p = platform.plant()
-    belief = Belief(np.zeros(10), noisy_loop(platform_lqg.coils(p), None, platform_lqg.ground(p), 1e-12).covariance)
+    p = model.plant()
+    belief = Belief(np.zeros(10), noisy_loop(lqg_weights.coils(p), None, lqg_weights.ground(p), 1e-12).covariance)
     M, gap, k = s.filter.steady.filter_gain, np.inf, 0
     first = np.abs(s.schedule(belief.covariance, 2).gains[0] - M).max() / np.abs(M).max()
     while gap > 1e-6 and k < 20:  # 5 s at a time
@@ -92,8 +92,8 @@ def test_after_convergence_the_recursive_filter_closes_the_same_loop_at_1_khz() 
 def test_on_one_seed_both_filters_run_into_each_other() -> None:
     """The same noise, other starts of the covariance: after the transient the velocities agree to 1e-4 of their size."""
     s = report(1e-11, 5e-3)
-    p = platform.plant()
-    P0 = 4 * noisy_loop(platform_lqg.coils(p), None, platform_lqg.ground(p), 1e-12).covariance
+    p = model.plant()
+    P0 = 4 * noisy_loop(lqg_weights.coils(p), None, lqg_weights.ground(p), 1e-12).covariance
     steps = 12_000
     gains = s.schedule(P0, steps)
     noise = s.draw(steps, 3)
@@ -133,12 +133,12 @@ def test_a_run_settles_into_the_variance_of_its_loop_and_a_wrong_truth_can_break
 
 def test_the_reduced_plant_gets_the_same_loop() -> None:
     """The report designs on eight states; its loop with the full plant is the one designed on ten."""
-    p = platform.plant()
+    p = model.plant()
     cut = balanced_truncation(p, 8).plant
     peaks = []
     for plant in (p, cut):
-        d = platform_lqg.lqg(plant)
-        loop = noisy_loop(platform_lqg.coils(p), d.controller, platform_lqg.ground(p), 1e-12, V=1e-18)
+        d = lqg_weights.lqg(plant)
+        loop = noisy_loop(lqg_weights.coils(p), d.controller, lqg_weights.ground(p), 1e-12, V=1e-18)
         assert loop.stable
         peaks.append(suppression(loop))
     assert peaks[0] == pytest.approx(peaks[1], abs=0.1)

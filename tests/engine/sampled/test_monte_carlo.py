@@ -7,8 +7,8 @@ import pytest
 from sampled_platform import DT, IDEAL, PLANT, V, W, finished, loop_of
 from scipy import signal
 
-from app.engine import EngineError, Plant, frequency_response, sampled_loop
-from app.engine.sampled import (
+from observer_lab.engine import EngineError, Plant, frequency_response, sampled_loop
+from observer_lab.engine.sampled import (
     Hardware,
     coil_driver,
     loop_density,
@@ -18,7 +18,7 @@ from app.engine.sampled import (
     thin_root,
     welch_expectation,
 )
-from app.engine.sampled.monte_carlo import _one
+from observer_lab.engine.sampled.monte_carlo import _one
 
 
 def test_a_batch_is_the_plain_loop_with_its_own_draws() -> None:

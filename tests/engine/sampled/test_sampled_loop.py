@@ -22,9 +22,9 @@ from sampled_platform import (
 from scipy import signal
 from scipy.linalg import solve_continuous_lyapunov
 
-from app.engine import Belief, EngineError, KalmanFilter, Plant, ShapeError, sampled_loop, simulate_trial
-from app.engine.sampled import Hardware, recursive_controller, response_measures, sampled_controller, simulate_trials
-from app.engine.systems import step_covariance
+from observer_lab.engine import Belief, EngineError, KalmanFilter, Plant, ShapeError, sampled_loop, simulate_trial
+from observer_lab.engine.sampled import Hardware, recursive_controller, response_measures, sampled_controller, simulate_trials
+from observer_lab.engine.systems import step_covariance
 
 
 @pytest.mark.parametrize("hardware", [

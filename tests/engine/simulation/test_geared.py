@@ -9,8 +9,8 @@ import pytest
 from laws import each
 from scipy.integrate import solve_ivp
 
-from app.engine import EngineError, Plant, Scenario, simulate
-from app.engine.simulation import Gear, simulate_geared
+from observer_lab.engine import EngineError, Plant, Scenario, simulate
+from observer_lab.engine.simulation import Gear, simulate_geared
 
 J1, J2, DRAG = 0.3, 1.2, 0.4
 BODY = Plant([[0, 1], [0, -DRAG / (J1 + J2)]], [[0], [1 / (J1 + J2)]], [[1, 0]])

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from app.engine import EngineError, Plant, Scenario, simulate
-from app.engine.simulation import simulate_recovery, simulate_starts, starts_of
+from observer_lab.engine import EngineError, Plant, Scenario, simulate
+from observer_lab.engine.simulation import simulate_recovery, simulate_starts, starts_of
 
 FALLING = Plant([[0, 1], [1, 0]], [[0], [1]], [[1, 0]])
 K, L = np.array([[5.0, 4.0]]), np.array([[12.0], [37.0]])

@@ -8,11 +8,11 @@ from laws import holds_for_all
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
-from app.engine import Plant, Scenario, simulate
-from app.engine.simulation import disturbances_of, simulate_until
-from app.engine.simulation.batch import part_step
-from app.engine.simulation.loop import continuous_loop
-from app.engine.simulation.saturation import Switcher
+from observer_lab.engine import Plant, Scenario, simulate
+from observer_lab.engine.simulation import disturbances_of, simulate_until
+from observer_lab.engine.simulation.batch import part_step
+from observer_lab.engine.simulation.loop import continuous_loop
+from observer_lab.engine.simulation.saturation import Switcher
 
 DOUBLE = Plant([[0, 1], [0, 0]], [[0], [1]], [[1, 0]])
 K, L = np.array([[4.0, 4.0]]), np.array([[12.0], [36.0]])  # poles −2, −2 and −6, −6

@@ -7,9 +7,9 @@ from laws import each
 from scipy import signal
 from scipy.linalg import expm
 
-from app.engine import EngineError, Plant, Scenario, autonomous_error, simulate
-from app.engine.simulation import emulated_gain, separation_meter
-from app.engine.systems import affine_scan, discretise, held_scan
+from observer_lab.engine import EngineError, Plant, Scenario, autonomous_error, simulate
+from observer_lab.engine.simulation import emulated_gain, separation_meter
+from observer_lab.engine.systems import affine_scan, discretise, held_scan
 
 DOUBLE = Plant([[0, 1], [0, 0]], [[0], [1]], [[1, 0]])
 K, L = np.array([[4.0, 4.0]]), np.array([[12.0], [36.0]])  # poles −2, −2 and −6, −6

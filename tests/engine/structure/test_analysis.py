@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from app.engine import EngineError, Plant, controllability, observability
+from observer_lab.engine import EngineError, Plant, controllability, observability
 
 SEEDS = st.integers(0, 2**32 - 1)
 

@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from app.engine.structure import canonise, canonise_right
+from observer_lab.engine.structure import canonise, canonise_right
 
 
 @settings(max_examples=60)

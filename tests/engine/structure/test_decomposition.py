@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from app.engine import EngineError, Plant, controllability, kalman_decomposition, observability
-from app.engine.structure import reachable_subspace, unobservable_subspace
+from observer_lab.engine import EngineError, Plant, controllability, kalman_decomposition, observability
+from observer_lab.engine.structure import reachable_subspace, unobservable_subspace
 
 SEEDS = st.integers(0, 2**32 - 1)
 SIZES = st.tuples(*[st.integers(0, 3)] * 4).filter(lambda sizes: sum(sizes) > 0)

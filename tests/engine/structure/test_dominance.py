@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import differential_evolution
 
-from app.engine import EngineError, Plant, ShapeError, frequency_response
-from app.engine.structure import best_mixing, coupling, dominance, dominance_of, mixing_matrix, relative_gains
+from observer_lab.engine import EngineError, Plant, ShapeError, frequency_response
+from observer_lab.engine.structure import best_mixing, coupling, dominance, dominance_of, mixing_matrix, relative_gains
 
 G2 = np.array([[[2.0, 1.0], [-0.5, 4.0]], [[1.0j, 3.0], [0.0, -2.0]]])
 

@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 from scipy.integrate import quad_vec
 from scipy.linalg import expm, solve_continuous_lyapunov, solve_discrete_lyapunov
 
-from app.engine import EngineError, Plant, balanced_truncation, gramians, hankel_singular_values
-from app.engine.structure import observability_gramian, reachability_gramian, split_stable
+from observer_lab.engine import EngineError, Plant, balanced_truncation, gramians, hankel_singular_values
+from observer_lab.engine.structure import observability_gramian, reachability_gramian, split_stable
 
 SEEDS = st.integers(0, 2**32 - 1)
 ZETA, OMEGA = st.floats(1e-3, 0.9), st.floats(1e-2, 1e3)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from app.engine import EngineError, Plant, lqe, lqr, place
-from app.engine.systems import as_covariance, as_matrix
+from observer_lab.engine import EngineError, Plant, lqe, lqr, place
+from observer_lab.engine.systems import as_covariance, as_matrix
 
 MASKED = np.ma.masked_array(np.eye(2), mask=[[False, True], [False, False]])
 NONSENSE = [None, "text", b"text", [[1, 2], [3]], [[1, 1j]], np.array([[1j, 0], [0, 1]]), MASKED, [[np.nan, 0], [0, 1]],

@@ -16,7 +16,7 @@ from hypothesis.extra.numpy import arrays
 from laws import each
 from scipy.io import savemat
 
-from app.engine import EngineError, Plant, from_control, from_json, from_mat, load_plant, to_control, to_json, to_mat
+from observer_lab.engine import EngineError, Plant, from_control, from_json, from_mat, load_plant, to_control, to_json, to_mat
 
 FINITE = st.floats(allow_nan=False, allow_infinity=False)
 WORD = st.text(st.characters(whitelist_categories=("L", "N"), whitelist_characters=" _-()ẋ"), min_size=1, max_size=12)

@@ -4,17 +4,19 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from app.engine import EngineError, NonlinearPlant, ShapeError
-from app.engine.systems import Flow, slopes
-from app.plants import cart_pendulum, falling_body, growth, nonlinear_platform, platform
+from observer_lab.engine import EngineError, NonlinearPlant, ShapeError
+from observer_lab.engine.systems import Flow, slopes
+from observer_lab.plants import cart_pendulum, growth
+from observer_lab.plants.bodies import falling_body
+from observer_lab.plants.platform import model, nonlinear
 
 PLANTS = {
-    "platform": (nonlinear_platform.plant(nonlinear_platform.Laws(0.8, 0.4)), 0.03,
+    "platform": (nonlinear.plant(nonlinear.NonlinearLaws(0.8, 0.4)), 0.03,
                  np.array([1.5e-3, 2e-3, 9e-3, 1e-2, 1.4e-2, 7e-2]), np.zeros(6)),
     "pendulum": (cart_pendulum.nonlinear_plant(cart_pendulum.Parameters(pivot=0.05), "both"), 0.05,
                  np.array([0.3, 0.6, 0.5, 1.0]), np.zeros(4)),
-    "falling body": (falling_body.plant(), 1.0, np.array(falling_body.START) * [0.1, 0.1, 0.3],
-                     np.array(falling_body.START)),
+    "falling body": (falling_body.plant(), 1.0, np.array(falling_body.TRUE_START) * [0.1, 0.1, 0.3],
+                     np.array(falling_body.TRUE_START)),
 }
 every_plant = pytest.mark.parametrize("name", PLANTS)
 
@@ -73,18 +75,18 @@ def test_the_growth_model_is_expanded_rightly():
 
 
 def test_without_hardening_and_weakening_the_platform_is_the_linear_deck():
-    bent, straight = nonlinear_platform.plant(nonlinear_platform.Laws(0.0, 0.0)), platform.deck()
+    bent, straight = nonlinear.plant(nonlinear.NonlinearLaws(0.0, 0.0)), model.deck()
     x, u = np.random.default_rng(0).standard_normal((2, 6, 5))
     np.testing.assert_allclose(bent.rhs(x, u[:3]), straight.A @ x + straight.B @ u[:3], rtol=1e-13)
-    expanded = nonlinear_platform.plant().linear(np.zeros(6), np.zeros(3))
+    expanded = nonlinear.plant().linear(np.zeros(6), np.zeros(3))
     for ours, theirs in ((expanded.A, straight.A), (expanded.B, straight.B), (expanded.C, straight.C)):
         np.testing.assert_allclose(ours, theirs, rtol=1e-12, atol=1e-12)
 
 
 def test_a_spring_stretched_by_its_length_is_stiffer_by_the_hardening():
-    laws = nonlinear_platform.Laws(0.7, 0.0, 0.004)
-    plant, x = nonlinear_platform.plant(laws), np.array([[0.0, 0.004, 0.0, 0.0, 0.0, 0.0]]).T
-    k, rigid = platform.Parameters(), platform.rigid()
+    laws = nonlinear.NonlinearLaws(0.7, 0.0, 0.004)
+    plant, x = nonlinear.plant(laws), np.array([[0.0, 0.004, 0.0, 0.0, 0.0, 0.0]]).T
+    k, rigid = model.Parameters(), model.rigid()
     pull = -2 * k.kz * 0.004 * 1.7
     assert plant.rhs(x, np.zeros((3, 1)))[4, 0] == pytest.approx(pull / rigid.M[1, 1], rel=1e-12)
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from app.engine import EngineError
-from app.engine.systems import settled_covariance
+from observer_lab.engine import EngineError
+from observer_lab.engine.systems import settled_covariance
 
 
 @pytest.mark.parametrize("dt", [0.0, 0.1])

@@ -5,8 +5,8 @@ import pytest
 from scipy.integrate import quad_vec
 from scipy.linalg import expm, solve_continuous_lyapunov, solve_discrete_lyapunov
 
-from app.engine import Plant, Scenario, simulate
-from app.engine.systems import process_noise, root, step_covariance
+from observer_lab.engine import Plant, Scenario, simulate
+from observer_lab.engine.systems import process_noise, root, step_covariance
 
 DOUBLE = Plant([[0, 1], [0, 0]], [[0], [1]], [[1, 0]])
 K, L = np.array([[4.0, 4.0]]), np.array([[12.0], [36.0]])

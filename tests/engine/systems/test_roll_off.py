@@ -6,8 +6,8 @@ import mpmath
 import numpy as np
 import pytest
 
-from app.engine import frequency_response
-from app.engine.design import polynomial_roots, rational
+from observer_lab.engine import frequency_response
+from observer_lab.engine.design import polynomial_roots, rational
 
 
 def lags(rates: list[float]) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:

@@ -8,8 +8,8 @@ from control import StateSpace, c2d
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from app.engine import EngineError, Plant
-from app.engine.systems import continuous_of
+from observer_lab.engine import EngineError, Plant
+from observer_lab.engine.systems import continuous_of
 
 
 @settings(max_examples=60, derandomize=True, database=None)

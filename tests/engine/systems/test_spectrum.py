@@ -4,9 +4,9 @@ import control
 import numpy as np
 import pytest
 
-from app.engine import EngineError, ShapeError, frequency_response, psd
-from app.engine.systems import amplitude_response
-from app.engine.systems.spectrum import modal_coordinates
+from observer_lab.engine import EngineError, ShapeError, frequency_response, psd
+from observer_lab.engine.systems import amplitude_response
+from observer_lab.engine.systems.spectrum import modal_coordinates
 
 RNG = np.random.default_rng(1)
 

@@ -1,7 +1,0 @@
-"""`python -m app.cli` is `observer-lab`."""
-
-import sys
-
-from .entry import main
-
-sys.exit(main())

@@ -1,0 +1,40 @@
+"""Print the exams of a lesson for a student's key, with answers and derivations: `exam`."""
+
+from __future__ import annotations
+
+import argparse
+
+from ...text.languages import languages
+from ..options import whole_number
+
+HELP = "the exams of a lesson for a student's key, with answers"
+MAX_VARIANT = 10**6
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """The options of `exam`."""
+    parser.add_argument("lesson", metavar="LESSON", help="a lesson's name; see list")
+    parser.add_argument("--key", required=True, help="the student's key, as it is typed on the page")
+    parser.add_argument(
+        "--variant",
+        type=whole_number(0, MAX_VARIANT, "is no variant; give a whole number, 0 for the withheld one"),
+        default=0,
+        metavar="N",
+        help="which variant, 1 the first in practice; 0, unless given, the withheld one",
+    )
+    parser.add_argument("--lang", choices=languages(), default="en", help="language of the words")
+
+
+def execute(options: argparse.Namespace) -> int:
+    """Print each exam in Markdown: statement, answer, derivation. Raises CommandError at a lesson that there is not."""
+    from ...course.exercises.derivation import fill_placeholders
+    from ...course.exercises.exam import seed_of
+    from ...text import joined, same
+    from ..inputs import find_lesson
+
+    lesson, lang = find_lesson(options.lesson), options.lang
+    for exam in lesson.exams:
+        words, item = lesson.words[lang].exams[exam.id], exam.item(seed_of(options.key, lesson.id, exam.id, options.variant))
+        statement = joined(same(fill_placeholders(words.statement, item.given)), exam.digits.asked)(lang)
+        print(f"## {words.title}\n{statement}\n\n**{exam.digits.written(item.answer)}**\n\n{exam.derived(words.derivation, item)}\n")
+    return 0

@@ -1,0 +1,69 @@
+"""Write a design as code, data, figures or a sheet for print: `export`."""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import replace
+
+from ..options import PLANT_HELP, STATE_HELP, CommandError, add_language
+
+HELP = "a design as a script that proves itself, as data, as figures or as a sheet for print"
+SUFFIXES = (("python", ".py"), ("notebook", ".ipynb"), ("engine-notebook", "-engine.ipynb"), ("matlab", ".m"),
+            ("json", ".json"), ("csv", ".csv"), ("pdf", ".pdf"), ("svg", ".svg"), ("png", ".png"))
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """The options of `export`."""
+    parser.add_argument("lesson", metavar="LESSON")
+    parser.add_argument("--to", required=True, choices=[kind for kind, _ in SUFFIXES],
+                        help="what to make of it; engine-notebook uses the lab's own engine, "
+                             "pdf is the sheet of the lesson for print, svg and png are its figures on one page")
+    add_language(parser, "scripts, figures and sheet")
+    parser.add_argument("-o", "--output", metavar="FILE", help="where to (default: the lesson's name in this folder)")
+    parser.add_argument("--set", action="append", default=[], metavar="KNOB=VALUE", dest="changes",
+                        help="set a knob; may be repeated, and comes after --state")
+    parser.add_argument("--state", metavar="TOKEN|FILE", help=STATE_HELP)
+    parser.add_argument("--plant", metavar="FILE", help=PLANT_HELP)
+    parser.add_argument("--final", action="store_true", help="do the lesson's long computation too, if it has one")
+
+
+def execute(options: argparse.Namespace) -> int:
+    """Compute the design and write the file; prints its name."""
+    from ...engine import EngineError
+    from ...export.data.data import json_text, save_csv
+    from ...export.files import SCRIPTS, DownloadContent, FileError, sheet_file
+    from ...export.scripts.matlab import function_name
+    from ...export.scripts.script import ScriptError
+    from ...session.state.token import write_token
+    from ...study.points import outcome_of
+    from ..inputs import find_lesson, fit_lesson, read_design, read_view
+    from ..outputs import save_bytes, save_page, save_words, write_whole_file
+
+    origin = find_lesson(options.lesson)
+    design = read_design(origin, options.plant, options.state, options.changes)
+    look = read_view(options.state, options.lang)
+    lesson, token = fit_lesson(origin, design.plant), write_token(origin, replace(look, design=design))
+    called = function_name(origin) if options.to == "matlab" else origin.id
+    name = options.output or f"{called}{dict(SUFFIXES)[options.to]}"
+    try:
+        outcome = outcome_of(lesson, design, options.final)
+        if options.to in SCRIPTS:
+            code = SCRIPTS[options.to][0](lesson, outcome, token, look.language)
+            write_whole_file(name, lambda path: save_words(code, path))
+        elif options.to == "json":
+            write_whole_file(name, lambda path: save_words(json_text(design, outcome, token), path))
+        elif options.to == "csv":
+            write_whole_file(name, lambda path: save_csv(lesson.figures(outcome), path, token))
+        elif not name.lower().endswith(dict(SUFFIXES)[options.to]):
+            raise CommandError(f"{name[:80]} does not end in {dict(SUFFIXES)[options.to]}; name it so.")
+        elif options.to == "pdf":
+            file = sheet_file(DownloadContent(lesson, outcome, tuple(lesson.figures(outcome)), token, look.language))
+            write_whole_file(name, lambda path: save_bytes(file.content, path))
+        else:
+            write_whole_file(name, lambda path: save_page(lesson.figures(outcome), path, look.language, token))
+    except EngineError as problem:
+        raise CommandError(f"This design cannot be computed: {problem}") from problem
+    except (FileError, ScriptError) as problem:
+        raise CommandError(str(problem)) from problem
+    print(name)
+    return 0

@@ -1,0 +1,243 @@
+"""Serve the lessons to browsers until interrupted: `serve`."""
+
+from __future__ import annotations
+
+import argparse
+import logging
+import os
+import signal
+import socket
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
+
+from ...text.languages import languages
+from ..options import PLANT_HELP, STATE_HELP, CommandError, error_cause, host_name, whole_number
+
+if TYPE_CHECKING:
+    from ...page.access.shared_counters import WorkerSlot
+    from ...page.access.tokens import AccessToken
+    from ...page.screen.server import LabServer
+
+log = logging.getLogger(__name__)
+
+HELP = "serve the lessons to browsers (default)"
+
+SANDBOX = "sandbox"  # the lesson that opens when a plant is brought and no lesson named
+HEARTBEATS_PER_TIMEOUT = 10  # signs of life within the time after which a silent worker is replaced
+ENDINGS = (signal.SIGINT, signal.SIGTERM)
+OPEN_TO_ALL = """\
+observer-lab: {host} can be reached by other machines. Whoever reaches it {may}, and what
+observer-lab: they send and see is not encrypted. For a course put a proxy with TLS in front, listen on 127.0.0.1 and
+observer-lab: name the proxy with --allow-host NAME."""
+
+
+@dataclass(frozen=True)
+class ServeRequest:
+    """What `serve` was asked for."""
+
+    host: str = "127.0.0.1"
+    port: int = 8080
+    lesson: str | None = None
+    language: str = "en"
+    max_sessions: int = 200
+    plant: str | None = None
+    names: tuple[str, ...] = ()
+    public: bool = False
+    log_json: bool = False
+    data_dir: str | None = None
+    state: str | None = None
+    exam: bool = False
+    workers: int = 1
+    exact: bool = False
+    timeout: float = 90.0
+    token: str | None = field(default=None, repr=False)
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """The options of `serve`."""
+    port = whole_number(0, 65535, "is not a port; give a number from 1 to 65535, or 0 for a free one")
+    count = whole_number(1, 100_000, "is not a number of tabs; give one from 1 to 100000")
+    seconds = whole_number(2, 3600, "is not a time limit for a worker; give 2 to 3600 seconds")
+    several = whole_number(1, 64, "is not a number of workers; give one from 1 to 64")
+    parser.add_argument("--host", default="127.0.0.1", help="address to listen on (default %(default)s)")
+    parser.add_argument("--port", type=port, default=8080,
+                        help="port, or the next free one; 0 for any (default %(default)s)")
+    parser.add_argument("--exact-port", action="store_true", help="that port or none, as a proxy in front needs it")
+    parser.add_argument("--workers", type=several, default=1, metavar="N",
+                        help="processes behind the address, as many as there are cores to give (default %(default)s; Linux)")
+    parser.add_argument("--worker-timeout", type=seconds, default=90.0, metavar="SECONDS",
+                        help="replace a worker that gives no sign of life for so long (default %(default)s)")
+    parser.add_argument("--token", metavar="WORD|auto", help="let nobody in who does not know this word; auto draws one (or in the "
+                                                             "environment, OBSERVER_LAB_TOKEN, where it is not printed)")
+    parser.add_argument("--lesson", metavar="ID", help="lesson that a page opens on")
+    parser.add_argument("--lang", choices=languages(), default="en", help="language that a page opens in")
+    parser.add_argument("--plant", metavar="FILE", help=PLANT_HELP)
+    parser.add_argument("--state", metavar="TOKEN|FILE", help=STATE_HELP)
+    parser.add_argument("--exam", action="store_true", help="note answers to exams and tell nothing of them; no tab can practise")
+    parser.add_argument("--public", action="store_true", help="yes, listen on an address that other machines can reach")
+    parser.add_argument("--allow-host", action="append", default=[], type=host_name, metavar="NAME", dest="names",
+                        help="a name that people reach this server by, as that of a proxy; may be repeated")
+    parser.add_argument("--log-json", action="store_true", help="write the log as lines of JSON")
+    parser.add_argument("--data-dir", metavar="FOLDER", help="folder for what is kept: the log, in files that rotate")
+    parser.add_argument("--max-sessions", type=count, default=200, metavar="N",
+                        help="most tabs, of all workers together (default %(default)s)")
+
+
+def execute(options: argparse.Namespace) -> int:
+    """Serve until interrupted."""
+    return serve(ServeRequest(options.host, options.port, options.lesson, options.lang, options.max_sessions,
+                              options.plant, tuple(options.names), options.public, options.log_json, options.data_dir,
+                              options.state, options.exam, options.workers, options.exact_port, options.worker_timeout,
+                              options.token))
+
+
+class Ending:
+    """Whether somebody has asked for the end, by Ctrl-C or SIGTERM.
+
+    Before all stands that interrupts what goes on. Afterwards it is remembered only: an interrupt comes up anywhere, also where
+    Python can but print it and go on, and where a library takes it for an error of its own.
+    """
+
+    def __init__(self) -> None:
+        self.stands = self.asked = False
+
+    def handle_signals(self, *_: object) -> None:
+        """The handler of the signals."""
+        self.asked = True
+        if not self.stands:
+            raise KeyboardInterrupt
+
+    def come(self) -> bool:
+        """Whether it was asked for."""
+        return self.asked
+
+
+def serve(request: ServeRequest) -> int:
+    """Serve until interrupted (Ctrl-C or SIGTERM); prints the address that was really taken."""
+    end = Ending()
+    before = [signal.signal(ending, end.handle_signals) for ending in ENDINGS]  # a shell may have them ignored
+    try:
+        _serve(request, end)
+    except KeyboardInterrupt:
+        pass
+    finally:
+        for ending, handler in zip(ENDINGS, before, strict=True):
+            signal.signal(ending, handler)
+    return 0
+
+
+def _serve(request: ServeRequest, end: Ending) -> None:
+    from observer_lab.lessons import LESSONS, OPENING
+
+    from ...engine.kernels import prepare_kernels
+    from ...session.state.token import write_token
+    from ..inputs import find_lesson, fit_lesson, read_plant, read_saved_state
+
+    _keep_log(request)
+    plant = "" if request.plant is None else read_plant(request.plant)
+    if request.state is not None and (request.lesson or request.plant):
+        raise CommandError("Give --state without --lesson and --plant: a state brings its own.")
+    saved = None if request.state is None else read_saved_state(request.state)
+    lesson = saved.design.lesson if saved else request.lesson or (SANDBOX if plant and SANDBOX in LESSONS else OPENING)
+    opening = find_lesson(lesson)
+    state = "" if saved is None else write_token(opening, replace(saved, notes=()))
+    fit_lesson(opening, saved.design.plant if saved else plant)
+    listener, access, url, printed = _door(request)
+    from ...page.access.shared_counters import SharedCounters, WorkerSlot
+    from ...page.screen.server import LabServer  # viser is loaded only here
+
+    def server(listener: socket.socket, seat: WorkerSlot) -> LabServer:
+        return LabServer(LESSONS, request.host, 0, opening.id, request.language, plant=plant, names=request.names, state=state,
+                         insists=bool(request.lesson or plant), sealed=request.exam, access=access, listener=listener, seat=seat)
+
+    def tell() -> None:
+        log.info("serving %s", url)
+        print(printed, flush=True)
+
+    tally = SharedCounters(request.workers)
+    if request.workers == 1:
+        _run(server(listener, WorkerSlot(tally, 0, request.max_sessions)), tell, prepare_kernels, end)
+        return
+    from ...page.access.socket_handoff import READY, HandedListener
+    from ..workers import CHECK_INTERVAL_S, WorkerPool
+
+    address = listener.getsockname()
+
+    def work(number: int, channel: socket.socket) -> None:
+        _keep_log(request, number + 1)
+        handed = HandedListener(
+            channel, address, lambda: tally.count_ended_connection(number), lambda: os.kill(os.getpid(), signal.SIGTERM)
+        )
+        _run(server(handed, WorkerSlot(tally, number, request.max_sessions)), lambda: handed.send(READY), prepare_kernels, end,
+             request.timeout / HEARTBEATS_PER_TIMEOUT)
+
+    def stand() -> None:
+        tell()
+        end.stands = True
+
+    WorkerPool(listener, tally, work, silent=request.timeout, check=min(CHECK_INTERVAL_S, request.timeout / HEARTBEATS_PER_TIMEOUT)).run(
+        stand, end.come
+    )
+
+
+def _run(server: LabServer, tell: Callable[[], object], prepare: Callable[[], object], end: Ending,
+         heartbeat: float = 5.0) -> None:
+    """Serve until somebody asks for the end; `tell` is called first. `heartbeat` is the time in s between two signs of life."""
+    try:
+        tell()
+        server.prepare()
+        prepare()
+        end.stands = True
+        server.wait(end.come, heartbeat)
+    finally:
+        for ending in ENDINGS:
+            signal.signal(ending, signal.SIG_IGN)  # it is ending already
+        server.stop()
+        log.info("stopped")
+
+
+def _keep_log(request: ServeRequest, worker: int = 0) -> None:
+    from ..logs import set_up
+
+    try:
+        set_up(request.log_json, request.data_dir, worker)
+    except (OSError, ValueError) as problem:
+        raise CommandError(f"{str(request.data_dir)[:80]} cannot hold the log ({error_cause(problem)}); choose another "
+                           f"folder.") from problem
+
+
+def _door(request: ServeRequest) -> tuple[socket.socket, AccessToken | None, str, str]:
+    """The listening socket, what one must know to come in, the address, and what of it is printed.
+
+    That holds the token, but for a word of the environment: who put it there knows it, and what a service prints is a log.
+    """
+    from ...page.access.addresses import is_public, listen, url
+    from ...page.access.tokens import VARIABLE, AccessToken, draw_token
+    from ..workers import NOT_HERE, can_fork_workers
+
+    given = os.environ.get(VARIABLE) if request.token is None else request.token
+    word = draw_token() if given == "auto" else given
+    if request.workers > 1 and not can_fork_workers():
+        raise CommandError(NOT_HERE)
+    try:
+        access = AccessToken(word, request.port) if word else None
+    except ValueError as problem:
+        raise CommandError(f"What --token or {VARIABLE} gives cannot be used: {problem}.") from problem
+    try:
+        public = is_public(request.host)
+        if public and not request.public:
+            raise CommandError(f"{request.host[:80]} can be reached by other machines, without a password; say "
+                               "--public as well if that is meant.")
+        listener = listen(request.host, request.port, request.exact)
+    except OSError as problem:
+        raise CommandError(f"The server cannot listen on {request.host[:80]}, port {request.port} ({error_cause(problem)}); "
+                           "choose a free port of an address of this machine.") from problem
+    port = listener.getsockname()[1]
+    access = None if access is None else replace(access, port=port)
+    if public:
+        may = "can open tabs, without a password" if access is None else "and knows its token can open tabs"
+        print(OPEN_TO_ALL.format(host=request.host, may=may), file=sys.stderr)
+    address, hidden = url(request.host, port), request.token is None and word == given
+    return listener, access, address, address if access is None or hidden else access.at(address)

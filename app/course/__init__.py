@@ -1,0 +1,1 @@
+"""Define lessons as records: the lesson, its knobs, its figures, its text."""

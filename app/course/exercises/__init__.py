@@ -1,0 +1,1 @@
+"""Describe predictions, derivations, exams and typed answers."""

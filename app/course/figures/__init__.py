@@ -1,0 +1,1 @@
+"""Describe figures and the stage as records."""

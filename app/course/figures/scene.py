@@ -1,0 +1,71 @@
+"""Define what stands in the 3-D scene: pole boards, and the stage with its body."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ...plants.bodies.body import Body
+from ...text import Text, text
+from ..knobs import KnobError
+
+RUN_LOST = text("The run is lost within its first step; choose gentler gains.")
+
+
+@dataclass(frozen=True, eq=False)
+class Board:
+    """A pole board: the poles that `knob` holds, which of them can be dragged, and what part of the plane is shown.
+
+    `reached` are the poles that the gain really gives; `fixed` poles are bolted: no gain moves them. A board with
+    `knob` None only mirrors. `side` is where it stands, left or right of the plant.
+    """
+
+    id: str
+    title: Text
+    poles: tuple[complex, ...]
+    knob: str | None = None
+    fixed: tuple[complex, ...] = ()
+    zeros: tuple[complex, ...] = ()
+    role: str = "plant"
+    side: str = "left"
+    re_low: float = -10.0
+    re_high: float = 2.0
+    im_high: float = 8.0
+    also: tuple[tuple[str, Any], ...] = ()  # knobs that dragging sets too
+    disc: bool = False  # discrete time: stable is inside the unit circle
+    pinned: tuple[tuple[int, tuple[complex, ...]], ...] = ()  # poles of pinned designs, by the place of the pin
+    landscape: np.ndarray | None = None  # matrix whose |det(sI − M)|⁻¹ is drawn in front, if any
+
+    def hold(self, s: complex) -> complex:
+        """The point of the window that is nearest to s: a pole beyond the board's edge stands on the edge."""
+        return complex(min(max(s.real, self.re_low), self.re_high), min(max(s.imag, -self.im_high), self.im_high))
+
+    @property
+    def held(self) -> tuple[complex, ...]:
+        """The poles where they stand on the board and can be dragged from."""
+        return tuple(map(self.hold, self.poles))
+
+
+@dataclass(frozen=True, eq=False)
+class Stage:
+    """What the 3-D stage plays: a body along the true trajectory and, as a ghost, along its estimate.
+
+    A record of x or xhat is what `body.pose` takes: the plant's state, and after it whatever else a body shows that no
+    equation moves (where sensors stand, which are on, an ellipsoid of states).
+    `spread` is a radius per time (stage units) of the uncertainty at each anchor, if there is noise; `note` says in lines of
+    words on the stage what would surprise there. Raises KnobError where there is no more than the start to be played.
+    """
+
+    body: Body
+    t: np.ndarray
+    x: np.ndarray
+    xhat: np.ndarray | None = None
+    u: np.ndarray | None = None
+    spread: np.ndarray | None = None
+    note: tuple[Text, ...] = ()
+
+    def __post_init__(self) -> None:
+        if len(self.t) < 2:
+            raise KnobError(RUN_LOST)

@@ -1,0 +1,107 @@
+"""Check the arguments of a public call before any work, and its answer for overflow."""
+
+from __future__ import annotations
+
+import functools
+import inspect
+from collections.abc import Callable, Generator
+from dataclasses import is_dataclass
+from typing import Any, ParamSpec, TypeVar
+
+import numpy as np
+
+from .errors import EngineError
+
+__all__ = ["Gate", "Sizes", "gated", "gated_runs", "passed"]
+
+Sizes = dict[str, int]
+Gate = Callable[[Any, str, Sizes], Any]
+P = ParamSpec("P")
+R = TypeVar("R")
+
+
+def gated(**gates: Gate) -> Callable[[Callable[P, R]], Callable[P, R]]:
+    """A call whose arguments pass their gates first; one that is its own default passes as it is."""
+    return _through(gates, _within_range)
+
+
+def gated_runs(**gates: Gate) -> Callable[[Callable[P, R]], Callable[P, R]]:
+    """The same for a step of many runs, some of which may go astray: what is then not finite is the caller's to judge."""
+    return _through(gates, _as_it_comes)
+
+
+def _through(gates: dict[str, Gate], answer: Callable[..., Any]) -> Callable[[Callable[P, R]], Callable[P, R]]:
+    def wrap(call: Callable[P, R]) -> Callable[P, R]:
+        parameters = inspect.signature(call).parameters
+        order = tuple((place, name, gates.get(name), parameter.default) for place, (name, parameter) in enumerate(parameters.items()))
+
+        @functools.wraps(call)
+        def checked(*args: P.args, **kwargs: P.kwargs) -> R:
+            sizes: Sizes = {}
+            given, named = list(args), dict(kwargs)
+            for place, name, gate, default in order:
+                if gate is None:
+                    continue
+                if place < len(given):
+                    if given[place] is not default:
+                        given[place] = gate(given[place], name, sizes)
+                elif name in named and named[name] is not default:
+                    named[name] = gate(named[name], name, sizes)
+            return answer(call, given, named)
+        return checked
+    return wrap
+
+
+def _as_it_comes(call: Callable[..., R], given: list[Any], named: dict[str, Any]) -> R:
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        return call(*given, **named)
+
+
+def _within_range(call: Callable[..., R], given: list[Any], named: dict[str, Any]) -> R:
+    """What the call gives back; EngineError where its numbers overflowed on the way and the answer is not finite."""
+    heard: list[str] = []
+    with np.errstate(over="call", invalid="call", divide="call", call=lambda kind, flag: heard.append(kind)):
+        try:
+            found = call(*given, **named)
+        except EngineError:
+            raise
+        except (ArithmeticError, ValueError) as problem:
+            if heard or isinstance(problem, ArithmeticError | np.linalg.LinAlgError):
+                raise _out_of_range() from problem
+            raise
+    if inspect.isgenerator(found):
+        return _steps_within_range(found)  # type: ignore[return-value]
+    if heard and not _finite(found):
+        raise _out_of_range()
+    return found
+
+
+def _steps_within_range(steps: Generator[Any]) -> Generator[Any]:
+    end: Any = object()
+    try:
+        while (step := _within_range(next, [steps, end], {})) is not end:
+            yield step
+    finally:
+        steps.close()
+
+
+def _out_of_range() -> EngineError:
+    return EngineError("These numbers are too large or too far apart to be computed with; choose other units or sizes nearer to 1.")
+
+
+def _finite(found: object) -> bool:
+    """Whether the arrays and numbers of an answer are finite, those within its records and tuples too."""
+    if isinstance(found, np.ndarray | float | complex | np.number):
+        return bool(np.isfinite(found).all()) if not isinstance(found, np.ndarray) or found.dtype.kind in "fc" else True
+    if isinstance(found, tuple | list):
+        return all(map(_finite, found))
+    return all(map(_finite, vars(found).values())) if is_dataclass(found) else True
+
+
+def passed(record: Any, **gates: Gate) -> None:
+    """The same for the fields of a frozen record that is being made: each becomes what its gate gives back."""
+    sizes: Sizes = {}
+    for name, gate in gates.items():
+        value = getattr(record, name)
+        if value is not getattr(type(record), name, record):  # a field left out has the default of its class
+            object.__setattr__(record, name, gate(value, name, sizes))

@@ -1,0 +1,1 @@
+"""Write the curves and numbers of a design as tables."""

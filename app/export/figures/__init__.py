@@ -1,0 +1,1 @@
+"""Draw figure records with matplotlib."""

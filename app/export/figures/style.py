@@ -1,0 +1,54 @@
+"""Set the look of exported figures: thin axes, serif mathematics, the page's colours."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from types import MappingProxyType
+from typing import Any
+
+import matplotlib
+
+from ...course.figures.records import COLOURS, Curve, Dash
+from .fonts import families
+
+INK_COLOUR, RULE_COLOUR, GRID_COLOUR = "#20242b", "#5b626d", "#e6e9ee"
+BODY_PT, SMALL_PT, TITLE_PT = 8.0, 7.0, 9.0  # pt
+PRINT = 0.6  # points of a printed line for each pixel of a line on the screen
+# in line widths
+MATPLOTLIB_DASHES: Mapping[Dash, Any] = MappingProxyType({
+    "solid": "-", "dash": (0, (4.5, 2.5)), "dot": (0, (1.0, 2.0)), "pin1": (0, (2.5, 2.5)), "pin2": (0, (11.0, 2.5)),
+    "pin3": (0, (8.0, 2.5, 1.5, 2.5)), "pin4": (0, (5.0, 1.6, 1.6, 1.6, 1.6, 1.6))})
+
+_LOCK = threading.Lock()  # matplotlib's settings belong to the process: one drawing at a time
+
+
+@contextmanager
+def export_style(language: str) -> Iterator[None]:
+    """matplotlib set to our look for the time of one drawing; other threads wait."""
+    settings: dict[Any, Any] = {
+        "font.family": families(language), "font.size": BODY_PT, "mathtext.fontset": "stix", "axes.unicode_minus": True,
+        "axes.linewidth": 0.5, "axes.edgecolor": RULE_COLOUR, "axes.labelcolor": INK_COLOUR, "text.color": INK_COLOUR,
+        "axes.labelsize": BODY_PT, "axes.titlesize": TITLE_PT, "axes.titlelocation": "left", "axes.labelpad": 2.5,
+        "axes.spines.top": False, "axes.spines.right": False, "axes.grid": False,
+        "xtick.color": RULE_COLOUR, "ytick.color": RULE_COLOUR, "xtick.labelcolor": INK_COLOUR, "ytick.labelcolor": INK_COLOUR,
+        "xtick.labelsize": SMALL_PT, "ytick.labelsize": SMALL_PT, "xtick.direction": "in", "ytick.direction": "in",
+        "xtick.major.width": 0.5, "ytick.major.width": 0.5, "xtick.minor.width": 0.35, "ytick.minor.width": 0.35,
+        "xtick.major.size": 3.0, "ytick.major.size": 3.0, "xtick.minor.size": 1.6, "ytick.minor.size": 1.6,
+        "lines.scale_dashes": True, "lines.solid_capstyle": "round", "legend.frameon": False, "legend.fontsize": SMALL_PT,
+        "legend.handlelength": 2.4, "path.simplify_threshold": 0.05,
+        "svg.hashsalt": "observer-lab", "svg.fonttype": "path", "pdf.fonttype": 42, "pdf.compression": 9,
+    }
+    with _LOCK, matplotlib.rc_context(settings):
+        yield
+
+
+def curve_style(curve: Curve) -> dict[str, Any]:
+    """Colour, dashes and width of a curve, as keywords of `Axes.plot`."""
+    return {"color": COLOURS[curve.role], "linestyle": MATPLOTLIB_DASHES[curve.dash], "linewidth": PRINT * curve.width}
+
+
+def escape_mathtext(text: str) -> str:
+    """A text as it stands, a dollar sign included: mathematics would take Chinese and index figures from it."""
+    return text.replace("$", r"\$")

@@ -1,0 +1,1 @@
+"""Write a design as a Python, MATLAB or notebook script that checks itself."""

@@ -1,0 +1,1 @@
+"""Set a lesson as a printed sheet."""

@@ -1,1 +1,0 @@
-"""Lessons as records: the lesson, its knobs, its figures, its prose."""

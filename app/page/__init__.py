@@ -1,0 +1,1 @@
+"""Draw the page: the only package that uses viser."""

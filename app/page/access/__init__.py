@@ -1,0 +1,1 @@
+"""Decide who may connect, and hand connections to the processes that serve them."""

@@ -1,0 +1,135 @@
+"""Decide from the head of a request who may speak to the server.
+
+A page of another site reaches a server on this machine in two ways. It calls it by its address: then the page's own name
+stands in Origin. Or its name is made to point here (DNS rebinding): then that name stands in Host. Both are looked at.
+"""
+
+from __future__ import annotations
+
+import ipaddress
+import re
+import socket
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Protocol
+from urllib.parse import urlsplit
+
+AUTHORITY = re.compile(r"(\[[0-9A-Fa-f:.]{2,45}\]|[\w.-]{1,253})(?::(\d{1,5}))?", re.ASCII)
+SINGLE_HEADERS = ("Host", "Origin", "Upgrade")  # two of these, and two readers may believe two different things
+PORTS = (("http", 80), ("https", 443))
+POLICY = ("default-src 'none'; script-src 'self' 'unsafe-inline' 'unsafe-eval' blob:; style-src 'self' 'unsafe-inline'; "
+          "img-src 'self' data: blob:; font-src 'self' data:; media-src 'self' data: blob:; worker-src 'self' blob: data:; "
+          "connect-src 'self' data: blob: ws://{host} wss://{host}; base-uri 'none'; form-action 'none'; object-src 'none'")
+
+
+class RequestHead(Protocol):
+    """The head of a request, as far as the gate reads it."""
+
+    def get_all(self, key: str) -> list[str]:
+        """Every value of a field, in order."""
+        ...
+
+
+@dataclass(frozen=True)
+class Refusal:
+    """Why a request is turned away: an HTTP status and one sentence."""
+
+    status: int
+    words: str
+
+
+@dataclass(frozen=True)
+class AccessPolicy:
+    """The names that this server answers to: `own`, those `given` for it, and every name of loopback.
+
+    On an address that others can reach (`public`) every address in figures passes too: a page cannot take one for its name.
+    """
+
+    own: frozenset[str]
+    given: frozenset[str]
+    public: bool
+
+    @classmethod
+    def of(cls, host: str, public: bool, names: Iterable[str] = ()) -> AccessPolicy:
+        """The gate of a server that listens on `host`, also called by `names`. Raises ValueError at what is no name."""
+        given = frozenset(map(_named, names))
+        if "" in given:
+            raise ValueError("a name is letters, digits, dots and dashes, without a port")
+        return cls(frozenset(map(_named, (host, socket.gethostname()) if public else (host,))), given, public)
+
+    def refusal(self, head: RequestHead, vouched: bool = False) -> Refusal | None:
+        """Why a request is refused, None when it may pass. One that is `vouched` for may come under any name: no page sent it."""
+        for field in SINGLE_HEADERS:
+            if len(head.get_all(field)) > 1:
+                return Refusal(400, f"The request has two fields {field}.")
+        host = next(iter(head.get_all("Host")), "")
+        name, _ = _split(host)
+        if not name:
+            return Refusal(400, "The request does not say which host it is for.")
+        if not vouched and not self._answers_to(name):
+            return Refusal(403, f"This server does not answer to the name {name[:80]}; if that is its name, start it with "
+                                f"--allow-host {name[:80]}.")
+        origin = next(iter(head.get_all("Origin")), None)
+        if origin is not None and asks_for_websocket(head) and not self._our_page(origin, host):
+            return Refusal(403, f"A page of {origin[:80]} may not speak to this server.")
+        return None
+
+    def _answers_to(self, name: str) -> bool:
+        if name in self.own | self.given | {"localhost"}:
+            return True
+        address = _address(name)
+        return address is not None and (self.public or address.is_loopback)
+
+    def _our_page(self, origin: str, host: str) -> bool:
+        """Whether a page of that origin is ours: it comes from the host that is spoken to, or from a name that was given.
+
+        A proxy may put another Host in front of us; the Origin then still has the name that people use.
+        """
+        try:
+            scheme, authority = urlsplit(origin)[:2]
+        except ValueError:
+            return False
+        usual = dict(PORTS).get(scheme)
+        name, port = _split(authority)
+        if usual is None or not name or origin.lower() != f"{scheme}://{authority}".lower():  # an origin has no path
+            return False
+        mine, my_port = _split(host)
+        return name in self.given or (name, port or usual) == (mine, my_port or usual)
+
+
+def asks_for_websocket(head: RequestHead) -> bool:
+    """Whether the request asks for a WebSocket."""
+    return any("websocket" in value.lower() for value in head.get_all("Upgrade"))
+
+
+def content_policy(host: str) -> str:
+    """What a page that came under this Host may load and call: itself, whatever its address bar names.
+
+    viser's page connects to any address that stands behind `?websocket=` in its own, and runs what comes from there.
+    """
+    return POLICY.format(host=host)
+
+
+def _split(authority: str) -> tuple[str, int | None]:
+    """Name and port of `name:port`; an empty name where it is none."""
+    found = AUTHORITY.fullmatch(authority)
+    if found is None:
+        return "", None
+    port = None if found[2] is None else int(found[2])
+    return _named(found[1]), port
+
+
+def _named(name: str) -> str:
+    """One spelling of a name or an address; empty where it is none."""
+    bare = name[1:-1] if name.startswith("[") and name.endswith("]") else name
+    address = _address(bare)
+    if address is not None:
+        return str(address)
+    return bare.lower().removesuffix(".") if re.fullmatch(r"[\w.-]{1,253}", bare, re.ASCII) else ""
+
+
+def _address(name: str) -> ipaddress.IPv4Address | ipaddress.IPv6Address | None:
+    try:
+        return ipaddress.ip_address(name)
+    except ValueError:
+        return None

@@ -1,0 +1,132 @@
+"""Draw the axes of a plane: area, grid, round numbers without overlap, and names."""
+
+from __future__ import annotations
+
+import html
+import math
+from collections.abc import Sequence
+
+from ...course.figures.decade_axes import decades
+from .axis_ticks import ticks
+from .text_layout import LARGE_PRINT_PX, Box, fold_lines, text_width
+
+W, H = 360, 254
+LEFT_PX, RIGHT_PX, TOP_PX, BOTTOM_PX = 56, 12, 28, 40
+PLOT_FRAME = Box(LEFT_PX, TOP_PX, W - RIGHT_PX, H - BOTTOM_PX)
+# of the names of axes: the height of a line in the tallest fonts, what of it rises above the foot of letters, px to the numbers
+ROW_HEIGHT_PX, NAME_RISE_PX, NAME_CLEARANCE_PX = 1.45 * LARGE_PRINT_PX, 1.16 * LARGE_PRINT_PX, 8.0
+NUMBER_FRAME_GAP_PX, NUMBER_FOOT_GAP_PX = (
+    5.0,
+    17.0,
+)  # px from the numbers to the frame, and to the foot of those below it, clear of a number at the corner
+NUMBER_GAP_PX, EDGE_GAP_PX = (
+    6.0,
+    5.0,
+)  # px between two numbers below the frame, and from the last one to the edge, where a column may be slid
+
+
+class Axes:
+    """Maps a range of the plane to the drawing area and draws grid, numbers and names.
+
+    Both names and all numbers have the room that large print asks for: a name stands beside the numbers, and in lines where one
+    would not hold it; of numbers there are as many as stand apart. `high` is the drawing's height before the name below needs more.
+    """
+
+    def __init__(self, x: tuple[float, float], y: tuple[float, float], equal: bool, names: tuple[str, str], powers: str = "",
+                 high: float = H) -> None:
+        self.high, self._foot, self._powers = high, high - BOTTOM_PX, powers
+        self._upright = fold_lines(names[1], (self._foot - TOP_PX) / LARGE_PRINT_PX).split("\n")
+        self.left = PLOT_FRAME.left
+        self._fit(x, y, equal)
+        widest = max((text_width(name, LARGE_PRINT_PX) for _, name in self._levels()), default=0.0)
+        self.left = max(self.left, len(self._upright) * ROW_HEIGHT_PX + NAME_CLEARANCE_PX + widest + NUMBER_FRAME_GAP_PX)
+        self._fit(x, y, equal)
+        self._across = fold_lines(names[0], (W - RIGHT_PX - self.left) / LARGE_PRINT_PX).split("\n")
+        self.height = high + ROW_HEIGHT_PX * (len(self._across) - 1)
+
+    def _fit(self, x: tuple[float, float], y: tuple[float, float], equal: bool) -> None:
+        across, up = W - self.left - RIGHT_PX, self._foot - TOP_PX
+        if equal:
+            scale = max((x[1] - x[0]) / across, (y[1] - y[0]) / up)
+            cx, cy = sum(x) / 2, sum(y) / 2
+            x = (cx - scale * across / 2, cx + scale * across / 2)
+            y = (cy - scale * up / 2, cy + scale * up / 2)
+        self.x, self.y = x, y
+        self._sx, self._sy = across / (x[1] - x[0]), up / (y[1] - y[0])
+
+    def _levels(self) -> list[tuple[float, str]]:
+        """The numbers beside the frame, by their values."""
+        most = round(5 * (self._foot - TOP_PX) / (PLOT_FRAME.bottom - PLOT_FRAME.top))
+        found = _numbers(*self.y, most, "y" in self._powers)
+        return [found[k] for k in apart([(self.at(0, v)[1], LARGE_PRINT_PX) for v, _ in found], 1.0)]
+
+    def _below(self) -> list[tuple[float, float, str]]:
+        """The numbers below the frame: the place on the axis, that of the middle of the number, which stays inside the drawing."""
+        for most in (6, 5, 4, 3, 2):
+            found = []
+            for v, name in _numbers(*self.x, most, "x" in self._powers):
+                px, half = self.at(v, 0)[0], text_width(name, LARGE_PRINT_PX) / 2
+                found.append((px, min(px, W - EDGE_GAP_PX - half), name))
+            kept = apart([(x, text_width(name, LARGE_PRINT_PX)) for _, x, name in found], NUMBER_GAP_PX)
+            if len(kept) == len(found):
+                return found
+        return [found[k] for k in kept]
+
+    @property
+    def frame(self) -> Box:
+        """The drawing area."""
+        return Box(self.left, TOP_PX, W - RIGHT_PX, self._foot)
+
+    def at(self, x: float, y: float) -> tuple[float, float]:
+        """The pixel of a point."""
+        return self.left + (x - self.x[0]) * self._sx, self._foot - (y - self.y[0]) * self._sy
+
+    def held(self, x: float, y: float) -> tuple[float, float]:
+        """The pixel of a point, or the nearest one inside the frame."""
+        px, py = self.at(x, y)
+        return min(max(px, self.left), W - RIGHT_PX), min(max(py, TOP_PX), self._foot)
+
+    def area(self, left: float = 0.0) -> str:
+        """Where the drawing area is, from a pixel on, as an element says it."""
+        begin = max(left, self.left)
+        return f'x="{begin:.1f}" y="{TOP_PX}" width="{W - RIGHT_PX - begin:.1f}" height="{self._foot - TOP_PX:.1f}"'
+
+    def draw(self) -> str:
+        """The frame, its grid, numbers and names."""
+        foot = f"{self._foot:.1f}"
+        out = [f'<rect {self.area()} fill="none" stroke="#c9ced6"/>']
+        for px, x, name in self._below():
+            out.append(f'<line x1="{px:.1f}" x2="{px:.1f}" y1="{TOP_PX}" y2="{foot}" stroke="#e8ebf0"/>'
+                       f'<text x="{x:.1f}" y="{self._foot + NUMBER_FOOT_GAP_PX:.1f}" text-anchor="middle">{name}</text>')
+        for v, name in self._levels():
+            _, py = self.at(0, v)
+            out.append(
+                f'<line x1="{self.left:.1f}" x2="{W - RIGHT_PX}" y1="{py:.1f}" y2="{py:.1f}" stroke="#e8ebf0"/>'
+                f'<text x="{self.left - NUMBER_FRAME_GAP_PX:.1f}" y="{min(py + 4, self._foot - 1):.1f}" text-anchor="end">{name}</text>'
+            )
+        middle = (self.left + W - RIGHT_PX) / 2
+        out += [f'<text x="{middle:.1f}" y="{self.high - 6 + k * ROW_HEIGHT_PX:.1f}" text-anchor="middle">{html.escape(line)}</text>'
+                for k, line in enumerate(self._across)]
+        out += [
+            f'<text transform="translate({NAME_RISE_PX + k * ROW_HEIGHT_PX:.1f} {(TOP_PX + self._foot) / 2:.1f}) rotate(-90)" '
+            f'text-anchor="middle">'
+            f"{html.escape(line)}</text>"
+            for k, line in enumerate(self._upright)
+        ]
+        return "".join(out)
+
+
+def apart(spots: Sequence[tuple[float, float]], gap: float) -> list[int]:
+    """Which of some words in a row, each a middle and a length, can stand there with a gap between any two, the first kept first."""
+    kept: list[int] = []
+    for k, (middle, long) in enumerate(spots):
+        if not kept or abs(middle - spots[kept[-1]][0]) >= (long + spots[kept[-1]][1]) / 2 + gap:
+            kept.append(k)
+    return kept
+
+
+def _numbers(low: float, high: float, most: int, powers: bool) -> list[tuple[float, str]]:
+    """Places and names of the numbers of an axis; over one of exponents the powers of ten."""
+    if powers:
+        return [(math.log10(value), name) for value, name in zip(*decades(10.0**low, 10.0**high, most), strict=True)]
+    return [(v, f"{v:.6g}".replace("-", "−")) for v in ticks(low, high, most)]

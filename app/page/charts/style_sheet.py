@@ -1,0 +1,40 @@
+"""Write the page's style sheet, with variables for what changes."""
+
+from __future__ import annotations
+
+import math
+from string import Template
+
+from ...session.state.view import Picture
+from .. import web
+
+
+def sheet(lecture: bool, veiled: bool, figures: tuple[str, ...] = (), numbers: bool = False) -> str:
+    """The style element for the present state; `figures` and `numbers` are veiled by themselves."""
+    sheets = ["page.css", *(["lecture.css"] if lecture else []), *(["veil.css"] if veiled else []), *(["numbers.css"] if numbers else [])]
+    also = [Template(web.file_text("again.css")).substitute(figure=figure) for figure in figures]
+    return "<style>" + "".join([*map(web.file_text, sheets), *also]) + "</style>"
+
+
+def sheet_of(picture: Picture) -> str:
+    """The style element for a picture: all veiled before the first prediction, what would answer while the second one waits."""
+    again = picture.lesson.again if picture.asks_second_prediction else None
+    veil: tuple[tuple[str, ...], bool] = ((), False) if again is None else (again.figures, again.numbers)
+    return sheet(picture.state.lecture, picture.state.predicted is None, *veil)
+
+
+def figure_class(figure: str) -> str:
+    """What the class of a chart's curves ends with, so that the page finds the chart of a figure."""
+    return f":{figure}:"
+
+
+def clock(t: float, horizon: float, speed: float, caption: str, share: str = "", now: str = "") -> str:
+    """The cursor in all time plots and the clock beside the transport, in one element; `share` and `now` stand for t if given."""
+    share = share or f"{t / horizon if horizon > 0 else 0.0:.4f}"
+    return Template(web.file_text("clock.html")).substitute(
+        share=share, now=now or f"{t:.{clock_decimals(horizon)}f}", horizon=f"{horizon:g}", speed=f"{speed:g}", caption=caption)
+
+
+def clock_decimals(horizon: float) -> int:
+    """How many decimals of a second the clock of a run shows."""
+    return 2 if horizon >= 2 or horizon <= 0 else 2 - math.floor(math.log10(horizon))

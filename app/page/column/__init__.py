@@ -1,0 +1,1 @@
+"""Build the left column: question, prediction, knobs, tasks, exams and their dialogs."""

@@ -1,0 +1,127 @@
+"""Show the page of all lessons, the line above the question, and where to go after the lesson."""
+
+from __future__ import annotations
+
+import html
+from base64 import b64encode
+from collections.abc import Callable, Mapping, Sequence
+from functools import lru_cache
+from pathlib import Path
+
+import viser
+
+from ...course.course_map import Progress
+from ...course.learning_paths import next_lessons, paths_with_lessons
+from ...course.lesson import Lesson
+from ...session.commands.commands import Edit, OpenLesson, ToggleCourse
+from ...session.state.view import Picture, progress_of
+from ...text import listed, same
+from ..viser_private import viser_internals
+from ..words import phrases
+from .dialog import Dialog
+
+Post = Callable[[Edit], int]
+NO_PROGRESS = Progress()
+COURSE = "*"  # what the button of the page of lessons says; no lesson is called that
+
+
+class CourseGuide:
+    """In the left column: the line above the question, and at the end what one might go on with."""
+
+    def __init__(self, gui: viser.GuiApi, picture: Picture, post: Post) -> None:
+        self._gui, self._lang = gui, picture.state.language
+        self._hand = hidden_input(gui, lambda said: post(ToggleCourse() if said == COURSE else OpenLesson(said)))
+        self._line = gui.add_html("")
+
+    def show(self, picture: Picture) -> None:
+        """The line, with the tasks solved so far."""
+        lang, lesson, count = self._lang, picture.lesson, len(picture.catalogue)
+        place = phrases.OF_COURSE.format(number=lesson.number, count=count)(lang)
+        tasks = _tasks(progress_of(picture.state.predicted, picture.state.tasks), lesson, lang)
+        content = (f'<div class="ol-course">{_button(self._hand, COURSE, html.escape(phrases.COURSE(lang)))}'
+                   f"<span>{html.escape(place)}{' · ' + html.escape(tasks) if tasks else ''}</span></div>")
+        if self._line.content != content:
+            self._line.content = content
+
+    def end(self, picture: Picture) -> None:
+        """Where the lesson leads, under its last part."""
+        lessons = next_lessons(picture.lesson, picture.catalogue)
+        if lessons:
+            titles = {each.id: html.escape(f"{each.number} · {each.words[self._lang].title}") for each in lessons}
+            buttons = "".join(_button(self._hand, id, title) for id, title in titles.items())
+            self._gui.add_html(f'<div class="ol-onward"><span>{html.escape(phrases.GO_ON(self._lang))}</span>{buttons}</div>')
+
+
+class CourseDialog(Dialog):
+    """The page of all lessons, a dialog that opens and closes."""
+
+    def toggle(self, picture: Picture, progress: Mapping[str, Progress]) -> None:
+        """Open it, or close it."""
+        if self.close():
+            return
+        gui, lang, lessons = self._client.gui, picture.state.language, picture.catalogue
+        with self.open(phrases.COURSE(lang)):
+            self._hand = hidden_input(gui, self._open)
+            gui.add_html(f"<style>{_pictures(lessons)}</style>")
+            parts = gui.add_tab_group()
+            with parts.add_tab(phrases.COURSE(lang)):
+                gui.add_html(self._cards(lessons, picture, progress))
+            for way, on_it in paths_with_lessons(lessons).items():
+                with parts.add_tab(way.title(lang)):
+                    gui.add_html(f'<p class="ol-note">{html.escape(way.said(lang))}</p>{self._cards(on_it, picture, progress)}')
+            self.closed_by(gui.add_button(phrases.CLOSE(lang), color="gray"))
+
+    def _open(self, lesson: str) -> None:
+        self.close_later()
+        self._post(OpenLesson(lesson))
+
+    def _cards(self, lessons: Sequence[Lesson], picture: Picture, progress: Mapping[str, Progress]) -> str:
+        cards = (self._card(each, picture, progress.get(each.id, NO_PROGRESS)) for each in lessons)
+        return f'<div class="ol-cards">{"".join(cards)}</div>'
+
+    def _card(self, lesson: Lesson, picture: Picture, far: Progress) -> str:
+        lang, words, minutes = picture.state.language, lesson.words[picture.state.language], lesson.place.minutes
+        needs = [same(str(each.number)) for each in picture.catalogue if each.id in lesson.place.needs]
+        told = phrases.NEEDING.format(minutes=minutes, lessons=listed(needs)) if needs else phrases.ON_ITS_OWN.format(minutes=minutes)
+        done = [f"✓ {phrases.PREDICTED(lang)}"] if far.predicted else []
+        done += [_tasks(far, lesson, lang)] if far.solved else []
+        inner = (f'<i class="ol-shot ol-shot-{lesson.id}"></i><b>{lesson.number} · {html.escape(words.title)}</b>'
+                 f"<span>{html.escape(words.question)}</span><small>{html.escape(told(lang))}</small>"
+                 f'<small>{html.escape(" · ".join(done))}{_bar(far, lesson)}</small>')
+        here = f' aria-current=page title="{html.escape(phrases.OPEN_NOW(lang), quote=True)}"'
+        return _button(self._hand, lesson.id, inner, here if lesson.id == picture.lesson.id else "")
+
+
+def hidden_input(gui: viser.GuiApi, heard: Callable[[str], object]) -> viser.GuiButtonGroupHandle:
+    """The unseen widget that buttons of our own HTML answer for."""
+    group = gui.add_button_group("", ("",), visible=False)
+
+    @group.on_click
+    async def _(event: viser.GuiEvent) -> None:
+        heard(str(event.target.value))
+    return group
+
+
+def _button(answers: viser.GuiButtonGroupHandle, value: str, inner: str, look: str = "") -> str:
+    return (f'<button type="button" class="ol-do" data-value="{html.escape(value, quote=True)}" '
+            f'data-to="{viser_internals.node_id(answers)}"{look}>{inner}</button>')
+
+
+def _tasks(far: Progress, lesson: Lesson, language: str) -> str:
+    return phrases.SOLVED.format(solved=far.solved, count=len(lesson.tasks))(language) if lesson.tasks else ""
+
+
+def _bar(far: Progress, lesson: Lesson) -> str:
+    """How much of the lesson is done: the prediction and each task count as one."""
+    whole = 1 + len(lesson.tasks)
+    return f'<i class="ol-done" style="--ol-share:{(far.predicted + min(far.solved, whole - 1)) / whole:.3f}"></i>'
+
+
+def _pictures(lessons: Sequence[Lesson]) -> str:
+    return "".join(f".ol-shot-{each.id}{{background-image:url(data:image/webp;base64,{_picture(each.place.picture)})}}"
+                   for each in lessons if each.place.picture is not None and each.place.picture.is_file())
+
+
+@lru_cache(maxsize=64)
+def _picture(path: Path) -> str:
+    return b64encode(path.read_bytes()).decode("ascii")

@@ -1,0 +1,115 @@
+"""Show the exams in the left column: key, statement, answer field and result."""
+
+from __future__ import annotations
+
+import html
+import re
+from collections.abc import Callable
+from typing import Any
+
+import viser
+
+from ...course.exercises.derivation import fill_placeholders
+from ...course.exercises.exam import Exam
+from ...session.commands.commands import Edit
+from ...session.commands.exams import AnotherVariant, AnswerExam, SetKey, WithholdResults
+from ...session.handlers.exams import last_answer, present_item, present_verdict
+from ...session.state.view import Picture
+from ...text import joined, same
+from ..viser_private.widget_values import ReadBack
+from ..words import phrases
+from ..words.prose import equation_html, judged_html, render_markdown, with_minus
+
+EQUATION = re.compile(r"\$\$(.+?)\$\$", re.S)
+
+
+class ExamPanel:
+    """A folder with one for each exam of the lesson; what is told of an answer stands under it."""
+
+    def __init__(self, gui: viser.GuiApi, picture: Picture, post: Callable[[Edit], int]) -> None:
+        self._lang, self._lesson, self._post = picture.state.language, picture.lesson, post
+        self._modes = {phrases.PRACTICE(self._lang): False, phrases.WITHHELD(self._lang): True}
+        self._forms: dict[str, _Form] = {}
+        if not self._lesson.exams:
+            return
+        with gui.add_folder(phrases.EXAM(self._lang), expand_by_default=False):
+            key = gui.add_text(phrases.KEY(self._lang), picture.state.key, hint=phrases.KEY_HINT(self._lang))
+            if picture.state.sealed:
+                gui.add_html(f'<p class="ol-note">{phrases.NOTES_ALONE(self._lang)}</p>')
+            mode = gui.add_dropdown(phrases.MODE(self._lang), tuple(self._modes), initial_value=self._mode(picture),
+                                    visible=not picture.state.sealed, hint=phrases.MODE_HINT(self._lang))
+            for count, exam in enumerate(self._lesson.exams, 1):
+                title = self._lesson.words[self._lang].exams[exam.id].title
+                with gui.add_folder(f"{count} {title}", expand_by_default=False):
+                    self._forms[exam.id] = _Form(gui, picture, exam, post)
+        self._key = ReadBack(key, lambda words: post(SetKey(words)))
+        self._choice = ReadBack(mode, lambda words: post(WithholdResults(self._modes.get(words, False))))
+
+    def _mode(self, picture: Picture) -> str:
+        return next(words for words, withheld in self._modes.items() if withheld == picture.state.withheld)
+
+    def show(self, picture: Picture) -> None:
+        """The numbers of the key and the variant, and what is told of the last answer to them."""
+        if not self._forms:
+            return
+        self._key.show(picture.state.key, picture)
+        self._choice.show(self._mode(picture), picture)
+        for form in self._forms.values():
+            form.show(picture)
+
+
+class _Form:
+    """One exam."""
+
+    def __init__(self, gui: viser.GuiApi, picture: Picture, exam: Exam, post: Callable[[Edit], int]) -> None:
+        self._exam, self._lang = exam, picture.state.language
+        self._words = picture.lesson.words[self._lang].exams[exam.id]
+        self._statement = gui.add_markdown("")
+        self._answer = gui.add_text(phrases.ANSWER(self._lang), last_answer(picture.state, exam))
+        row = gui.add_button_group("", (phrases.CHECK_BUTTON(self._lang), phrases.ANOTHER(self._lang)))
+        note = gui.add_button(phrases.NOTE(self._lang))
+        self._buttons: tuple[Any, Any] = row, note
+        self._told = gui.add_html("")
+
+        @row.on_click
+        async def _(event: viser.GuiEvent) -> None:
+            if event.target.value == phrases.CHECK_BUTTON(self._lang):
+                post(AnswerExam(exam.id, self._answer.value))
+            else:
+                post(AnotherVariant(exam.id))
+
+        @note.on_click
+        async def _(_: viser.GuiEvent) -> None:
+            post(AnswerExam(exam.id, self._answer.value))
+
+    def show(self, picture: Picture) -> None:
+        state, exam = picture.state, self._exam
+        item = present_item(state, picture.lesson.id, exam)
+        statement = render_markdown(joined(same(fill_placeholders(self._words.statement, item.given)), exam.digits.asked)(self._lang))
+        if self._statement.content != statement:
+            if self._statement.content and self._answer.value != last_answer(state, exam):  # other numbers, another answer
+                self._answer.value = last_answer(state, exam)
+            self._statement.content = statement
+        for handle, seen in zip(self._buttons, (not state.withheld, state.withheld), strict=True):
+            if handle.visible != seen:
+                handle.visible = seen
+        told = self._told_of(picture)
+        if self._told.content != told:
+            self._told.content = told
+
+    def _told_of(self, picture: Picture) -> str:
+        said, verdict = last_answer(picture.state, self._exam), present_verdict(picture.state, picture.lesson.id, self._exam)
+        if verdict is None:
+            noted = picture.state.withheld and said
+            return f'<div class="ol-note">{with_minus(html.escape(phrases.NOTED.format(said=said)(self._lang)))}</div>' if noted else ""
+        if picture.state.predicted is None:  # formulas would answer the prediction
+            return judged_html(verdict.solved, verdict.text(self._lang)) + f'<p class="ol-note">{phrases.HOW_LATER(self._lang)}</p>'
+        return (judged_html(verdict.solved, verdict.text(self._lang)) + f'<p class="ol-caption">{phrases.HOW(self._lang)}</p>'
+                + derived(self._exam.derived(self._words.derivation, present_item(picture.state, picture.lesson.id, self._exam))))
+
+
+def derived(words: str) -> str:
+    """A derivation as the page shows it: words as paragraphs, equations on lines of their own."""
+    parts = EQUATION.split(words)
+    return "".join(equation_html(part.strip()) if index % 2 else f'<p class="ol-note">{render_markdown(part.strip())}</p>'
+                   for index, part in enumerate(parts) if part.strip())

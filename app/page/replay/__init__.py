@@ -1,0 +1,1 @@
+"""Play a run in the page, and record it as a page of its own."""

@@ -1,0 +1,1 @@
+"""Put one tab's page together and serve it to browsers."""

@@ -1,0 +1,74 @@
+"""Talk to one browser: storage, address bar, downloads and camera."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from typing import Any
+
+import viser
+
+from ...session.state.tab_memory import MAX_MEMORY_BYTES
+from ...session.state.token import LONGEST_LINK
+from ...session.state.view import Picture
+from ..stage.viewpoint import Viewpoint
+from ..viser_private import page_scripts, viser_internals
+
+ADDRESS_PATTERN = re.compile(r"https?://[\w.:\[\]-]{1,200}(?:/[\w.~/%-]{0,200})?", re.ASCII)
+STORAGE, SHELF = "observer-lab", "observer-lab-designs"  # the keys of what tabs keep, and of the designs under names
+
+
+class Browser:
+    """The part of a screen that outlives it. All methods are called by the session's worker."""
+
+    def __init__(self, client: viser.ClientHandle) -> None:
+        self._client = client
+        self._viewpoint = Viewpoint(client)
+        self._home = ""  # where the browser found the page, as its address bar says
+
+    def camera(self, preset: str) -> None:
+        """Look from a named place."""
+        self._viewpoint.camera(preset)
+        self._client.flush()
+
+    def look(self, camera: tuple[float, ...] | None) -> None:
+        """Look from a position at a target, from where everything is seen for None."""
+        self._viewpoint.look(camera)
+        self._client.flush()
+
+    def eye(self) -> tuple[float, ...] | None:
+        """Position and target of the camera, None where it stands as it was put."""
+        return self._viewpoint.eye()
+
+    def address(self, token: str, lesson: str, asked: int) -> None:
+        """Put a state into the address bar, if it fits there."""
+        page_scripts.show_address(self._client, token if len(token) <= LONGEST_LINK else "", lesson, asked)
+
+    def download(self, name: str, content: bytes) -> None:
+        """Give the person a file."""
+        self._client.send_file_download(name, content, save_immediately=True)
+
+    def replay(self, picture: Picture, token: str, camera: tuple[float, ...] | None) -> bytes:
+        """The run of a picture as a page that plays by itself."""
+        from ..replay.replay import replay  # matplotlib is loaded only when a file is wanted
+
+        return replay(picture, token, camera).encode()
+
+    def recall(self, answer: Callable[..., object]) -> None:
+        """Ask for what this tab kept through a reload, for what stands in the address bar, and for what the browser keeps."""
+        def heard(kept: str | None, token: str, known: bool, home: str, *others: Any) -> None:
+            self._home = home if ADDRESS_PATTERN.fullmatch(home) else ""
+            answer(kept, token, known, *others)
+        viser_internals.ask_storage(self._client, STORAGE, SHELF, heard)
+
+    def remember(self, text: str) -> None:
+        """Keep a text in this tab's own storage, which survives a reload, and beside that of other tabs for those to come."""
+        viser_internals.run_script(self._client, "remember", key=STORAGE, text=text, most=MAX_MEMORY_BYTES)
+
+    def save_design(self, name: str, words: str) -> None:
+        """Keep words in the browser under a name, or nothing any more for ""."""
+        viser_internals.run_script(self._client, "shelve", key=SHELF, under=name, words=words)
+
+    def clear_storage(self) -> None:
+        """Let the browser forget all that it keeps."""
+        viser_internals.run_script(self._client, "wipe", keys=[STORAGE, SHELF])

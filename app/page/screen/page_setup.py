@@ -1,0 +1,47 @@
+"""Send the scripts that a page runs once: drawing, keys and pointer."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import viser
+
+from ...session.commands.commands import Edit, PageSeen
+from ..stage.drag_handles import FAINT, GRIPS, OBSERVER_BOARD
+from ..viser_private import page_scripts, viser_internals
+
+PAGE_SCRIPTS = (
+    # Draw each answer of the server in one frame; where frames come slowly, with fewer pixels while things move. viser takes
+    # moves up inside a frame and hands half of them to React, whose changes then cost a second frame: here they are taken up
+    # as they arrive. It covers the whole view with a background image even when there is none: here it does not. On a slow
+    # machine it lowers the resolution to three quarters and after seconds, and goes on drawing for a quarter of a second after
+    # every change: here the moving scene has 0.6 of its pixels each way, and is drawn once more, sharp, when it rests.
+    "frames",
+    "folders",  # let Tab reach the heads of folders and Enter or Space open them: viser opens folders by the mouse alone
+    "keys",  # keep from viser's camera the keys that mean something else here: the arrows of a widget, the letters of commands
+    "options",  # let a button of our own HTML, with mathematics in it, answer for a widget
+    "again",  # bring a second question into view when it comes under the knobs
+    "reading",  # say what the curves of a chart are where the pointer is; viser hands no function to its charts that could
+    "names",  # write the names of a chart's curves beside them; viser has a key below the chart and nothing else
+    "cursor",  # put the cursor of every chart over time where the clock stands
+    "snapshot",  # let the dialog keep the stage as a picture, drawn with all its pixels on the ground that the page gives it
+    "parts",  # let a phone show one part of the lesson at a time
+    "floor",  # keep the camera from turning or sliding under the floor, from where nothing can be seen
+)
+
+
+def run_page_scripts(client: viser.ClientHandle) -> None:
+    """Run every script that a page keeps until it is closed."""
+    for name in PAGE_SCRIPTS:
+        viser_internals.run_script(client, name)
+    page_scripts.pulse_once(client, GRIPS, OBSERVER_BOARD, FAINT)
+
+
+def watch_page_visibility(client: viser.ClientHandle, post: Callable[[Edit], object]) -> None:
+    """Ask the page whether anybody sees it; then a run that has not begun is shown in motion."""
+    seen = client.gui.add_number("", -1.0, visible=False)  # neither answer, so that either is heard
+
+    @seen.on_update
+    async def _(event: viser.GuiEvent) -> None:
+        post(PageSeen(event.target.value))
+    page_scripts.ask_whether_seen(client, seen)

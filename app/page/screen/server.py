@@ -1,0 +1,160 @@
+"""Serve the app: one session with its own screen for every tab."""
+
+from __future__ import annotations
+
+import logging
+import socket
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterable, Mapping
+from contextlib import suppress
+from importlib import import_module
+
+import viser
+from PIL import Image
+
+from ...course.lesson import Lesson
+from ...session.commands.commands import Refuse
+from ...session.session import WATCHDOG, Session
+from ..access.access_policy import AccessPolicy, Refusal
+from ..access.addresses import is_public, listen, url
+from ..access.handshake import RETRY_AFTER_S, AdmissionControl
+from ..access.memory_arena import share_one_arena
+from ..access.shared_counters import SharedCounters, WorkerSlot
+from ..access.tokens import AccessToken
+from ..column.plant_picker import MOST_BYTES
+from ..viser_private import viser_internals
+from ..web.html_page import server_full_page, token_required_page
+from ..words import phrases
+from ..words.version import version
+from .screen import Screen
+
+log = logging.getLogger(__name__)
+
+NEEDED = ("imageio.v3", "babel.numbers")  # by which viser packs pictures, and a language its decimal sign
+STOP_TIMEOUT_S = 5.0  # s within which a server has stopped, whatever its tabs are doing
+SWITCH_INTERVAL_S = 5e-4  # s that a computing thread keeps the interpreter for, while the one that talks to all browsers waits
+LAST_MESSAGE_S = 0.5  # s in which the last word goes out
+END_POLL_S = 0.1  # s within which it hears of its end
+HEALTH_INTERVAL_S = 5.0  # s between two times that other workers are told how this one is
+MAX_LOGGED_REFUSALS = 20  # different refusals that are written down: a name is enough to help, and a flood is none
+
+
+class LabServer:
+    """Observer Lab on a port: every tab that connects gets a session, every tab that leaves takes it away."""
+
+    def __init__(self, lessons: Mapping[str, Lesson], host: str = "127.0.0.1", port: int = 8080,
+                 lesson: str = "separation", language: str = "en", max_sessions: int = 200, plant: str = "",
+                 names: Iterable[str] = (), state: str = "", insists: bool = False, sealed: bool = False, access: AccessToken | None = None,
+                 listener: socket.socket | None = None, seat: WorkerSlot | None = None) -> None:
+        """`state` is what a tab opens with that brings none, as a token or the words of a file. A new tab goes on where the last one
+        of its browser was, unless the server `insists` on its lesson or has a state. `sealed` offers no practice of exams.
+
+        `listener` stands in the place of host and port where one listens already, `seat` in that of `max_sessions` where several
+        processes count together.
+
+        Raises OSError where it cannot listen, ValueError at a name that is none.
+        """
+        sys.setswitchinterval(SWITCH_INTERVAL_S)
+        share_one_arena()
+        self._lessons = lessons
+        self._lesson, self._language, self._plant, self._state = lesson, language, plant, state
+        self._insists, self._sealed = insists, sealed
+        self._sessions: dict[int, Session] = {}
+        self._screens: dict[int, Screen] = {}
+        self._seat = seat or WorkerSlot(SharedCounters(), 0, max_sessions)
+        self._host, self._refused = host, set[Refusal]()
+        reception = AdmissionControl(AccessPolicy.of(host, is_public(host), names), access, self._write_down, self.health, self._full,
+                              token_required_page(language))
+        self._server = viser_internals.open_server(listener or listen(host, port), reception, language)
+        self._server.on_client_connect(self._enter)
+        self._server.on_client_disconnect(self._leave)
+
+    @property
+    def url(self) -> str:
+        """Where the page is: the port may differ from the one asked for, when that was taken."""
+        return url(self._host, self._server.get_port())
+
+    @property
+    def sessions(self) -> Mapping[int, Session]:
+        """The open tabs' sessions."""
+        return self._sessions
+
+    def health(self) -> Mapping[str, object]:
+        """What `GET /health` answers: nothing of any person."""
+        self._seat.note(WATCHDOG.stuck)
+        return {"status": "ok", "version": version(), **self._seat.health()}
+
+    def _full(self) -> str:
+        """The page for whoever comes while all places are taken, else nothing."""
+        return server_full_page(self._language, self._seat.most, RETRY_AFTER_S) if self._seat.full else ""
+
+    def _write_down(self, refusal: Refusal) -> None:
+        if refusal not in self._refused and len(self._refused) < MAX_LOGGED_REFUSALS:
+            self._refused.add(refusal)
+            log.warning("refused: %s", refusal.words)
+
+    async def _enter(self, client: viser.ClientHandle) -> None:
+        if not self._seat.enter():
+            client.add_notification("Observer Lab", f"This server is full ({self._seat.most} tabs). Close one and reload.",
+                                    color="red")
+            return
+        try:
+            self._open(client)
+        except BaseException:
+            self._seat.leave()
+            raise
+
+    def _open(self, client: viser.ClientHandle) -> None:
+        screen = Screen(client)
+        session = Session(self._lessons, screen, self._lesson, self._language, plant=self._plant,
+                          state=self._state, insists=self._insists, sealed=self._sealed)
+        screen.attach(session.post)
+        viser_internals.may_leave(client)
+        viser_internals.accept_values_only(client, lambda: session.post(Refuse(phrases.NONSENSE)))
+        viser_internals.accept_small_files_only(client, MOST_BYTES, lambda: session.post(Refuse(phrases.TOO_LARGE)))
+        self._sessions[client.client_id], self._screens[client.client_id] = session, screen
+        session.start(lambda: viser_internals.hang_up(self._server, client.client_id))
+
+    async def _leave(self, client: viser.ClientHandle) -> None:
+        self._screens.pop(client.client_id, None)
+        session = self._sessions.pop(client.client_id, None)
+        if session is not None:
+            self._seat.leave()
+            session.close()
+
+    def prepare(self) -> None:
+        """Load what the first scene needs, before anybody waits for it."""
+        for module in NEEDED:
+            with suppress(ImportError):  # then the first tab finds out
+                import_module(module)
+        Image.init()
+
+    def wait(self, ended: Callable[[], bool], period: float = HEALTH_INTERVAL_S) -> None:
+        """Serve until `ended` says so; every `period` seconds other processes learn how this one is.
+
+        The heartbeat runs on the event loop: a process whose loop is blocked serves nobody and must not seem alive.
+        """
+        loop, due = self._server.get_event_loop(), 0.0
+        while not ended():
+            if time.monotonic() >= due:
+                self._seat.note(WATCHDOG.stuck)
+                loop.call_soon_threadsafe(self._seat.beat)
+                due = time.monotonic() + period
+            time.sleep(min(END_POLL_S, period))
+
+    def stop(self) -> None:
+        """Tell the tabs, close every session and the server; at most STOPPING seconds."""
+        ending = threading.Thread(target=self._end, name="observer-lab end", daemon=True)
+        ending.start()
+        ending.join(STOP_TIMEOUT_S)
+
+    def _end(self) -> None:
+        for session in list(self._sessions.values()):
+            session.close()
+        for screen in list(self._screens.values()):
+            screen.say(phrases.STOPPED, True)
+        if self._screens:
+            time.sleep(LAST_MESSAGE_S)
+        self._server.stop()

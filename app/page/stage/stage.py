@@ -1,0 +1,207 @@
+"""Draw the stage: floor, light, plant, ghost, force arrows and error lines."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+import viser
+
+from ...course.error_window import sample_at
+from ...course.figures.records import COLOURS
+from ...course.lesson import Stage
+from ...course.pinned_designs import Ghost
+from ...plants.bodies.body import Body, Vector
+from ...text import label_in_language
+from ..charts.text_layout import fold_lines
+from ..viser_private import viser_internals
+from ..viser_private.stage_frames import Frame, Value, changed_values, flatten_segments
+from ..words import phrases
+from .floor import floor_lines, floor_shadow
+from .pinned_ghosts import PinGhosts
+from .scene_labels import SceneLabels, colour_labels, stagger_names
+from .solids import Solids, rgb
+from .trails import ErrorLines
+
+FACTORS = 10.0  # letters: a line with what is exaggerated is no longer
+FACTORS_AT = (2.9, -0.6, 0.02), (2.9, -0.6, 0.5)  # where the end of its last line stands, and where a map lies in front
+FLOOR_COLOUR, DARK_FLOOR_COLOUR = (214, 220, 229), (58, 66, 78)
+MIN_ARROW_LENGTH = 0.05  # stage units: shorter arrows are not drawn
+LARGEST_CLOUD = 0.9  # stage units
+INSIDE = 0.985  # the ghost is drawn this much smaller: where it agrees, it vanishes into the body
+Place = tuple[int, tuple[int, ...]]  # the sample of the run that is shown, and of each pin's run
+BELOW: Vector = (0.0, 0.0, -9.0)
+GHOST_COLOUR = COLOURS["estimate"]
+def factors(body: Body, language: str) -> str:
+    """How many times motion and arrows of a body are exaggerated, nothing where they are not; in lines, to stand beside it."""
+    times = ((phrases.EXAGGERATED, body.gain), (phrases.LONGER, body.forces))
+    return fold_lines(
+        phrases.AND(language).join(phrase.format(factor=factor)(language) for phrase, factor in times if factor != 1), FACTORS
+    )
+
+
+class StageView:
+    """One tab's stage. Sends only what changed since the last pose. With `trails` its ghost leaves some while the tab is not `calm`."""
+
+    def __init__(self, client: viser.ClientHandle, trails: bool = False) -> None:
+        self._client, self._trails = client, trails
+        self._calm, self._dark = False, False
+        self._scene = client.scene
+        self._body: Body | None = None
+        self._solid, self._ghost = self._parts()
+        self._clouds: list[viser.IcosphereHandle] = []
+        self._names: list[viser.LabelHandle] = []
+        self._note, self._called = list[viser.LabelHandle](), list[tuple[str, Vector]]()
+        self._letters = SceneLabels(self._scene, 1.0)
+        self._pins = PinGhosts(self._scene, self._letters)
+        self._errors: ErrorLines | None = None
+        self._stage: Stage | None = None
+        self._frame: Frame = {}  # where everything was sent to last
+        self._posed: tuple[Place, Stage | None] | None = None
+        self.built: object = None  # another one whenever a place may mean another frame
+        self.charted = False  # whether a map lies in front
+
+    def furnish(self, dark: bool) -> None:
+        """Floor, light, background and the default camera of an empty stage."""
+        scene, self._dark = self._scene, dark
+        colour_labels(self._client, dark)
+        scene.set_up_direction("+z")
+        scene.configure_default_lights(False)
+        scene.configure_environment_map(None)
+        scene.add_light_hemisphere("/light/sky", sky_color=(255, 255, 255), ground_color=(196, 202, 214), intensity=2.1)
+        scene.add_light_directional("/light/key", color=(255, 248, 236), intensity=2.3, position=(-4.0, -6.0, 9.0),
+                                    cast_shadow=False)
+        scene.add_light_directional("/light/fill", color=(226, 236, 255), intensity=0.5, position=(6.0, -5.0, 4.0),
+                                    cast_shadow=False)
+        scene.add_line_segments("/floor", floor_lines(), DARK_FLOOR_COLOUR if dark else FLOOR_COLOUR, thickness=0.012)
+        scene.add_image("/shadow", floor_shadow(), 5.6, 3.4, format="png", cast_shadow=False, receive_shadow=False,
+                        position=(0.0, 0.1, 0.002))
+
+    def build(self, stage: Stage | None, language: str, em: float) -> None:
+        """Put a plant on the stage, instead of the last one."""
+        self.forget()
+        self.built = object()
+        self._solid, self._ghost = self._parts()
+        self._clouds, self._names, self._note, self._called = [], [], [], []
+        self._stage, self._body = stage, stage.body if stage is not None else None
+        self._letters = SceneLabels(self._scene, em)
+        self._pins = PinGhosts(self._scene, self._letters)
+        if stage is None:
+            return
+        body = stage.body
+        for part in body.parts:
+            self._solid.add(part, part.colour, part.opacity)
+            if part.twin and stage.xhat is not None:
+                self._ghost.add(part, GHOST_COLOUR, 0.55 if self._dark else 0.42)
+        none = np.array(_segments([]), np.float32).reshape(-1, 2, 3)
+        self._scene.add_arrows("/forces", none, rgb(COLOURS["force"]), shaft_radius=0.035,
+                               head_radius=0.09, head_length=0.16)
+        self._errors = ErrorLines(self._scene, stage, self._trails, self._dark)
+        self._clouds = [] if stage.spread is None or stage.xhat is None else [
+            self._scene.add_icosphere(f"/spread/{i}", 1.0, rgb(GHOST_COLOUR), opacity=0.16, cast_shadow=False,
+                                      receive_shadow=False)
+            for i, _ in enumerate(body.anchors(stage.xhat[0].tolist(), body.gain))]
+        said = factors(body, language)
+        self._letters.write("/factor", said, FACTORS_AT[self.charted], "bottom-right", visible=bool(said))
+        self._say(stage, language)
+        self._called = [(label_in_language(words, language), place) for words, place in body.labels]
+        self._names = [self._letters.write(f"/name/{i}", *name, "top-center") for i, name in enumerate(stagger_names(self._called, em))]
+
+    def needs_resize(self, em: float) -> bool:
+        """Whether `fit` has something to do; asked from the server's loop."""
+        return self._letters.misfit(em)
+
+    def fit(self, em: float) -> None:
+        """Write in letters as large as the window asks for."""
+        if self._letters.resize(em):
+            for label, (_, place) in zip(self._names, stagger_names(self._called, em), strict=True):
+                label.position = place
+
+    def _say(self, stage: Stage, language: str) -> None:
+        """What would surprise in this run, in lines in front of the plant."""
+        said = "\n".join(line(language) for line in stage.note)
+        if said != "".join(label.text for label in self._note):
+            for label in self._note:
+                self._letters.remove(label)
+            self._note = [self._letters.write("/note", said, (0.0, -1.4, 0.03), "top-center")] if said else []
+
+    def _parts(self) -> tuple[Solids, Solids]:
+        """The plant's parts and its ghost's, none yet."""
+        return Solids(self._scene, "/plant"), Solids(self._scene, "/ghost", INSIDE, coloured=False)
+
+    def show(self, stage: Stage | None, language: str, em: float) -> None:
+        """Take a new run; another plant is put on the stage in place of the last one."""
+        if (stage.body if stage is not None else None) is not self._body:
+            for part in (self._solid, self._ghost, *self._clouds, *self._names, *self._note):
+                part.remove()
+            self._pins.clear()
+            self.build(stage, language, em)
+        elif stage is not None and self._errors is not None and stage is not self._stage:
+            self._errors.take(stage)
+            self._say(stage, language)
+        self._stage, self.built = stage, object()
+
+    def calm(self, calm: bool) -> None:
+        """Whether nothing is to move by itself; then a ghost leaves no trail."""
+        if calm != self._calm:
+            self._calm, self.built = calm, object()
+            self.forget()
+
+    def show_pin_ghosts(self, ghosts: Sequence[Ghost]) -> None:
+        """The ghosts of pinned designs that are wanted beside the present one."""
+        changed_pins = self._pins.show(ghosts, self._body)
+        if changed_pins:
+            self.forget()
+        if changed_pins or ghosts:  # the same pins may run otherwise
+            self.built = object()
+
+    def forget(self) -> None:
+        """Send the next pose whole: what the browser shows is not known."""
+        self._frame, self._posed = {}, None
+
+    def pose(self, t: float) -> None:
+        """Move every part to time t of the run."""
+        place = self.place_at(t)
+        if place is None or self._posed == (place, self._stage):
+            return
+        before, self._frame, self._posed = self._frame, self.frame_at(place), (place, self._stage)
+        viser_internals.move(self._scene, changed_values(before, self._frame))
+
+    def place_at(self, t: float) -> Place | None:
+        """Which samples of the run and of the pins' runs are shown at time t, None on an empty stage."""
+        return None if self._stage is None or self._body is None else (sample_at(self._stage.t, t), self._pins.place_at(t))
+
+    def frame_at(self, place: Place | None) -> Frame:
+        """Where everything stands at these samples."""
+        stage, body, frame = self._stage, self._body, Frame()
+        if stage is None or body is None or place is None:
+            return frame
+        index, samples = place
+        x = stage.x[index].tolist()
+        self._solid.place(body.pose(x, body.gain), frame)
+        if stage.xhat is not None and self._ghost:
+            xhat = stage.xhat[index].tolist()
+            self._ghost.place(body.pose(xhat, body.gain), frame)
+            believed = body.anchors(xhat, body.gain)
+            if self._errors is not None:
+                self._errors.place(index, body.anchors(x, body.gain), believed, self._calm, frame)
+            if stage.spread is not None:
+                self._cloud(believed, float(stage.spread[index]), frame)
+        if stage.u is not None:
+            arrows = body.arrows(x, stage.u[index].tolist(), body.gain)
+            frame["/forces", "points"] = _segments([(a.tail, a.head) for a in arrows if math.dist(a.tail, a.head) > MIN_ARROW_LENGTH])
+        self._pins.place(samples, frame)
+        return frame
+
+    def _cloud(self, believed: Sequence[Vector], radius: float, frame: Frame) -> None:
+        """How unsure the estimate is: a translucent ball about each anchor, never larger than the stage can hold."""
+        size = min(max(radius, 1e-3), LARGEST_CLOUD)
+        for handle, place in zip(self._clouds, believed, strict=True):
+            frame[handle.name, "position"] = place
+            frame[handle.name, "scale"] = (size, size, size)
+
+
+def _segments(pairs: list[tuple[Vector, Vector]]) -> Value:
+    """Start and end points; viser keeps a node alive only if it has at least one, so one lies below the floor."""
+    return flatten_segments([*pairs, (BELOW, BELOW)])

@@ -1,0 +1,126 @@
+"""Set the camera: named viewpoints fitted to the window, and the size of letters from there."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from types import MappingProxyType
+
+import numpy as np
+import viser
+
+PHONE = 0.58  # width over height of a canvas below which it is a phone's, whose letters are smaller and whose discs are for fingers
+NARROW = 0.90  # width over height of a canvas that just shows both boards
+SIGHT = 0.62  # radians of the field of view: the boards stay readable
+ABOVE = 1.55  # times farther away that shows the whole stage in what a sheet leaves of it, however wide that is
+SHEET_AIM_SHARE = 0.14  # of the way to what is looked at: aim this much lower where a sheet lies over the lower half
+LOWER = 0.04, 0.015  # of the way to what is looked at: aim this much lower above the run in large print, and above a map
+BOARDS_BEHIND = 0.9  # stage units from what the composed view looks at to the boards
+CAMERAS = MappingProxyType({
+    "all": ((0.0, -13.4, 3.4), (0.0, 0.6, 1.38)),
+    "plant": ((0.0, -8.2, 2.9), (0.0, 0.0, 1.0)),
+    "bare": ((0.0, -11.2, 2.8), (0.0, 0.3, 0.75)),  # all there is where no boards stand, in the middle of what the run leaves free
+    "boards": ((0.0, -10.2, 3.6), (0.0, 1.6, 3.3)),
+})
+
+
+def aspect_of(camera: viser.CameraHandle) -> float:
+    """Width over height of the canvas; 1 where the browser says nothing sensible of it."""
+    if camera.image_height > 0 and camera.image_width > 0:
+        return camera.image_width / camera.image_height
+    return 1.0
+
+
+def letters(camera: viser.CameraHandle, lecture: bool) -> float:
+    """The size of letters (stage units) at the boards that is a certain share of the window's height in the composed view.
+
+    1/48 in lecture mode, whatever the window: legible from the last row; else about ten pixels of a laptop or a phone.
+    """
+    (_, away, _), (_, near, _) = CAMERAS["all"]
+    aspect = aspect_of(camera)
+    depth = (near - away) * retreat(aspect) + BOARDS_BEHIND
+    return (1 / 48 if lecture else 1 / 84 if aspect < PHONE else 1 / 72) * 2 * math.tan(SIGHT / 2) * depth
+
+
+def retreat(aspect: float) -> float:
+    """How many times farther away a narrow window looks from."""
+    return max(1.0, NARROW / max(aspect, 0.2))
+
+
+class Viewpoint:
+    """From where one tab looks at its stage. A browser is told only where a place, a window or a lesson asks for another one."""
+
+    def __init__(self, client: viser.ClientHandle) -> None:
+        self._client = client
+        self._arrived = False  # whether the browser has said that it looks from where it was told to
+        self._whole = self._seen_from = CAMERAS["all"]  # from where everything is seen, and from where the stage is
+        self._aspect, self._lower, self._below = 1.0, 0.0, False
+
+    def heard(self) -> None:
+        """The browser has said from where it looks; called from the server's loop."""
+        self._arrived = self._arrived or np.allclose(self._eye(), np.ravel(self._seen_from), atol=0.02)
+
+    def camera(self, preset: str) -> None:
+        """Look from one of the named places."""
+        self._seen_from = self._whole if preset == "all" else CAMERAS.get(preset, self._whole)
+        self._look()
+
+    def look(self, camera: tuple[float, ...] | None) -> None:
+        """Look from a position at a target, from where everything is seen for None."""
+        self._seen_from = self._whole if camera is None else (camera[:3], camera[3:])
+        self._look()
+
+    def compose(self, boards: bool, charted: bool, lecture: bool, below: bool = False) -> None:
+        """Whether boards stand behind the plant: without them the whole view is nearer; whether a map lies in front; the print;
+        whether a sheet lies over the lower half."""
+        whole, lower = CAMERAS["all" if boards else "bare"], LOWER[0] * lecture + LOWER[1] * charted
+        before, self._whole = self._whole, whole
+        if self._seen_from == before != whole or (lower, below) != (self._lower, self._below):
+            self._lower, self._below = lower, below
+            self._seen_from = whole if self._seen_from == before else self._seen_from
+            self._look()
+
+    def eye(self) -> tuple[float, ...] | None:
+        """Position and target as `look` takes them, None where everything is seen from the usual place."""
+        now = self._eye() if self._arrived and not self._reshaped else np.ravel(self._seen_from)
+        if not np.all(np.isfinite(now)) or np.allclose(now, np.ravel(self._whole), atol=0.02):
+            return None
+        return tuple(now.tolist())
+
+    def _eye(self) -> np.ndarray:
+        """Position and target, six numbers, of a window that needs no adapting."""
+        camera, (back, drop) = self._client.camera, self._fit(self._seen_from)
+        lift = np.array((0.0, 0.0, drop))
+        target = np.array(camera.look_at) + lift
+        return np.concatenate([target + (np.array(camera.position) + lift - target) / back, target])
+
+    def _fit(self, place: tuple[Sequence[float], Sequence[float]]) -> tuple[float, float]:
+        """How many times farther off a narrow window looks from, and how far below the target it aims: what lies over it is below."""
+        back = max(retreat(self._aspect), ABOVE if self._below else 1.0)
+        return back, (SHEET_AIM_SHARE if self._below else self._lower) * back * abs(place[0][1] - place[1][1])
+
+    def _look(self) -> None:
+        self._arrived = False
+        position, target = self._seen_from
+        self._aspect = aspect_of(self._client.camera)
+        back, drop = self._fit(self._seen_from)
+        aim = np.array(target) - (0.0, 0.0, drop)
+        with self._client.atomic():
+            self._client.camera.up_direction = (0.0, 0.0, 1.0)
+            self._client.camera.position = aim + back * (np.array(position) - np.array(target))
+            self._client.camera.look_at = aim
+            self._client.camera.fov = SIGHT
+
+    @property
+    def _reshaped(self) -> bool:
+        """Whether the window, or a panel, has another shape than when the stage was last looked at from a named place."""
+        return abs(aspect_of(self._client.camera) - self._aspect) > 0.03 * self._aspect
+
+    def needs_resize(self, em: float) -> bool:
+        """Whether `fit` has something to do; asked from the server's loop."""
+        return self._reshaped
+
+    def fit(self, em: float) -> None:
+        """Look again from the last named place where the window has another shape."""
+        if self._reshaped:
+            self._look()

@@ -1,0 +1,1 @@
+"""Touch what is private in viser, in one place, and run our scripts in its page."""

@@ -1,0 +1,60 @@
+"""Call our scripts in the page for what viser cannot do."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import viser
+
+from ..web.html_page import SPOKEN, web_code
+from ..words import phrases
+from .viser_internals import node_id, run_script
+
+
+def name_page(client: viser.ClientHandle, title: str, language: str) -> None:
+    """What the browser's own tab is called, and the language that a screen reader and the next loading screen speak."""
+    run_script(client, "name", title=title, language=web_code(language), kept=SPOKEN)
+
+
+def say_in(client: viser.ClientHandle, language: str) -> None:
+    """Let viser's own words, which it knows in English alone, stand in the language on its page."""
+    run_script(client, "words", words={words("en"): words(language) for words in phrases.OF_VISER})
+
+
+def flat_colour(client: viser.ClientHandle, name: str, colour: str) -> None:
+    """Show a node in its colour as it is (#RRGGBB), neither lit nor toned down: viser has no such material."""
+    run_script(client, "flat", node=name, colour=colour)
+
+
+def open_tab(client: viser.ClientHandle, title: str, figure: str) -> None:
+    """Bring a panel's tab to the front, as its Enter key does, and in it a figure into view; viser has no call for it."""
+    run_script(client, "tab", title=title, figure=figure)
+
+
+def pulse_once(client: viser.ClientHandle, ending: str, best: str, faint: float, full: float = 0.6, seconds: float = 2.4) -> None:
+    """Let nodes whose name ends so, of them those that begin as in `best`, swell in colour when a pointer first comes over the stage."""
+    run_script(client, "pulse", ending=ending, best=best, faint=faint, full=full, lasts=1e3 * seconds)
+
+
+def ask_whether_seen(client: viser.ClientHandle, widget: Any) -> None:
+    """Let the page say to a widget whether somebody sees it and lets things move: 1 now or once it is shown, 0 when hidden."""
+    run_script(client, "watched", widget=node_id(widget))
+
+
+def tell_the_window(client: viser.ClientHandle, widget: viser.GuiVector3Handle) -> None:
+    """Have a widget told how large the window is and whether its owner likes the dark, now and at every change."""
+    run_script(client, "window", widget=node_id(widget))
+
+
+def show_address(client: viser.ClientHandle, token: str, lesson: str, asked: int) -> None:
+    """Let the address bar say a state: another lesson is a page of its own to go back from, all else is not.
+
+    `asked` is the number of the last state that was opened from there: the answer to an older one is passed over.
+    """
+    run_script(client, "shown", token=token, lesson=lesson, asked=asked)
+
+
+def tell_places(client: viser.ClientHandle, widget: Any, tabs: Sequence[str], steps: Sequence[str], tab: str | None) -> None:
+    """Let a widget hear what is opened by hand, from the address bar and among tabs and folders, and open a tab."""
+    run_script(client, "places", widget=node_id(widget), tabs=tabs, steps=steps, tab=tab)

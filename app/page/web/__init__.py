@@ -1,0 +1,42 @@
+"""Read the page's own scripts and styles and write calls to the scripts.
+
+A script is one function; what it must know from here goes into its only argument as JSON, never into its text.
+"""
+
+from __future__ import annotations
+
+import json
+from functools import cache
+from pathlib import Path
+
+FOLDER = Path(__file__).parent
+BREAKS = (("<", "\\u003c"), ("\u2028", "\\u2028"), ("\u2029", "\\u2029"))  # what would end an element or a line of a script
+
+
+@cache
+def path_of(name: str) -> Path:
+    """Where one of the files stands; its name is unique in all the folders here. Raises LookupError."""
+    found = list(FOLDER.glob(f"*/{name}"))
+    if len(found) != 1:
+        raise LookupError(f"There must be one file {name} of the page; there are {len(found)}.")
+    return found[0]
+
+
+@cache
+def file_text(name: str) -> str:
+    """The text of one of the files."""
+    return path_of(name).read_text(encoding="utf-8")
+
+
+def script_call(name: str, **given: object) -> str:
+    """The source that calls a script's function with what it is given, under the script's name for whoever debugs it."""
+    argument = json.dumps(given, ensure_ascii=False)
+    for sign, written in BREAKS:
+        argument = argument.replace(sign, written)
+    return f"// {name}.js\n(\n{file_text(name + '.js')})({argument})"
+
+
+def call_reporting_errors(name: str, **given: object) -> str:
+    """The same for a page that stands: an error is reported by itself, since viser would drop with it all that came in the same batch."""
+    head, _, rest = script_call(name, **given).partition("\n")
+    return f"{head}\n(\n{file_text('apart.js')})({{script: () =>\n{rest}}})"

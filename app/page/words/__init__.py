@@ -1,0 +1,1 @@
+"""Hold the words of the frame around every lesson and turn Markdown into MathML."""

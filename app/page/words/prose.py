@@ -1,0 +1,65 @@
+"""Turn Markdown with $LaTeX$ into Markdown or HTML with MathML."""
+
+from __future__ import annotations
+
+import html
+import re
+from decimal import Decimal
+from functools import lru_cache
+
+from latex2mathml.converter import convert
+
+from ...text import superscript
+
+
+@lru_cache(maxsize=4096)
+def mathml(latex: str, display: bool = False) -> str:
+    """One equation as MathML. A formula that the converter refuses is shown as its source."""
+    try:
+        drawn = latex.replace("bmatrix", "matrix").replace("pmatrix", "matrix")  # the style sheet draws the brackets
+        return convert(drawn, display="block" if display else "inline")
+    except Exception:  # the converter raises many kinds of errors for malformed LaTeX
+        return f"<code>{html.escape(latex)}</code>"
+
+
+MINUS = re.compile(r"(?:(?<=[\s(\[,=≈<>，：（；～…])|^)-(?=\.?\d)")
+
+
+EXPONENT_NUMBER = re.compile(r"(?<![\w.])(\d+(?:\.\d+)?)e([+−-]?\d+)(?!\w)")
+
+
+def with_minus(words: str) -> str:
+    """Words with their numbers as one writes them, −3.1·10⁻⁵ and not -3.1e-05, 1200 and not 1.2e+03."""
+    return MINUS.sub("−", EXPONENT_NUMBER.sub(_written, words) if "e" in words else words)
+
+
+def _written(number: re.Match[str]) -> str:
+    mantissa, power = number[1], int(number[2].replace("−", "-"))
+    if -3 <= power <= 4:
+        return f"{Decimal(f'{mantissa}e{power}'):f}"
+    return ("" if mantissa == "1" else f"{mantissa}·") + "10" + superscript(power)
+
+
+INLINE = re.compile(r"\$(.+?)\$([,.;:?!)，。；：？！）、]*)", re.S)
+
+
+@lru_cache(maxsize=1024)
+def render_markdown(markdown: str) -> str:
+    """Markdown whose $…$ and $$…$$ have become MathML."""
+    text = re.sub(r"\$\$(.+?)\$\$", lambda m: mathml(m[1].strip(), True), markdown, flags=re.S)
+    return INLINE.sub(lambda m: _tied(mathml(m[1].strip()), m[2]), text)
+
+
+def _tied(formula: str, mark: str) -> str:
+    """A formula and the mark behind it, which is not to begin the next line."""
+    return f'<span class="ol-tied">{formula}{mark}</span>' if mark else formula
+
+
+def equation_html(equation: str) -> str:
+    """The lines of an equation in a derivation."""
+    return '<div class="ol-formula ol-derived">' + "".join(f"<div>{mathml(line, True)}</div>" for line in equation.split("\n")) + "</div>"
+
+
+def judged_html(solved: bool, words: str) -> str:
+    """Words with a sign and a colour that say whether something was right."""
+    return f'<div class="ol-note {"ol-right" if solved else "ol-wrong"}">{"✓" if solved else "✗"} {with_minus(words)}</div>'

@@ -1,0 +1,162 @@
+"""Model a body falling through the atmosphere, of which a radar measures the distance.
+
+State (h, v, β): altitude in m, speed downwards in m/s, drag coefficient in 1/m. ḣ = −v, v̇ = −e^{−κh} v² β, β̇ = 0, and
+y = √(M² + (h − H)²). Athans, Wishner and Bertolini, IEEE Trans. Automatic Control 13 (1968) 504–514; the same case with an
+unscented filter: Julier, Uhlmann and Durrant-Whyte, IEEE Trans. Automatic Control 45 (2000) 477–482. They count in feet.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from math import exp, hypot
+
+import numpy as np
+
+from ...engine import NonlinearPlant
+from ...text import text
+from .body import (
+    COPPER,
+    DARK_GREY,
+    METAL,
+    PLANT_COLOUR,
+    STEEL,
+    Arrow,
+    Ball,
+    Body,
+    Box,
+    Cylinder,
+    Part,
+    Pose,
+    Rod,
+    Vector,
+    force_arrow,
+    pose_between,
+)
+
+FOOT_M = 0.3048  # m
+TRUE_START = (300_000 * FOOT_M, 20_000 * FOOT_M, 1e-3 / FOOT_M)  # the true start of both papers
+GUESS = (300_000 * FOOT_M, 20_000 * FOOT_M, 3e-5 / FOOT_M)  # what their filters begin with
+START_SIGMAS = (1e3 * FOOT_M, 2e3 * FOOT_M, 1e-2 / FOOT_M)  # and its standard deviations: √(1e6, 4e6, 1e-4) in feet
+NOISE = 100 * FOOT_M  # m, standard deviation of a distance (variance 10⁴ ft²)
+SAMPLE_S = 1.0  # s between two distances
+
+
+@dataclass(frozen=True)
+class Parameters:
+    """density 1/m: how fast the air thins with height; side, height m: where the radar stands beside and above."""
+
+    density: float = 5e-5 / FOOT_M
+    side: float = 100_000 * FOOT_M
+    height: float = 100_000 * FOOT_M
+
+
+PARAMETERS = Parameters()
+
+
+def plant(parameters: Parameters = PARAMETERS) -> NonlinearPlant:
+    """The fall and the distance, with their slopes by hand."""
+    k = parameters
+
+    def rhs(x: np.ndarray, u: np.ndarray) -> np.ndarray:
+        out = np.zeros_like(x)
+        np.negative(x[1], out=out[0])
+        out[1] = np.exp(-k.density * x[0]) * x[2] * x[1] * out[0]
+        return out
+
+    def slope(x: np.ndarray, u: np.ndarray) -> np.ndarray:
+        thin = np.exp(-k.density * x[0])
+        J = np.zeros((x.shape[1], 3, 3))
+        J[:, 0, 1] = -1.0
+        J[:, 1, 2] = by_drag = -thin * x[1] * x[1]
+        J[:, 1, 0] = -k.density * x[2] * by_drag
+        J[:, 1, 1] = -2 * thin * x[1] * x[2]
+        return J
+
+    def output(x: np.ndarray, u: np.ndarray) -> np.ndarray:
+        return np.sqrt(k.side**2 + (x[:1] - k.height)**2)
+
+    def output_slope(x: np.ndarray, u: np.ndarray) -> np.ndarray:
+        above = x[0] - k.height
+        J = np.zeros((x.shape[1], 1, 3))
+        J[:, 0, 0] = above / np.sqrt(k.side**2 + above**2)
+        return J
+
+    return NonlinearPlant(3, 0, 1, rhs, slope, output, output_slope, "falling body")
+
+
+STAGE_SCALE = 0.03 / 1000  # stage units per metre of the fall, the same across and upwards
+GROUND_LEVEL, TRACK = 0.16, 0.42  # the ground, and where the body falls
+DISH = (TRACK - 100_000 * FOOT_M * STAGE_SCALE, GROUND_LEVEL + 100_000 * FOOT_M * STAGE_SCALE)
+SCALE_TOP_KM = 95.0  # km, end of the scale
+SCALE_AT = 1.25
+HOT = 900.0  # m/s² at which the shield glows brightest
+GLOW = ((138, 147, 160), (226, 150, 60), (255, 225, 170))
+ERROR_GAIN = 100.0  # times that the lesson exaggerates the error of the ghost
+
+
+def glow(slowing: float) -> tuple[int, int, int]:
+    """The colour of the shield at a deceleration in m/s²."""
+    at = 2 * min(max(slowing / HOT, 0.0), 1.0)
+    low = min(int(at), 1)
+    return tuple(round(a + (at - low) * (b - a)) for a, b in zip(GLOW[low], GLOW[low + 1], strict=True))  # type: ignore[return-value]
+
+
+def _parts() -> tuple[Part, ...]:
+    ticks = tuple(Part(f"tick {i}", Box((0.22, 0.04, 0.025)), METAL) for i in range(4))
+    return (
+        Part("ground", Box((3.6, 1.5, GROUND_LEVEL)), DARK_GREY),
+        Part("air", Box((3.5, 1.4, 0.9)), "#9FC4E8", opacity=0.12),
+        Part("mast", Rod(0.06), STEEL),
+        Part("turret", Cylinder(0.13, 0.1), STEEL),
+        Part("dish", Cylinder(0.2, 0.05), METAL),
+        Part("beam", Rod(0.012), COPPER, opacity=0.5),
+        Part("scale", Rod(0.03), STEEL),
+        *ticks,
+        Part("capsule", Cylinder(0.1, 0.2), PLANT_COLOUR, twin=True),
+        Part("nose", Ball(0.1), PLANT_COLOUR, twin=True),
+        Part("shield", Cylinder(0.15, 0.05), STEEL, twin=True),
+    )
+
+
+def body(parameters: Parameters = PARAMETERS) -> Body:
+    """A capsule, the radar with its beam, and a scale with a mark every 30 km; to scale, but for the capsule's size."""
+    k = parameters
+    fixed = {
+        "ground": Pose((0.0, 0.0, GROUND_LEVEL / 2)),
+        "air": Pose((0.0, 0.0, GROUND_LEVEL + 0.45)),
+        "mast": pose_between((DISH[0], 0.0, GROUND_LEVEL), (DISH[0], 0.0, DISH[1])),
+        "turret": Pose((DISH[0], 0.0, DISH[1])),
+        "scale": pose_between((SCALE_AT, 0.0, GROUND_LEVEL), (SCALE_AT, 0.0, GROUND_LEVEL + 1000 * SCALE_TOP_KM * STAGE_SCALE)),
+        **{f"tick {i}": Pose((SCALE_AT, 0.0, GROUND_LEVEL + 30_000 * i * STAGE_SCALE)) for i in range(4)},
+    }
+
+    def at(x: Sequence[float]) -> Vector:
+        return TRACK, 0.0, GROUND_LEVEL + 0.1 + min(max(float(x[0]), 0.0), 1000 * SCALE_TOP_KM) * STAGE_SCALE
+
+    def pose(x: Sequence[float], gain: float) -> Mapping[str, Pose]:
+        place = at(x)
+        poses = dict(fixed)
+        across, up = place[0] - DISH[0], place[2] - DISH[1]
+        far = max(hypot(across, up), 1e-9)
+        sight = (DISH[0] + 0.16 * across / far, 0.0, DISH[1] + 0.16 * up / far)
+        turned = pose_between((DISH[0], 0.0, DISH[1]), sight)
+        slowing = exp(min(-k.density * float(x[0]), 50.0)) * float(x[1])**2 * float(x[2]) if len(x) > 2 else 0.0
+        poses["dish"] = Pose(sight, turned.wxyz)
+        poses["beam"] = pose_between(sight, place)
+        poses["capsule"] = Pose(place)
+        poses["nose"] = Pose((place[0], 0.0, place[2] + 0.1))
+        poses["shield"] = Pose((place[0], 0.0, place[2] - 0.11), colour=glow(slowing))
+        return poses
+
+    def arrows(x: Sequence[float], u: Sequence[float], gain: float) -> tuple[Arrow, ...]:
+        place = at(x)
+        slowing = exp(min(-k.density * float(x[0]), 50.0)) * float(x[1])**2 * float(x[2])
+        return (force_arrow((place[0], -0.2, place[2]), (0.0, 0.0, 1.0), slowing, HOT, "disturbance"),)
+
+    def anchors(x: Sequence[float], gain: float) -> tuple[Vector, ...]:
+        return (at(x),)
+
+    return Body(_parts(), pose, arrows, anchors, 1.0, text("A falling body and the radar that measures its "
+                                                           "distance; a mark every 30 km. The ghost's error is "
+                                                           "drawn 100 times larger"))

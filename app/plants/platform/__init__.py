@@ -1,0 +1,1 @@
+"""Model the three-degree-of-freedom vibration-isolation platform."""

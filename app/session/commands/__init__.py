@@ -1,0 +1,1 @@
+"""List what a person can ask of a tab, one frozen record each."""

@@ -1,0 +1,1 @@
+"""Carry out what a person asks of a tab."""

@@ -1,0 +1,110 @@
+"""Handle the commands about exams: key, variants, answers in practice and in a withheld exam.
+
+What was answered is kept as it was typed; whether it is right follows from the key and the variant. Withheld exams have a
+variant of their own, which practice never shows.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import assert_never
+
+from ...course.exercises.exam import Exam, ExamItem, number_of, seed_of
+from ...course.exercises.typed_answers import MAX_TYPED_CHARACTERS, UnreadableInput, explain_unreadable
+from ...course.knobs import KnobError
+from ...course.lesson import Verdict
+from ...text import text
+from ..commands.exams import AnotherVariant, AnswerExam, Examining, SetKey, WithholdResults
+from ..state.view import MOST_ANSWERS, MOST_VARIANTS, ExamAnswer, ExamState, State
+from .presenter import Presenter
+
+SEALED = text("This server notes answers to exams and tells nothing of them; practise on one that was started without --exam.")
+WITHHELD = 0  # the variant that is asked where nothing is told
+
+
+def obey(show: Presenter, command: Examining) -> None:
+    """Do what a command about exams asks. Raises KnobError."""
+    match command:
+        case AnswerExam(exam, said):
+            _note(show, _find(show, exam), said)
+        case AnotherVariant(exam):
+            _turn(show, _find(show, exam))
+        case SetKey(key):
+            show.change(replace(show.state, key=key.strip()[:MAX_TYPED_CHARACTERS] if isinstance(key, str) else ""))
+        case WithholdResults(on):
+            if show.state.sealed and on is not True:
+                raise KnobError(SEALED)
+            show.change(replace(show.state, withheld=on is True))
+        case _:
+            assert_never(command)
+
+
+def present_variant(state: State, exam: Exam) -> int:
+    """The variant that is asked now."""
+    return WITHHELD if state.withheld else state.exams.get(exam.id, ExamState()).variant
+
+
+def present_item(state: State, lesson: str, exam: Exam) -> ExamItem:
+    """The numbers that are asked now."""
+    return exam.item(seed_of(state.student, lesson, exam.id, present_variant(state, exam)))
+
+
+def last_answer(state: State, exam: Exam) -> str:
+    """The last answer to what is asked now, "" where there is none."""
+    now = state.student, present_variant(state, exam)
+    answers = state.exams.get(exam.id, ExamState()).answers
+    return next((a.said for a in reversed(answers) if (a.student, a.variant) == now), "")
+
+
+def present_verdict(state: State, lesson: str, exam: Exam) -> Verdict | None:
+    """What is told of the last answer; None without one, and where nothing is told."""
+    said = last_answer(state, exam)
+    if not said or state.withheld:
+        return None
+    try:
+        mine = number_of(said)
+    except UnreadableInput:
+        return None
+    answer, digits = present_item(state, lesson, exam).answer, exam.digits
+    if digits.accepts(answer, mine):
+        return Verdict(True, text("Right."))
+    if digits.accepts(answer, -mine):
+        return Verdict(False, text("The size is right, the sign is not; compare with how it goes."))
+    if digits.nearly(answer, mine):
+        return Verdict(False, text("{said} is near it, but not to the digits asked for; compare with how it goes.", said=said))
+    return Verdict(False, text("{said} is not it; compare with how it goes.", said=said))
+
+
+def _find(show: Presenter, exam_id: object) -> Exam:
+    for exam in show.lesson.exams:
+        if exam.id == exam_id:
+            return exam
+    raise KnobError(text("There is no exam {exam_id}.", exam_id=str(exam_id)[:40]))
+
+
+def _seen(show: Presenter, exam: Exam) -> ExamState:
+    return show.state.exams.get(exam.id, ExamState())
+
+
+def _see(show: Presenter, exam: Exam, seen: ExamState) -> None:
+    show.change(replace(show.state, exams={**show.state.exams, exam.id: seen}))
+
+
+def _note(show: Presenter, exam: Exam, said: object) -> None:
+    words = said.strip()[:MAX_TYPED_CHARACTERS] if isinstance(said, str) else ""
+    if not words:
+        raise KnobError(text("Type an answer first."))
+    try:
+        number_of(words)
+    except UnreadableInput as problem:
+        raise KnobError(explain_unreadable(words, problem)) from None
+    state, seen = show.state, _seen(show, exam)
+    now = ExamAnswer(state.student, present_variant(state, exam), words)
+    others = tuple(a for a in seen.answers if (a.student, a.variant) != (now.student, now.variant))
+    _see(show, exam, replace(seen, answers=(*others, now)[-MOST_ANSWERS:]))
+
+
+def _turn(show: Presenter, exam: Exam) -> None:
+    seen = _seen(show, exam)
+    if not show.state.withheld:
+        _see(show, exam, replace(seen, variant=seen.variant % MOST_VARIANTS + 1))

@@ -1,0 +1,108 @@
+"""Restore a tab after a reload, and write nothing to the browser before it has answered.
+
+The answer may be late, on a busy server or a bad line, and it may never come: a script as client keeps nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import replace
+
+from ...course.knobs import KnobError
+from ...text import text
+from ..commands.commands import MemoryRecalled
+from ..state.saved_designs import read_saved_designs
+from ..state.tab_memory import TabMemory, read_memory
+from ..state.validate import check_number, check_pixels
+from . import sharing
+from .presenter import Presenter
+
+RECALL_TIMEOUT_S = 3.0  # s that a tab waits for the answer before it opens without
+MAX_ASK_INTERVAL_S = 60.0  # s between two questions at last; the time between them doubles
+LATE_MEMORY = text("Your work from before the reload has arrived late: one step of undo brings it back.")
+
+
+class MemoryRequest:
+    """The question what the tab kept, asked until it is answered."""
+
+    def __init__(self, show: Presenter, answer: Callable[..., object]) -> None:
+        self._show, self._answer = show, answer
+        self._pause, self._next = RECALL_TIMEOUT_S, 0.0
+
+    def ask(self) -> None:
+        """Ask now, and later again."""
+        self._next = self._show.clock() + self._pause
+        self._pause = min(2 * self._pause, MAX_ASK_INTERVAL_S)
+        self._show.view.recall(self._answer)
+
+    def wait(self, now: float) -> float | None:
+        """Seconds until the next question, None once there is an answer."""
+        return None if self._show.recalled else max(0.0, self._next - now)
+
+    def go_on(self, now: float) -> None:
+        """Ask again if it is time."""
+        if not self._show.recalled and now >= self._next:
+            self.ask()
+
+
+def restore_memory(show: Presenter, said: MemoryRecalled) -> None:
+    """The answer: go on where this tab was, or keep what the person has done meanwhile and put what was kept beside
+    it. A new tab goes on where the browser's last one was. A token in the address bar that this tab has not put there itself is
+    opened over it."""
+    if show.recalled:
+        return
+    show.recalled = True
+    show.state = replace(show.state, shelf=read_saved_designs(said.shelf, show.lessons))
+    if said.window is not None and show.shown is None:  # a page that stands has told of its window by now
+        across, up, night = said.window
+        with suppress(KnobError):
+            show.state = replace(show.state, window=(check_pixels(across), check_pixels(up)), night=bool(check_number(night)))
+    memory = read_memory(said.text, show.lessons)
+    if memory is not None:
+        _go_on(show, memory)
+    elif (earlier := read_memory(said.earlier, show.lessons)) is not None:
+        _begin_from(show, earlier)
+    if said.token and said.known and memory is not None:
+        sharing.look_again(show, said.token)
+    elif said.token:
+        sharing.open_words(show, said.token)
+    if show.shown is not None:
+        show.remember()
+
+
+def _go_on(show: Presenter, memory: TabMemory) -> None:
+    if show.touched:
+        _put_beside(show, memory)
+        return
+    show.desks.forget()
+    show.desks.take_back(memory.desks)
+    show.lesson = show.lessons[memory.lesson]
+    show.state = replace(show.state, language=memory.language, lecture=memory.lecture, dark=memory.dark,
+                         plant=memory.plant or show.state.plant, key=memory.key, fresh=memory.fresh or show.state.fresh,
+                         withheld=memory.withheld or show.state.withheld)
+    if show.shown is not None:
+        show.open()
+
+
+def _begin_from(show: Presenter, earlier: TabMemory) -> None:
+    """A new tab: what was predicted, solved, pinned and designed before is there; exams are drawn anew."""
+    state = show.state
+    memory = replace(earlier, fresh=state.fresh, withheld=state.withheld)
+    if not show.insists:
+        _go_on(show, memory)
+        return
+    show.desks.take_back(memory.desks)
+    show.state = replace(state, dark=memory.dark, plant=state.plant or memory.plant, key=memory.key)
+    if show.shown is not None:
+        show.open()
+
+
+def _put_beside(show: Presenter, memory: TabMemory) -> None:
+    met = show.desks.take_back(memory.desks)
+    desk = show.desk
+    show.change(replace(show.state, predicted=desk.predicted, revealed=desk.revealed, again=desk.again, tasks=desk.tasks, exams=desk.exams,
+                        pins=desk.pins, plant=show.state.plant or memory.plant, key=show.state.key or memory.key,
+                        fresh=memory.fresh or show.state.fresh, withheld=show.state.withheld or memory.withheld))
+    if met:
+        show.view.say(LATE_MEMORY, False)

@@ -1,0 +1,188 @@
+"""Handle the commands about predictions, tasks and the long computation."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable
+from dataclasses import replace
+from typing import assert_never
+
+from ...course.exercises.typed_answers import MAX_TYPED_CHARACTERS
+from ...course.knobs import KnobError
+from ...course.lesson import Task
+from ...engine import EngineError
+from ...text import text
+from ..commands.commands import (
+    CheckNextTask,
+    CheckTask,
+    Predict,
+    PredictAgain,
+    Reveal,
+    RunJob,
+    ShowAgain,
+    ShowHint,
+    ShowSolution,
+    Studying,
+)
+from ..state.validate import check_number
+from ..state.view import TaskState
+from .playback import warn_if_locked
+from .presenter import Presenter
+
+log = logging.getLogger(__name__)
+
+JUST_ENDED = 0.7  # s after a long job in which its button means "cancel" to a hand that was about to press it
+CANCELLED = text("Computation cancelled; the last picture stays.")
+
+
+def obey(show: Presenter, command: Studying) -> None:
+    """Do what a command of the left column asks. Raises KnobError and what a lesson raises."""
+    match command:
+        case Predict(index):
+            _predict(show, int(check_number(index)))
+        case Reveal():
+            if not warn_if_locked(show):
+                show.change(replace(show.state, revealed=True, left=show.state.tab))
+        case PredictAgain(index):
+            _predict_again(show, int(check_number(index)))
+        case ShowAgain():
+            _show_again(show)
+        case CheckTask(task, said):
+            _check(show, _find(show, task), said)
+        case CheckNextTask():
+            _check_next(show)
+        case ShowHint(task):
+            _hint(show, _find(show, task))
+        case ShowSolution(task):
+            _solve(show, _find(show, task))
+        case RunJob():
+            _start_or_cancel(show)
+        case _:
+            assert_never(command)
+
+
+def _one_of(choice: int, options: tuple[str, ...]) -> int:
+    """The choice, −1 to skip. Raises KnobError."""
+    if not -1 <= choice < len(options):
+        raise KnobError(text("There are {count} predictions.", count=len(options)))
+    return choice
+
+
+def _predict(show: Presenter, choice: int) -> None:
+    choice = _one_of(choice, show.lesson.words[show.state.language].options)
+    runs = show.picture.horizon > 0
+    show.change(replace(show.state, predicted=choice, revealed=show.state.revealed or not runs, left=show.state.tab,
+                        playing=runs, loop=None, stopped=False, t=0.0))
+
+
+def _predict_again(show: Presenter, choice: int) -> None:
+    asked = show.lesson.words[show.state.language].again
+    if not warn_if_locked(show):
+        runs = show.picture.horizon > 0 and not show.state.calm
+        show.change(replace(show.state, again=_one_of(choice, () if asked is None else asked.options), playing=runs, loop=None,
+                            stopped=False, t=0.0))
+
+
+def _show_again(show: Presenter) -> None:
+    again = show.lesson.again
+    if again is not None and show.state.again is not None:
+        show.adopt_design(show.lesson.apply(show.lesson.start(), again.trial))
+        show.view.open_figure(again.figures[0])
+
+
+# --- tasks ---------------------------------------------------------------------------------------------------------
+def _find(show: Presenter, task_id: object) -> Task:
+    for task in show.lesson.tasks:
+        if task.id == task_id:
+            return task
+    raise KnobError(text("There is no task {task_id}.", task_id=str(task_id)[:40]))
+
+
+def _seen(show: Presenter, task: Task) -> TaskState:
+    return show.state.tasks.get(task.id, TaskState())
+
+
+def _see(show: Presenter, task: Task, seen: TaskState) -> None:
+    show.change(replace(show.state, tasks={**show.state.tasks, task.id: seen}))
+
+
+def _check(show: Presenter, task: Task, said: object) -> None:
+    words = said[:MAX_TYPED_CHARACTERS] if isinstance(said, str) else ""
+    verdict = task.judge(show.picture.outcome, words)
+    _see(show, task, replace(_seen(show, task), verdict=verdict, typed=words))
+    show.view.say(verdict.text, not verdict.solved)
+
+
+def _check_next(show: Presenter) -> None:
+    for task in show.lesson.tasks:
+        seen = _seen(show, task)
+        if seen.verdict is None or not seen.verdict.solved:
+            _check(show, task, seen.typed)
+            return
+
+
+def _hint(show: Presenter, task: Task) -> None:
+    seen = _seen(show, task)
+    _see(show, task, replace(seen, hints=seen.hints + 1))
+
+
+def _solve(show: Presenter, task: Task) -> None:
+    show.adopt_design(show.lesson.apply(show.design, task.solution))
+    _see(show, task, replace(_seen(show, task), solution=True))
+
+
+# --- the long computation ------------------------------------------------------------------------------------------
+def _start_or_cancel(show: Presenter) -> None:
+    job = show.lesson.job
+    if job is None:
+        return
+    if show.job.running and show.job.quiet:  # it was not known that it goes on already
+        show.job.quiet = False
+        show.view.progress(0.0, job.label)
+    elif show.job.running:
+        show.desk.follows = False
+        show.cancel_job()
+        show.view.say(CANCELLED, False)
+    elif not show.job.ended_within(JUST_ENDED):
+        show.desk.follows = job.follows
+        show.job.start(job.run(show.picture.outcome))
+        show.view.progress(0.0, job.label)
+
+
+def follow(show: Presenter) -> None:
+    """Start the long computation without a word where the knobs have come to rest, if it is wanted there and not done yet."""
+    job = show.lesson.job
+    if job is not None and job.follows and show.desk.follows and not show.job.running and not show.job_ended:
+        show.job.start(job.run(show.picture.outcome), quiet=True)
+
+
+def go_on(show: Presenter, undisturbed: Callable[[], bool]) -> None:
+    """Go on with the long job for a slice of time; a job that fails ends, and the last good picture stays.
+
+    A quiet one shows what it found when it is through, and before that now and then where nothing rough is shown; it has nothing to
+    say where this design gives it nothing to do.
+    """
+    job, quiet = show.lesson.job, show.job.quiet
+    if not show.job.running or job is None:
+        return
+    try:
+        fraction, found = show.job.go_on(undisturbed)
+        if quiet:
+            through = not show.job.running
+            found = show.job.found if through or (job.rough is None and show.job.tells()) else None
+        if found is not None:
+            show.keep(found)
+    except BaseException as problem:
+        expected = quiet and isinstance(problem, (KnobError, EngineError))
+        if not expected:
+            log.exception("the job of lesson %s failed", show.lesson.id)
+        show.cancel_job()
+        if not expected:
+            show.report_refusal(problem)
+        return
+    if not show.job.running:
+        show.mark_job_ended()
+    if not quiet:
+        show.view.progress(fraction if show.job.running else None, job.label)
+        if not show.job.running:
+            show.view.open_figure(job.figure)

@@ -1,0 +1,1 @@
+"""Queue, schedule and watch the work of the tabs."""

@@ -1,0 +1,224 @@
+"""Run one browser tab: take commands from the mailbox, compute the outcome, update the view.
+
+Callbacks post edits in microseconds; one worker thread takes them in order (the latest value of a knob wins, commands
+are never dropped), computes the outcome, and tells the view. What commands do is in playing, designing, studying and
+paging; what the tab shows is in presenter.
+"""
+
+from __future__ import annotations
+
+import logging
+import secrets
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import assert_never
+
+from ..course.knobs import KnobError
+from ..course.lesson import Lesson
+from ..engine import EngineError
+from .commands.commands import (
+    Answer,
+    Command,
+    Designing,
+    Edit,
+    MemoryRecalled,
+    PageSeen,
+    Paging,
+    PlaceOpened,
+    Playing,
+    RunOnTabThread,
+    Sharing,
+    Studying,
+    WindowChanged,
+)
+from .commands.exams import Examining
+from .commands.files import Comparing, FileReady, Shelving, Taking
+from .handlers import design, downloads, exams, page, pins, playback, saved_designs, sharing, tasks
+from .handlers.presenter import Presenter
+from .handlers.reload import RECALL_TIMEOUT_S, MemoryRequest, restore_memory
+from .runtime.background_jobs import BackgroundJobs
+from .runtime.mailbox import Mailbox, grouped
+from .runtime.scheduler import Scheduler
+from .runtime.watchdog import TAB_ENDED, Watchdog
+from .runtime.worker import start_worker
+from .state.view import Picture, State, View
+
+log = logging.getLogger(__name__)
+
+SCHEDULER = Scheduler()  # of all tabs of this process
+WATCHDOG = Watchdog()  # over all tabs of this process
+LAST_MESSAGE_S = 0.5  # s for the last word of a tab that is ended
+FINAL_PICTURE_DELAY_S = 0.25  # s without an edit after which the final picture is drawn
+
+
+class Session:
+    """One tab: `post` an edit, and the view shows what it leads to.
+
+    `step` does everything that is due; `start` runs it on a thread of its own.
+    """
+
+    def __init__(self, lessons: Mapping[str, Lesson], view: View, lesson: str, language: str = "en",
+                 clock: Callable[[], float] = time.monotonic, plant: str = "",
+                 state: str = "", insists: bool = False, sealed: bool = False) -> None:
+        """`state` is a token, or the words of a saved file, that the tab opens with if nothing else is known of it.
+
+        A new tab goes on where the browser's last one was, unless the server `insists` on its lesson or its state.
+
+        Exams are drawn for a random key until the person gives one; a `sealed` tab only notes answers to them.
+        """
+        if lesson not in lessons:
+            raise KeyError(f"There is no lesson {lesson}; there are {', '.join(lessons)}.")
+        self._mailbox, self._state = Mailbox(), state
+        first = State(language=language, fresh=secrets.token_hex(8), plant=plant, withheld=sealed, sealed=sealed)
+        self._show = Presenter(lessons, view, lesson, first, clock)
+        self._show.insists = insists or bool(state)
+        self._errands = BackgroundJobs(self.post)
+        self._ended: Callable[[], object] = lambda: None
+        self._recall = MemoryRequest(self._show, lambda *kept: self.post(MemoryRecalled(*kept)))
+
+    # --- outside ---------------------------------------------------------------------------------------------------
+    def post(self, edit: Edit) -> int:
+        """Hand an edit over; returns at once, with the number that a picture's `answered` reaches when it is worked
+        on."""
+        return self._mailbox.post(edit)
+
+    def start(self, ended: Callable[[], object] = lambda: None) -> None:
+        """Open the lesson and work on a thread until `close`; `ended` is called where the watch had to end the tab."""
+        self._ended = ended
+        start_worker(self._mailbox, self._begin, self._step_when_due, self._stop_playing)
+
+    def close(self) -> None:
+        """End the worker; safe from any thread."""
+        self._errands.forget()
+        self._mailbox.close()
+
+    @property
+    def picture(self) -> Picture | None:
+        """The last good picture, None before the first."""
+        return self._show.shown
+
+    # --- the worker ------------------------------------------------------------------------------------------------
+    def restore(self, text: str | None, token: str = "", known: bool = False) -> None:
+        """Go on where this tab was before a reload, which kept that text; None if it kept nothing. See `MemoryRecalled`."""
+        restore_memory(self._show, MemoryRecalled(text, token, known))
+
+    def open(self) -> None:
+        """Compute the lesson's present design and lay the screen out."""
+        self._show.open()
+
+    def step(self, wait: float | None = 0.0) -> None:
+        """Take what waits, do what is due, when it is this tab's turn."""
+        taken = self._mailbox.take(wait)
+        with SCHEDULER.turn(hand=bool(taken)) as waited:
+            if not taken:
+                playback.report_lateness(self._show, waited)
+            with WATCHDOG.step(self._left, self._end_from_outside):
+                self._work(taken)
+
+    def _work(self, taken: list[tuple[int, Edit]]) -> None:
+        if taken or not self._show.resting or self._show.job.running:
+            playback.catch_up(self._show, self._show.clock())
+        for number, edits in grouped(taken):
+            if self._mailbox.closed:  # whoever asked has left, and what waits would be done for nobody
+                return
+            self._show.answered = number
+            self._show.touched |= not isinstance(
+                edits, (MemoryRecalled, Answer, WindowChanged, RunOnTabThread, PageSeen, PlaceOpened, FileReady)
+            )
+            try:
+                if isinstance(edits, list):
+                    design.set_knobs(self._show, edits, moving=True)
+                    playback.replay_while_dragging(self._show)
+                else:
+                    self._show.complete()
+                    self._run_command(edits)
+            except (KnobError, EngineError) as problem:
+                self._show.report_refusal(problem)
+            except BaseException as problem:  # a lesson that asks the process to exit is a lesson that failed
+                log.exception("%s failed", "a change of knobs" if isinstance(edits, list) else type(edits).__name__)
+                self._show.report_refusal(problem, command=not isinstance(edits, list))
+        self._complete_hidden_figures()
+        now = self._show.clock()
+        if not self._show.resting and now - self._show.last_edit >= FINAL_PICTURE_DELAY_S:
+            self._show.rest()
+            tasks.follow(self._show)
+        self._recall.go_on(now)
+        tasks.go_on(self._show, self._mailbox.empty)
+        playback.tick(self._show, now)
+
+    def _complete_hidden_figures(self) -> None:
+        """What hidden tabs show of the last draft, unless the hand goes on."""
+        try:
+            self._show.complete(self._mailbox.empty)
+        except (KnobError, EngineError) as problem:
+            self._show.report_refusal(problem)
+        except BaseException as problem:
+            log.exception("the figures of hidden tabs failed")
+            self._show.report_refusal(problem)
+
+    def _run_command(self, command: Command) -> None:
+        """Hand a command to the room that knows it."""
+        if isinstance(command, Playing):
+            playback.obey(self._show, command)
+        elif isinstance(command, Designing):
+            design.obey(self._show, command)
+        elif isinstance(command, Studying):
+            tasks.obey(self._show, command)
+        elif isinstance(command, Examining):
+            exams.obey(self._show, command)
+        elif isinstance(command, Sharing):
+            sharing.obey(self._show, command)
+        elif isinstance(command, Taking):
+            downloads.obey(self._show, self._errands, command)
+        elif isinstance(command, Comparing):
+            pins.obey(self._show, command)
+        elif isinstance(command, Shelving):
+            saved_designs.obey(self._show, command)
+        elif isinstance(command, Paging):
+            page.obey(self._show, command)
+        else:
+            assert_never(command)
+
+    def _begin(self) -> None:
+        if self._state:
+            sharing.open_words(self._show, self._state)
+        self._recall.ask()
+        early: list[Edit] = []
+        end = time.monotonic() + RECALL_TIMEOUT_S
+        while not self._show.recalled and not self._mailbox.closed and (left := end - time.monotonic()) > 0:
+            for _, edit in self._mailbox.take(left):
+                if isinstance(edit, MemoryRecalled):
+                    restore_memory(self._show, edit)
+                else:
+                    early.append(edit)
+        for edit in early:
+            self._mailbox.post(edit)
+        if not self._mailbox.closed:  # a page for a tab that has left would cost as much as any
+            with SCHEDULER.turn(hand=True), WATCHDOG.step(self._left, self._end_from_outside):
+                self.open()
+
+    def _step_when_due(self) -> None:
+        self.step(self._wait())
+
+    def _left(self) -> bool:
+        return self._mailbox.closed
+
+    def _end_from_outside(self) -> None:
+        """End the tab from another thread: its own one does not answer."""
+        self.close()
+        self._show.view.say(TAB_ENDED, True)
+        time.sleep(LAST_MESSAGE_S)
+        self._ended()
+
+    def _stop_playing(self) -> None:
+        self._show.state = replace(self._show.state, playing=False, loop=None)
+
+    def _wait(self) -> float | None:
+        """Seconds until something is due without an edit, None if nothing is."""
+        if self._show.job.running or self._show.unfinished is not None:
+            return 0.0
+        now = self._show.clock()
+        frame = playback.wait_for_frame(self._show, now)
+        rest = None if self._show.resting else max(0.0, self._show.last_edit + FINAL_PICTURE_DELAY_S - now)
+        return min((wait for wait in (frame, rest, self._recall.wait(now)) if wait is not None), default=None)

@@ -1,0 +1,1 @@
+"""Hold, validate, encode and restore the state of a tab."""

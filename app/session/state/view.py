@@ -1,0 +1,271 @@
+"""Define the state of a tab, the picture that it shows, and the View protocol of a screen."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Protocol
+
+from ...course.course_map import Progress
+from ...course.error_window import ErrorWindow, run_end
+from ...course.figures.records import Figure, TableFigure
+from ...course.lazy import FigureSet
+from ...course.lesson import Board, Design, Lesson, Outcome, Verdict
+from ...course.pinned_designs import Ghost, Pin, Pinned, boards_with_pins, comparison_table, figures_with_pins, ghosts_of_pins
+from ...text import Text
+from .saved_designs import SavedDesign
+
+
+@dataclass(frozen=True)
+class TaskState:
+    """What a person has seen and reached of one task."""
+
+    verdict: Verdict | None = None
+    hints: int = 0
+    solution: bool = False
+    typed: str = ""  # what was typed when it was last checked
+
+
+def progress_of(predicted: int | None, tasks: Mapping[str, TaskState]) -> Progress:
+    """How far a person is with a prediction and these tasks."""
+    return Progress(predicted is not None, sum(task.verdict is not None and task.verdict.solved for task in tasks.values()))
+
+
+MOST_ANSWERS = 20  # kept of an exam
+MOST_VARIANTS = 10**6
+
+
+@dataclass(frozen=True)
+class ExamAnswer:
+    """An answer to one variant of an exam, drawn for one key."""
+
+    student: str
+    variant: int
+    said: str
+
+
+@dataclass(frozen=True)
+class ExamState:
+    """How far a person is with one exam: the variant that is practised, and what was answered, latest last."""
+
+    variant: int = 1
+    answers: tuple[ExamAnswer, ...] = ()
+
+
+USUAL = (1366.0, 768.0)  # px of a window that has not told its size
+
+
+@dataclass(frozen=True)
+class ReplayLoop:
+    """A part of the run that is played `rounds` times more; then it comes to rest at `rest`."""
+
+    part: ErrorWindow
+    rounds: int
+    rest: float
+
+
+@dataclass(frozen=True)
+class State:
+    """What belongs to the tab and not to the design.
+
+    `playing` is the whole run, `loop` a part of it under the hand; `stopped` says that the person has chosen the moment
+    that stands, which then stays while the design changes; `calm`, that nobody sees the page or that nothing is to move by itself.
+    """
+
+    language: str = "en"
+    lecture: bool = False
+    dark: bool | None = None  # the theme; None follows the browser
+    night: bool = False  # whether the browser likes the dark
+    window: tuple[float, float] = USUAL  # px across and up
+    playing: bool = False
+    loop: ReplayLoop | None = None
+    stopped: bool = False
+    calm: bool = False
+    t: float = 0.0
+    speed: float = 1.0
+    predicted: int | None = None  # index of the option; −1 when skipped
+    revealed: bool = False
+    left: str | None = None  # the `tab` that was open when it was chosen
+    again: int | None = None  # of the second prediction, likewise
+    asked: bool = False  # whether its knob has been moved since the first one
+    tasks: Mapping[str, TaskState] = field(default_factory=dict)
+    exams: Mapping[str, ExamState] = field(default_factory=dict)
+    key: str = ""  # the student's; the same numbers are drawn for it everywhere
+    fresh: str = ""  # a random one for as long as there is none
+    withheld: bool = False  # whether answers to exams are noted and nothing is told of them
+    sealed: bool = False  # whether the server has settled that, so that no tab can practise
+    landscape: bool = False
+    plant: str = ""  # the plant that the person brought last, shown now or not
+    tab: str | None = None  # the English name of the figures' tab that is open, None for the first
+    step: int | None = None  # which step of thought is open
+    shelf: tuple[SavedDesign, ...] = ()  # designs that the browser keeps under names
+    pins: tuple[Pin, ...] = ()  # designs of this lesson that are compared
+    camera: tuple[float, ...] | None = None  # position and target that a link asked for, None for the whole view
+    can_undo: bool = False
+    can_redo: bool = False
+
+    @property
+    def is_dark(self) -> bool:
+        """Whether the page is dark now."""
+        return self.night if self.dark is None else self.dark
+
+    @property
+    def student(self) -> str:
+        """The key that numbers are drawn for."""
+        return self.key or self.fresh
+
+    @property
+    def moving(self) -> bool:
+        """Whether the clock goes."""
+        return self.playing or self.loop is not None
+
+
+@dataclass(frozen=True, eq=False)
+class Picture:
+    """All that a view shows: `resting` is False while a knob moves, `answered` the number of the last edit that went in,
+    `steps` the designs that undo and redo walk along, `at` where they stand.
+
+    `figures` and the outcome's boards are the lesson's own; `seen` and `boards` have the pinned designs laid in. One that is not
+    `whole` shows what is looked at, the open tab's figures, boards and stage, while a knob moves; the rest follows.
+    """
+
+    lesson: Lesson
+    design: Design
+    outcome: Outcome
+    figures: Sequence[Figure]
+    state: State
+    resting: bool
+    catalogue: tuple[Lesson, ...] = ()
+    answered: int = 0
+    pinned: tuple[Pinned, ...] = ()
+    steps: tuple[Design, ...] = ()
+    at: int = 0
+    whole: bool = True
+
+    @cached_property
+    def seen(self) -> Sequence[Figure]:
+        """The figures as they are shown, with the curves of the pins."""
+        figures = self.figures
+        if not self.whole and isinstance(figures, FigureSet):
+            figures = figures.front(self.state.tab)
+        return figures_with_pins(figures, self.pinned) if self.pinned else figures
+
+    @cached_property
+    def boards(self) -> tuple[Board, ...]:
+        """The boards as they are shown, with the poles of the pins."""
+        return boards_with_pins(self.outcome.boards, self.pinned) if self.pinned else self.outcome.boards
+
+    @cached_property
+    def asks_second_prediction(self) -> bool:
+        """Whether the second prediction waits: its knob has been moved, and no option has been chosen yet nor the question skipped."""
+        again, state = self.lesson.again, self.state
+        return (again is not None and state.predicted is not None and state.again is None and state.asked
+                and again.touched(self.lesson.start(), self.design))
+
+    @cached_property
+    def ghosts(self) -> tuple[Ghost, ...]:
+        """The ghosts of those pins that are wanted on the stage."""
+        return ghosts_of_pins(self.outcome.stage, self.pinned)
+
+    @cached_property
+    def compared(self) -> TableFigure | None:
+        """The present design beside the pins; None without any."""
+        return comparison_table(self.lesson, self.design, self.outcome, self.pinned)
+
+    @property
+    def horizon(self) -> float:
+        """Length of the run in seconds, 0 without one."""
+        return float(self.outcome.stage.t[-1]) if self.outcome.stage is not None else 0.0
+
+    @property
+    def end(self) -> float:
+        """When the run is over, in its seconds: its length, or earlier where everything has come to stand."""
+        return run_end(self.outcome.stage) if self.outcome.stage is not None else 0.0
+
+    @property
+    def rate(self) -> float:
+        """Seconds of the run in a second of playing: the speed chosen, and for a run far from human times a power of
+        ten; a loop has its own."""
+        loop = self.state.loop
+        return self.state.speed * (time_scale(self.horizon) if loop is None else loop.part.rate)
+
+
+def time_scale(horizon: float) -> float:
+    """1 for a run of 2 to 60 s, else the power of ten that makes it one."""
+    if 2.0 <= horizon <= 60.0 or horizon <= 0:
+        return 1.0
+    return 10.0 ** (math.floor(math.log10(horizon)) - (0 if horizon < 2.0 else 1))
+
+
+class View(Protocol):
+    """What a session needs of a screen."""
+
+    def build(self, picture: Picture) -> None:
+        """Lay the screen out for a lesson or a language."""
+
+    def show(self, picture: Picture) -> None:
+        """Show a picture; only what changed since the last one is sent."""
+
+    def pose(self, t: float) -> None:
+        """Move the stage and the cursors to time t of the last picture."""
+
+    def play(self, t: float, end: float, rate: float, every: float) -> float:
+        """Show the last picture in motion from t to `end`, `rate` seconds of the run in one; a pose `every` so many seconds.
+
+        The seconds for which the view goes on by itself: `every` where it has shown one pose.
+        """
+        ...
+
+    def progress(self, fraction: float | None, label: Text | None) -> None:
+        """Show how far a long job is; None when there is none."""
+
+    def say(self, words: Text, bad: bool) -> None:
+        """Tell the person one sentence."""
+
+    def camera(self, preset: str) -> None:
+        """Look from a named place."""
+
+    def open_figure(self, figure: str) -> None:
+        """Bring the figure of that id to the front, if the lesson has it."""
+
+    def open_help(self) -> None:
+        """Show or close the list of keyboard commands."""
+
+    def open_course(self, progress: Mapping[str, Progress]) -> None:
+        """Show or close the page of all lessons, with how far the person is in each."""
+
+    def answer(self, question: float) -> None:
+        """Say that all that was done before a question is shown."""
+
+    def look(self, camera: tuple[float, ...] | None) -> None:
+        """Look from a position at a target, from where everything is seen for None."""
+
+    def eye(self) -> tuple[float, ...] | None:
+        """Position and target of the camera, None where it stands as it was put."""
+
+    def address(self, token: str, lesson: str, asked: int) -> None:
+        """Put a state into the address bar; `asked` is the number of the last one that was opened from there."""
+
+    def offer(self, token: str) -> None:
+        """Open the dialog in which the state of that token can be taken away, or close it."""
+
+    def download(self, name: str, content: bytes) -> None:
+        """Give the person a file."""
+
+    def replay(self, picture: Picture, token: str, camera: tuple[float, ...] | None) -> bytes:
+        """The run of a picture as a page that plays by itself, seen from there; on any thread, it touches no screen. Raises FileError."""
+        ...
+
+    def recall(self, answer: Callable[..., object]) -> None:
+        """Ask for what a `Recalled` holds; the answer may come late, or never."""
+
+    def remember(self, text: str) -> None:
+        """Keep a text in the browser's tab, and for the tabs after it."""
+
+    def save_design(self, name: str, words: str) -> None:
+        """Keep words in the browser under a name, or nothing any more for ""."""
+
+    def clear_storage(self) -> None:
+        """Let the browser forget all that it keeps."""

@@ -1,0 +1,72 @@
+"""Solve both Riccati equations in time: regulator backwards, filter forwards."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import expm, solve_continuous_lyapunov
+
+from observer_lab.course.figures.records import Curve, LineFigure
+from observer_lab.engine import Plant
+from observer_lab.text import same, text
+
+HORIZON_STEPS = 80
+HORIZON_TAB = text("Finite horizon")
+Weights = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
+
+
+@dataclass(frozen=True, eq=False)
+class Horizon:
+    """Over t (n_t,): S(t) (n_t, n, n), which ends at 0, P(t) (n_t, n, n), which begins at 0, and K(t) = R⁻¹BᵀS(t) (n_t, m, n)."""
+
+    t: np.ndarray
+    S: np.ndarray
+    P: np.ndarray
+    K: np.ndarray
+
+
+def horizon_of(plant: Plant, weights: Weights, S: np.ndarray, P: np.ndarray, T: float) -> Horizon:
+    """Both equations over T s; `weights` are Q, R, W, V, and S and P what the two settle to.
+
+    −Ṡ = AᵀS + SA − SBR⁻¹BᵀS + Q from S(T) = 0, Ṗ = AP + PAᵀ − PCᵀV⁻¹CP + W from P(0) = 0.
+    Source: report (003), appendix A and (40)–(51); Anderson and Moore, Optimal Control (1990).
+    """
+    _, R, _, V = weights
+    A, B, C = plant.A, plant.B, plant.C
+    back, forward = (_path(*side, T) for side in ((A, B @ np.linalg.solve(R, B.T), S), (A.T, C.T @ np.linalg.solve(V, C), P)))
+    return Horizon(T * np.arange(HORIZON_STEPS + 1) / HORIZON_STEPS, back[::-1], forward, np.linalg.solve(R, B.T @ back[::-1]))
+
+
+def _path(A: np.ndarray, G: np.ndarray, X: np.ndarray, T: float) -> np.ndarray:
+    """X(τ) (n_t, n, n) of dX/dτ = AᵀX + XA − XGX + Q from X(0) = 0 at equal times up to T; the equation settles to X.
+
+    What is missing, D = X − X(τ), obeys dD/dτ = FᵀD + DF + DGD with F = A − GX stable. So D⁻¹ obeys a linear equation, and
+    D = EᵀX(I − ΓX)⁻¹E with E = e^{Fτ}, Γ(τ) = ∫₀^τ e^{Fs} G e^{Fᵀs} ds: nothing in it grows.
+    """
+    n, F = len(A), A - G @ X
+    whole = solve_continuous_lyapunov(F, -G)
+    step, powers = expm(F * T / HORIZON_STEPS), [np.eye(n)]
+    for _ in range(HORIZON_STEPS):
+        powers.append(powers[-1] @ step)
+    E = np.array(powers)
+    heard = whole - E @ whole @ E.swapaxes(1, 2)
+    missing = E.swapaxes(1, 2) @ X @ np.linalg.solve(np.eye(n) - heard @ X, E)
+    missing[0] = X
+    return X - (missing + missing.swapaxes(1, 2)) / 2
+
+
+def horizon_figure(found: Horizon, S: np.ndarray, P: np.ndarray, K: np.ndarray) -> LineFigure:
+    """The traces as shares of what they settle to far from their ends, S, P and K of the endless problem."""
+    def share(path: np.ndarray, settled: np.ndarray) -> np.ndarray:
+        return np.trace(path, axis1=1, axis2=2) / max(float(np.trace(settled)), 1e-300)
+    back, forward = share(found.S, S), share(found.P, P)
+    size = np.linalg.norm(found.K, axis=(1, 2)) / max(float(np.linalg.norm(K)), 1e-300)
+    return LineFigure(
+        "horizon", text("two Riccati equations in opposite time"), found.t,
+        (Curve(text("tr S(t), from S(T) = 0 backwards"), back, "plant"),
+         Curve(text("tr P(t), from P(0) = 0 forwards"), forward, "estimate"),
+         Curve(same("‖K(t)‖"), size, "force", "dash")),
+        text("share of the settled value"), window=(0.0, 1.1), tab=HORIZON_TAB,
+        caption=text("T = {window:.3g} s. At t = 0 S has {back:.0f} % of what it settles to, at T P has {forward:.0f} %; at the end "
+                     "nothing is left to save, and K is 0.", window=float(found.t[-1]), back=100 * back[0], forward=100 * forward[-1]))

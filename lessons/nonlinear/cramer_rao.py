@@ -1,0 +1,101 @@
+"""Compute the Cramér–Rao bound for these runs and the distance of each filter from it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from observer_lab.course.figures.claims import claim
+from observer_lab.engine import NonlinearPlant
+from observer_lab.engine.filters import Experiment, Sample, posterior_bound, slopes_along
+from observer_lab.engine.systems import Flow
+from observer_lab.text import Text, joined, listed, text
+
+from .cases import PLATFORM, Case, judged
+
+CHANCE_SIGMAS = 2.0  # standard errors that the runs of chance are given
+NEAR_BOUND_PERCENT = 25.0  # % of an error that may be left to better filters if this one is to be called nearly as good as can be
+
+
+@dataclass(frozen=True, eq=False)
+class Bound:
+    """The posterior Cramér–Rao bound, and the filters above it.
+
+    rms (K,): the least rms error of the signal judged. times, unsure: by filter, its rms error over the second half of the
+    record in multiples of the bound, and the standard error of that, from how much the runs differ; NaN where no run is left.
+    """
+
+    rms: np.ndarray
+    times: Mapping[str, float]
+    unsure: Mapping[str, float]
+
+    def room(self, name: str) -> float:
+        """By how many per cent a better filter could err less, at most, as far as the runs tell; at least 1."""
+        return max(100 * (1 - 1 / max(self.times[name] + CHANCE_SIGMAS * self.unsure[name], 1e-9)), 1.0)
+
+
+class Slopes:
+    """Collects the slopes of flow and sensors along the true runs, block by block."""
+
+    def __init__(self, case: Case, experiment: Experiment, plant: NonlinearPlant) -> None:
+        self.case, self.experiment, self.plant = case, experiment, plant
+        self.F: list[np.ndarray] = []
+        self.H: list[np.ndarray] = []
+
+    def add(self, samples: Sequence[Sample]) -> None:
+        """All samples of a block at once."""
+        x = np.concatenate([s.x for s in samples], axis=1)
+        runs = x.shape[1] // len(samples)
+        u = np.concatenate([np.broadcast_to(s.u, (len(s.u), runs)) for s in samples], axis=1)
+        flow = self.experiment.flow
+        assert isinstance(flow, Flow)
+        for slopes, kept in zip(slopes_along(self.plant, flow.step, x, u, parts=flow.parts), (self.F, self.H), strict=True):
+            kept.append(slopes.reshape(len(samples), runs, *slopes.shape[1:]))
+
+    def bound(self, squares: Mapping[str, np.ndarray], fell: np.ndarray) -> Bound:
+        """The bound over the runs that did not fall (N,), beside squared errors (K, N) by filter, NaN where a run does not count."""
+        kept = ~fell if not fell.all() else fell
+        F, H = np.concatenate(self.F)[:-1, kept], np.concatenate(self.H)[:, kept]
+        row = self.case.watched[judged(self.case)].weights
+        least = np.einsum("i,kij,j->k", row, self._covariances(F, H), row)
+        late = slice(len(least) // 2, None)
+        found = {name: _multiple(of[late] / np.maximum(least[late, None], 1e-300)) for name, of in squares.items()}
+        return Bound(np.sqrt(np.maximum(least, 0.0)), {n: v[0] for n, v in found.items()}, {n: v[1] for n, v in found.items()})
+
+    def _covariances(self, F: np.ndarray, H: np.ndarray) -> np.ndarray:
+        """The higher of the two bounds that can be had in time; they differ little on the platform, sevenfold at the pole."""
+        e, unknown = self.experiment, "states" if self.case.id == PLATFORM else "noise"
+        return posterior_bound(F, H, e.Q, e.R, e.start.covariance[0], unknown=unknown)
+
+
+def _multiple(squares: np.ndarray) -> tuple[float, float]:
+    """Root of the mean over samples and runs (k, N), and its standard error from the means of the single runs."""
+    good = np.isfinite(squares)
+    count = good.sum(axis=0)
+    each = np.where(good, squares, 0.0).sum(axis=0)[count > 0] / count[count > 0]
+    if len(each) < 2:
+        return np.nan, np.nan
+    mean = float(each.mean())
+    return float(np.sqrt(mean)), float(each.std(ddof=1) / np.sqrt(len(each)) / (2 * np.sqrt(max(mean, 1e-300))))
+
+
+def words(who: str, bound: Bound, runs: int, out: int, kicked: bool) -> Text:
+    """How far above the bound the filters stand, and what that leaves to others; `out`: runs that do not count to the end."""
+    each = listed(text("{name} {times:.3g} ± {unsure:.1g}", name=name.upper(), times=times, unsure=bound.unsure[name])
+                  for name, times in bound.times.items() if np.isfinite(times))
+    return joined(text("In the second half, in multiples of the bound: {each}.", each=each),
+                  _room(who, bound, runs, out, kicked))
+
+
+def _room(who: str, bound: Bound, runs: int, out: int, kicked: bool) -> Text:
+    if kicked:
+        return text("The bound is for those who are told of the kick; no filter is.")
+    if out or not np.isfinite(bound.times[who]):
+        return text("Some runs were left out, so the bound is a yardstick and no limit.")
+    left = bound.room(who)
+    return claim(text("As far as {runs} runs tell, no filter could err {left:.2g} % less than the {who}.", runs=runs, left=left,
+                      who=who.upper()), left, below=NEAR_BOUND_PERCENT,
+                 otherwise=text("A better filter than the {who} may exist: the bound would let it err {left:.0f} % less.",
+                                who=who.upper(), left=left))

@@ -1,0 +1,93 @@
+"""Test conditions (11)–(13) of the paper for each order: can K be reached, what stays free."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from functools import lru_cache
+
+import numpy as np
+
+from observer_lab.course.figures.claims import claim
+from observer_lab.course.figures.records import TableFigure
+from observer_lab.course.lesson import Design, Outcome
+from observer_lab.engine import EngineError
+from observer_lab.engine.observers import Existence, existence
+from observer_lab.text import Text, text, text_in
+
+from .knobs import EXAMPLE_THREE
+from .own_loop import Story as OwnStory
+from .own_loop import wanted_of
+from .own_plant import Here
+from .study import EXAMPLE_CASES, Story
+
+LADDER_POLES = (-4.0, -2.5, -6.0)  # poles of the orders that the board does not show
+Ladder = tuple[Existence, ...]
+
+
+@lru_cache(maxsize=16)
+def _beside(example: str, order: int) -> Existence:
+    """An order of an example that the board does not show."""
+    here = EXAMPLE_CASES[example].example
+    return existence(here.plant, here.K, LADDER_POLES[:order])
+
+
+def ladder(design: Design) -> Ladder:
+    """Orders 0 (no observer: u = −My) to n, the design's own order with its own poles."""
+    case = EXAMPLE_CASES[design["example"]]
+    poles = design[case.poles]
+    return tuple(existence(case.example.plant, case.example.K, poles) if order == len(poles) else _beside(design["example"], order)
+                 for order in range(case.example.plant.n + 1))
+
+
+@lru_cache(maxsize=16)
+def _rung(here: Here, wanted: bytes, poles: tuple[complex, ...]) -> Existence | None:
+    row = np.frombuffer(wanted)[None]
+    try:
+        return existence(here.scaled.inner, row * here.scaled.unit, np.array(poles) / here.scaled.rate)
+    except (EngineError, np.linalg.LinAlgError):
+        return None
+
+
+def own_ladder(here: Here, design: Design) -> Ladder:
+    """Order 0, the orders that the page offers, each with its poles, and one more than the highest."""
+    row = wanted_of(here, design)[1].tobytes()
+    offered = [tuple(design[f"poles_{order}"]) for order, _ in here.starts]
+    more = (*offered[-1], complex(2 * min(p.real for p in offered[-1])))
+    found = (_rung(here, row, poles) for poles in ((), *offered, more))
+    return tuple(rung for rung in found if rung is not None)
+
+
+def _means(rung: Existence) -> Text:
+    if not rung.exists:
+        return text("K lies outside the rows of T and C: no N, M")
+    if not rung.free:
+        return text("N and M exist and are fixed")
+    return text("N and M exist; {free} free in each row of K", free=rung.free)
+
+
+def table(rungs: Iterable[Existence], order: int, caption: Text, tab: Text) -> TableFigure:
+    """The table of the conditions; the page's own order is marked."""
+    rows = tuple((f"▸ {r.order}" if r.order == order else str(r.order), str(r.rank), str(r.with_K),
+                  "0" if r.missed < 1e-9 else f"{100 * r.missed:.3g} %", f"{r.rows} − {r.rank} = {r.free}", _means(r)) for r in rungs)
+    return TableFigure("ranks", text("conditions (11)–(13), order by order"),
+                       (text("order"), text_in("robust-observer", "rank r*"), text("with K"), text("K missed by"),
+                        text("columns of M′"), text("what it says")), rows, caption=caption, tab=tab)
+
+
+def paper_ranks(outcome: Outcome[Story], tab: Text) -> TableFigure:
+    """The conditions for the example on the page."""
+    design, rungs = outcome.design, ladder(outcome.design)
+    here = next(r for r in rungs if r.order == len(outcome.poles["observer"]))
+    said = (text("T itself is T₀ and Q = I in (12): N = (K − M′C)T⁻¹ for every M′, and M = M′. Three rows of rank 2 leave one column.")
+            if design["example"] == EXAMPLE_THREE else
+            claim(text("The {rows} rows of [T; C] have rank {rank}, and with K no more: N and M exist and are fixed.",
+                       rows=here.rows, rank=here.rank), float(here.missed), below=1e-9))
+    return table(rungs, here.order, said, tab)
+
+
+def own_ranks(here: Here, outcome: Outcome[OwnStory], order: int, tab: Text) -> TableFigure:
+    """The conditions for a person's own plant."""
+    rungs = own_ladder(here, outcome.design)
+    return table(rungs, order, text("Order 0 is the readings alone, My. As soon as the rank with K is no higher, an observer exists; rows "
+                                    "of [T; C] beyond their rank leave M′ free. Each order has the poles of its own knob; an order without "
+                                    "one has a pole more."), tab)

@@ -1,0 +1,75 @@
+"""Tabulate the results of all controllers at equal effort."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from observer_lab.course.figures.claims import claim
+from observer_lab.course.figures.records import TableFigure
+from observer_lab.course.lesson import Outcome
+from observer_lab.text import NO_WORDS, Text, joined, text
+
+from .controllers import CONTROLLER_NAMES, LQE, ORDER, SHORT_NAMES, SISO
+from .equal_effort import Equal
+from .score_tables import CELLS_CAPTION, HEADS, NOT_YET, cells
+from .simulation import loop_of
+from .study import Study
+
+EFFORT_TAB = text("Equal effort")
+CLIP_SIGMAS = 3.0  # standard deviations that a coil's limit should leave
+TIED = 0.05  # dB in RMS velocity: less is no lead
+
+
+def equal(outcome: Outcome[Study]) -> tuple[TableFigure, ...]:
+    """Each controller as bold as it takes to tell its coils as much as the full LQG does: how much moves, and what is taken out."""
+    m = outcome.study
+    found = None if m.trials is None else m.trials.equal
+    waiting = (NOT_YET if loop_of(m.world, m.five[ORDER.index(LQE)]).stable else
+               text("The full LQG is unstable in this world: there is no effort to meet."))
+    rows = tuple((SHORT_NAMES[i], *(("–", "–") if found is None else _row(found, i - 1))) for i in range(1, 5))
+    taken = tuple((CONTROLLER_NAMES[i], *(("–",) * 3 if found is None or np.isnan(found.dials[i - 1]) else
+                               (f"{db:.1f}".replace("-", "−") for db in found.band_db[i - 1]))) for i in range(1, 5))
+    return (TableFigure("effort", text("RMS velocity in µm/s, all at the RMS command of the full LQG"),
+                        (text("controller"), text("retuned"), text("velocity [µm/s]")), rows,
+                        tab=EFFORT_TAB, caption=waiting if found is None else _said(found, m)),
+            TableFigure("effort_db", text("suppression in dB, 0.5–3 Hz, at that effort"), (text("controller"), *HEADS), taken,
+                        tab=EFFORT_TAB, caption=waiting if found is None else _best(found)))
+
+
+def _row(found: Equal, i: int) -> tuple[Text | str, ...]:
+    dial = float(found.dials[i])
+    if np.isnan(dial):
+        return text("does not get there"), "–"
+    made = text("gain × {dial:.3g}", dial=dial) if ORDER[i + 1] == SISO else text("V × {times:.3g}", times=1 / dial)
+    return made, cells(found.rms[i], True, ".3g")
+
+
+def _best(found: Equal) -> Text:
+    """Who takes most out by area; the first in order where some tie."""
+    best = [1 + int(np.flatnonzero(found.band_db[:, j] >= np.nanmax(found.band_db[:, j]) - TIED)[0]) for j in range(3)]
+    return text("Best by area: {short} vertically, {short2} in rotation, {short3} horizontally.",
+                short=SHORT_NAMES[best[0]], short2=SHORT_NAMES[best[1]], short3=SHORT_NAMES[best[2]])
+
+
+def _said(found: Equal, m: Study) -> Text:
+    limit, lqe, siso = m.world.hardware.limit, *(ORDER.index(id) - 1 for id in (LQE, SISO))
+    head = (
+        text("{split} The coil told most gets {force:.3g} mN RMS from each.", split=CELLS_CAPTION, force=1e3 * found.wanted)
+        if np.isfinite(found.dials).all()
+        else text(
+            "{split} The coil told most gets {force:.3g} mN RMS from each that gets there.", split=CELLS_CAPTION, force=1e3 * found.wanted
+        )
+    )
+    clipped = text("A coil that may give {limit:.3g} mN would be clipped often; that is left out.", limit=1e3 * limit)
+    over = clipped if CLIP_SIGMAS * found.wanted > limit else NO_WORDS
+    lead = 20 * np.log10(found.rms[siso] / found.rms[lqe])
+    if np.isnan(lead).any():
+        return joined(head, text("The SISO loops cannot be made to spend that, with any gain."), over)
+    least, most = float(lead.min()), float(lead.max())
+    apart = text("At this effort nobody leads in every channel: by RMS velocity the full LQG is {first:+.1f}, {second:+.1f} and "
+                 "{third:+.1f} dB ahead of the SISO loops.", first=lead[0], second=lead[1], third=lead[2])
+    who = claim(text("At this effort the full LQG moves less than the SISO loops in every channel, by {least:.1f} to {most:.1f} dB.",
+                     least=least, most=most), least, above=TIED, otherwise=claim(
+        text("At this effort the SISO loops move less than the full LQG in every channel, by {least:.1f} to {most:.1f} dB.",
+             least=-most, most=-least), most, below=-TIED, otherwise=apart))
+    return joined(head, who, over)
