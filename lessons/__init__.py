@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from pathlib import Path
 from types import MappingProxyType
 
+from observer_lab.course.glossary import Glossary, read_glossary
 from observer_lab.course.lesson import Lesson
 
 from .arm.lesson import LESSON as arm
@@ -56,3 +58,9 @@ OPENING = "separation"  # the lesson that the page opens on
 def folder(id: str) -> Path:
     """Where a lesson's code and English words stand."""
     return Path(__file__).parent / id.replace("-", "_")
+
+
+@lru_cache(maxsize=1)
+def glossaries() -> MappingProxyType[str, Glossary]:
+    """The glossary of all lessons by language. Raises ProseError."""
+    return MappingProxyType(read_glossary(Path(__file__).parent))

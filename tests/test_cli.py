@@ -41,7 +41,7 @@ def use(monkeypatch, lesson: Lesson) -> None:
 def test_run_prints_the_contracts_record_at_the_lessons_start(capsys) -> None:
     status, record = run_json(capsys)
     outcome = SEPARATION.compute(SEPARATION.start())
-    assert list(record) == ["lesson", "knobs", "gains", "poles", "metrics", "checks", "series"]
+    assert list(record) == ["lesson", "knobs", "gains", "poles", "metrics", "checks", "series", "sentences"]
     assert record["lesson"] == "separation" and list(record["knobs"]) == [k.name for k in SEPARATION.knobs]
     assert np.array_equal(record["gains"]["K"], outcome.gains["K"])
     loop = [complex(*pair) for pair in record["poles"]["loop"]]
@@ -136,11 +136,12 @@ def test_a_check_that_fails_is_status_1(capsys, monkeypatch) -> None:
 
 def test_the_long_computation_runs_only_with_final(capsys, monkeypatch) -> None:
     def job(outcome):
-        yield 0.5, replace(outcome, metrics={"half": 1.0})
-        yield 1.0, replace(outcome, metrics={"done": 1.0})
+        yield 0.5, replace(outcome, metrics={**outcome.metrics, "half": 1.0})
+        yield 1.0, replace(outcome, metrics={**outcome.metrics, "done": 1.0})
     use(monkeypatch, replace(SEPARATION, job=Job(same("long"), job, key=lambda design: design, shown=lambda outcome, found: found)))
     assert "done" not in run_json(capsys)[1]["metrics"]
-    assert run_json(capsys, "--final")[1]["metrics"] == {"done": 1.0}
+    metrics = run_json(capsys, "--final")[1]["metrics"]
+    assert metrics["done"] == 1.0 and "half" not in metrics
     use(monkeypatch, replace(SEPARATION, job=None))
     assert "union_error" in run_json(capsys, "--final")[1]["metrics"]
 
@@ -282,11 +283,13 @@ def test_verify_prints_every_value_and_is_status_1_when_one_differs(capsys, monk
     assert "DIFFERS" in capsys.readouterr().out
 
 
-def test_teach_prints_the_notes_as_they_are_written(capsys) -> None:
+def test_teach_prints_the_notes_as_they_are_written_and_then_the_terms(capsys) -> None:
     for words, path in ((["hidden-modes"], "lessons/hidden_modes/teacher.md"),
                         (["hidden-modes", "--lang", "zh"], "app/locale/zh/hidden-modes.teacher.md")):
         assert main(["teach", *words]) == 0
-        assert capsys.readouterr().out == (ROOT / path).read_text(encoding="utf-8")
+        notes = (ROOT / path).read_text(encoding="utf-8")
+        told = capsys.readouterr().out
+        assert told.startswith(f"{notes}## ") and told.count("## ") == notes.count("## ") + 1
 
 
 def test_exam_prints_what_a_key_draws_and_the_answers(capsys) -> None:

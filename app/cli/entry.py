@@ -14,7 +14,7 @@ from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 from typing import Protocol
 
-from .commands import exam, export, link, replay, run, serve, status, study, teach, verify
+from .commands import exam, export, glossary, link, replay, run, serve, status, study, teach, verify
 from .commands import list as list_
 from .options import THREADS, CommandError, Parser
 
@@ -36,9 +36,9 @@ class Command(Protocol):
 
 
 DEFAULT = "serve"
-COMMANDS: Mapping[str, Command] = MappingProxyType({DEFAULT: serve, "list": list_, "teach": teach, "exam": exam, "run": run, "link": link,
-                                                    "export": export, "replay": replay, "study": study,
-                                                    "verify": verify, "status": status})
+COMMANDS: Mapping[str, Command] = MappingProxyType({
+    DEFAULT: serve, "list": list_, "teach": teach, "glossary": glossary, "exam": exam, "run": run, "link": link, "export": export,
+    "replay": replay, "study": study, "verify": verify, "status": status})
 
 
 def main(argv: Sequence[str] | None = None) -> int:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from dataclasses import replace
+from dataclasses import asdict, replace
 
 from ..options import PLANT_HELP, STATE_HELP, CommandError, add_json, add_language
 
@@ -20,12 +20,13 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--final", action="store_true", help="do the lesson's long computation too, if it has one")
     parser.add_argument("--figure", metavar="FILE", help="draw all figures on one page: .png, .svg or .pdf")
     parser.add_argument("--csv", metavar="FILE", help="write the data of all figures")
-    add_language(parser, "figures")
+    add_language(parser, "figures and sentences")
     add_json(parser)
 
 
 def execute(options: argparse.Namespace) -> int:
     """Compute a design, write what was asked for, print the run; 1 if one of the lesson's checks does not hold."""
+    from ...course.sentences import sentences
     from ...engine import EngineError
     from ...export.data.data import run_record, save_csv
     from ...session.state.token import write_token
@@ -48,5 +49,8 @@ def execute(options: argparse.Namespace) -> int:
     if options.csv is not None:
         write_whole_file(options.csv, lambda path: save_csv(figures, path, token))
     record = run_record(design, outcome)
-    print_json(record) if options.json else print_run(lesson, record)
+    if options.json:
+        print_json({**record, "sentences": [asdict(each) for each in sentences(lesson, outcome, look.language)]})
+    else:
+        print_run(lesson, record)
     return 0 if all(check.holds for check in outcome.checks) else 1
