@@ -42,7 +42,7 @@ ENGINE_LIBRARIES = {"numpy", "scipy", "control"}
 PRIVATE = "observer_lab.page.viser_private.viser_internals"  # the one module that may use private names of viser
 COMPILER, SHELF = "numba", "observer_lab.engine.kernels.compile_cache"  # imported there alone, when kernels are compiled
 ROOMS = ("lesson", "knobs", "study", "figures", "tasks")  # of every lesson, beside job and own where there are such
-MOST_FILES, LONGEST_FIRST_LINE = 24, 100
+MOST_FILES, LONGEST_FIRST_LINE = 25, 100
 LONGEST, LONGEST_LESSON = 300, 80  # lines of a module, and of the one that assembles a lesson
 # --- reading -------------------------------------------------------------------------------------------------------
 def layer_of(name: str) -> str | None:

@@ -342,3 +342,20 @@ def test_a_state_with_something_unknown_runs_with_a_note(capsys, tmp_path: Path)
 def test_serve_takes_a_state_or_a_lesson_with_its_plant(capsys) -> None:
     assert "a state brings its own" in refused(capsys, "serve", "--state", "1.AAAA", "--lesson", "noise")
     assert "torn" in refused(capsys, "serve", "--state", "1.AAAA")
+
+
+@pytest.mark.parametrize("command", [["run"], ["replay"], ["export", "--to", "python"], ["export", "--to", "json"]], ids=" ".join)
+def test_knobs_that_cross_are_refused_in_one_sentence(
+        command: list[str], capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main([command[0], "decoupling", *command[1:], "--set", "f_low=4", "--set", "f_high=0.5"]) == 2
+    assert not list(tmp_path.iterdir())
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1 and "must reach from 4 Hz to at least 6 Hz" in said
+
+
+def test_a_plant_without_dynamics_and_with_unseen_modes_gives_no_traceback(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "still.json"
+    path.write_text('{"A": [[0,0],[0,0]], "B": [[1],[2]], "C": [[1,0]]}')
+    assert main(["run", "separation", "--plant", str(path)]) in (0, 1)
+    assert "Traceback" not in capsys.readouterr().err

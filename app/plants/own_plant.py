@@ -49,6 +49,9 @@ class UnsuitablePlant(EngineError):
     def __str__(self) -> str:
         return str(self.text)
 
+    def __reduce__(self) -> tuple[object, ...]:
+        return UnsuitablePlant, (self.text,)
+
 
 # --- the gate ----------------------------------------------------------------------------------------------------------
 def read_plant_file(name: str, data: bytes) -> str:

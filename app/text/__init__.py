@@ -5,12 +5,13 @@ is a sentence. The English is the id that translators see.
 """
 
 from .languages import languages
-from .message import NO_WORDS, Text, error_words, joined, label_in_language, listed, name_of, same, text, text_in
+from .message import NO_WORDS, SaidError, Text, error_words, joined, label_in_language, listed, name_of, same, text, text_in
 from .numbers import format_number, superscript
 from .symbols import squared_unit, subscript, symbol
 
 __all__ = [
     "NO_WORDS",
+    "SaidError",
     "Text",
     "error_words",
     "format_number",

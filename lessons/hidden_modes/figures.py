@@ -97,7 +97,7 @@ def _bar(mode: Mode) -> str:
     """The PBH distance as a number, its share of the plant's size as a bar over six decades; a hidden mode has none."""
     if not mode.visible:
         return "0"
-    return format_number(mode.distance, ".3g") + " " + "▮" * max(1, round(6 + np.log10(mode.margin)))
+    return format_number(mode.distance, ".3g") + " " + "▮" * max(1, round(6 + np.log10(max(mode.margin, 1e-6))))
 
 
 def _pole(mode: Mode) -> str:

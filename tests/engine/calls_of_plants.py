@@ -58,6 +58,7 @@ def systems(plant: Plant, dplant: Plant) -> dict[str, dict[str, Any]]:
         "slopes": {"f": rhs, "x": np.ones((1, 3)), "u": np.zeros((0, 1)), "name": "f", "rows": 1},
         "sorted_poles": {"A": A},
         "stable_poles": {"A": A, "dt": 0.1},
+        "is_stable": {"A": A, "dt": 0.1},
         "step_covariance": {"A": A, "intensity": I2, "duration": 0.1},
         "step_matrices": {"M": A, "duration": 0.1},
         "symmetric": {"matrix": A},

@@ -26,6 +26,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(options: argparse.Namespace) -> int:
     """Compute a design, write what was asked for, print the run; 1 if one of the lesson's checks does not hold."""
+    from ...course.knobs import KnobError
     from ...course.sentences import sentences
     from ...engine import EngineError
     from ...export.data.data import run_record, save_csv
@@ -42,7 +43,7 @@ def execute(options: argparse.Namespace) -> int:
     try:
         outcome = outcome_of(lesson, design, options.final)
         figures = lesson.figures(outcome)
-    except EngineError as problem:
+    except (EngineError, KnobError) as problem:
         raise CommandError(f"This design cannot be computed: {problem}") from problem
     if options.figure is not None:
         write_whole_file(options.figure, lambda path: save_page(figures, path, look.language, token))

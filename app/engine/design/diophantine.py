@@ -132,7 +132,7 @@ def _shared(a: np.ndarray, b: np.ndarray) -> str:
         return phrase("unknown")
     gap = np.abs(poles[:, None] - zeros[None]) / np.maximum(np.abs(poles)[:, None], 1e-12)
     p = poles[np.unravel_index(gap.argmin(), gap.shape)[0]]
-    return f"{p.real:.4g}" if abs(p.imag) < 1e-9 * max(1.0, abs(p)) else f"{p.real:.4g} ± {abs(p.imag):.4g}j"
+    return f"{p.real:.4g}" if abs(p.imag) <= 1e-9 * abs(p) else f"{p.real:.4g} ± {abs(p.imag):.4g}j"
 
 
 def _residual(a: np.ndarray, b: np.ndarray, E: np.ndarray, F: np.ndarray, phi: np.ndarray) -> float:

@@ -153,8 +153,9 @@ def shift_observer(A: np.ndarray, C: np.ndarray, L: np.ndarray, before: Sequence
 def _changed(before: Sequence[complex], after: Sequence[complex]) -> tuple[np.ndarray, np.ndarray]:
     """The two lists without what they share."""
     old, new = list(np.asarray(before, dtype=complex)), []
+    typical = 1e-12 * float(np.abs(old).max(initial=0.0))
     for pole in np.asarray(after, dtype=complex):
-        same = next((i for i, p in enumerate(old) if abs(p - pole) <= 1e-9 * max(1.0, abs(pole))), None)
+        same = next((i for i, p in enumerate(old) if abs(p - pole) <= 1e-9 * abs(pole) + typical), None)
         if same is None:
             new.append(pole)
         else:

@@ -10,7 +10,8 @@ from ..systems.arrays import frozen
 from ..systems.balance import balance
 from ..systems.errors import ShapeError
 from ..systems.plant import Plant, as_matrix
-from ..systems.pole_sets import Poles, all_stable, match_poles, sorted_poles
+from ..systems.pole_sets import Poles, match_poles, sorted_poles
+from ..systems.stability import is_stable
 
 __all__ = ["ClosedLoop", "TransferFunction", "closed_loop", "compensator", "to_tf"]
 
@@ -108,8 +109,8 @@ def closed_loop(plant: Plant, K: object, L: object, *, model: Plant | None = Non
         polynomial_error=_polynomial_error(A_xxhat, (regulated, observed), largest),
         compensator=built,
         compensator_poles=edge,
-        compensator_stable=all_stable(edge, dt=plant.dt),
-        stable=all_stable(poles, dt=plant.dt),
+        compensator_stable=is_stable(built.A, dt=plant.dt),
+        stable=is_stable(A_xe, dt=plant.dt),
     )
 
 

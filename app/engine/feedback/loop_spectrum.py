@@ -14,9 +14,10 @@ from ..systems.errors import EngineError, ShapeError
 from ..systems.lyapunov import settled_covariance
 from ..systems.noise import root, step_covariance
 from ..systems.plant import Plant, as_matrix
-from ..systems.pole_sets import Poles, all_stable, sorted_poles
+from ..systems.pole_sets import Poles, sorted_poles
 from ..systems.recursions import step_matrices
 from ..systems.spectrum import modal_coordinates, response_at
+from ..systems.stability import is_stable
 
 __all__ = ["NoisyLoop", "noisy_loop"]
 
@@ -44,10 +45,10 @@ class NoisyLoop:
         """Poles of the loop, sorted by (real, imag)."""
         return sorted_poles(self.A)
 
-    @property
+    @cached_property
     def stable(self) -> bool:
-        """Whether every pole is stable; only then are there variances."""
-        return all_stable(self.poles, dt=self.dt)
+        """Whether every pole is stable by more than rounding; only then are there variances."""
+        return is_stable(self.A, dt=self.dt)
 
     @gated(T=matrix())
     def outputs(self, T: object | None = None) -> np.ndarray:

@@ -11,8 +11,9 @@ import numpy as np
 from ..systems.argument_checks import array, count, gated
 from ..systems.errors import EngineError, ShapeError, phrase
 from ..systems.plant import Plant, as_matrix
-from ..systems.pole_sets import Poles, all_stable, sorted_poles
+from ..systems.pole_sets import Poles, sorted_poles
 from ..systems.spectrum import frequency_response, modal_coordinates
+from ..systems.stability import is_stable
 
 __all__ = ["Sensitivity", "sensitivity"]
 
@@ -43,10 +44,10 @@ class Sensitivity:
         """Poles of the closed loop, sorted by (real, imag)."""
         return sorted_poles(self.A)
 
-    @property
+    @cached_property
     def stable(self) -> bool:
-        """Whether the closed loop is stable; where S is infinite at some frequency, rounding alone put its poles on the left."""
-        return all_stable(self.poles, dt=self.dt) and bool(np.isfinite(self.values).all())
+        """Whether the closed loop is stable by more than rounding, so that S is finite at every frequency."""
+        return is_stable(self.A, dt=self.dt) and bool(np.isfinite(self.values).all())
 
     @cached_property
     def omega(self) -> np.ndarray:

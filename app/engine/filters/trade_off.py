@@ -13,10 +13,9 @@ from ..systems.lyapunov import settled_covariance
 from ..systems.noise import root
 from ..systems.plant import Plant, as_matrix
 from ..systems.recursions import step_matrices
+from ..systems.stability import is_stable
 
 __all__ = ["ErrorParts", "Ladder", "error_parts", "growing_error", "noise_ladder"]
-
-SLOWEST_POLE_RTOL = 1e-10  # beside the fastest pole: slower ones count as not settling
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,9 +58,7 @@ def error_parts(plant: Plant, L: object, G: object, W: object, V: object) -> Err
         raise ShapeError("G must have {n} rows, one for each state; it has {rows}.", n=plant.n, rows=G.shape[0])
     W, V = as_covariance(W, "W", G.shape[1]), as_covariance(V, "V", plant.p)
     F = plant.A - L @ plant.C
-    poles = np.linalg.eigvals(F)
-    worst = float((np.abs(poles) - 1 if plant.dt else np.real(poles)).max())
-    if worst >= -SLOWEST_POLE_RTOL * max(float(np.abs(poles).max()), 1e-300):
+    if not is_stable(F, dt=plant.dt):
         raise EngineError("The observer's error does not settle, so its noise has no variance to speak of; move "
                           "its poles.")
     return ErrorParts(*(settled_covariance(F, push, dt=plant.dt) for push in (G @ root(W), L @ root(V))))
@@ -78,7 +75,7 @@ def _gain(plant: Plant, L: object) -> np.ndarray:
 def growing_error(plant: Plant, L: object, parts: ErrorParts, V: object, dt: float, rows: object, steps: int) -> np.ndarray:
     """Variances (steps, k) of rows @ e at 0, dt, … from P(0) = 0, as a simulation with v held over a step draws them.
 
-    `parts` as `error_parts` gives them, rows k×n, dt the step in s (the plant's own period where it is sampled).
+    `parts` as `error_parts` gives them, rows k×n, dt the step in s (the plant's own period where it is sampled; EngineError for another).
     P_j = P_h − Φʲ P_h Φᵀʲ, with P_h the limit for sensor noise of covariance V/dt held over a step.
     """
     L, V, C = _gain(plant, L), as_covariance(V, "V", plant.p), as_matrix(rows, "rows")
@@ -87,6 +84,8 @@ def growing_error(plant: Plant, L: object, parts: ErrorParts, V: object, dt: flo
                          n=plant.n, columns=C.shape[1])
     F = plant.A - L @ plant.C
     if plant.dt:
+        if abs(dt - plant.dt) > 1e-9 * plant.dt:
+            raise EngineError("This plant is sampled every {dt:g} s; give the same dt.", dt=plant.dt)
         Phi, limit = F, parts.total
     else:
         Phi, inner = step_matrices(F, dt)

@@ -21,6 +21,7 @@ def delayed_loop(plant: Plant, K: np.ndarray, M: np.ndarray, delay: int, *,
     (x, u) into e, is zero where the observer is told the applied input; F is (2n + delay m) square. Raises ShapeError,
     EngineError.
     """
+    _require_packets(plant)
     A, B, C, K, M = plant.A, plant.B, plant.C, as_matrix(K, "K"), as_matrix(M, "M")
     n, m = B.shape
     if K.shape != (m, n) or M.shape != (n, plant.p):
@@ -58,6 +59,7 @@ def mean_square_growth(plant: Plant, K: np.ndarray, loss: float, on_loss: Litera
     The spectral radius of X ↦ (1 − loss) F X Fᵀ + loss G X Gᵀ, F and G being the loop with and without the packet,
     (x, last input) where inputs are held. Raises EngineError.
     """
+    _require_packets(plant)
     if not 0 <= loss <= 1:
         raise EngineError("A loss is a probability: choose it within 0 … 1.")
     if on_loss not in ("hold", "zero"):
@@ -70,6 +72,11 @@ def mean_square_growth(plant: Plant, K: np.ndarray, loss: float, on_loss: Litera
         F = np.block([[A - B @ K, np.zeros((n, m))], [-K, np.zeros((m, m))]])
         G = np.block([[A, B], [np.zeros((m, n)), np.eye(m)]])
     return float(np.abs(np.linalg.eigvals((1 - loss) * _on_symmetric(F) + loss * _on_symmetric(G))).max())
+
+
+def _require_packets(plant: Plant) -> None:
+    if not plant.dt or np.any(plant.D):
+        raise EngineError("A loop over packets needs a sampled plant (dt > 0) without direct feedthrough D.")
 
 
 def _on_symmetric(F: np.ndarray) -> np.ndarray:

@@ -18,6 +18,7 @@ from ..systems.balance import MIN_RATE, UNLIKE, Balance, balance
 from ..systems.errors import EngineError, PoleError, ShapeError
 from ..systems.plant import Plant, as_matrix
 from ..systems.pole_sets import Poles, check_poles, pole_text
+from ..systems.stability import all_stable
 from .directions import choose_directions, normalised, row_condition, seen_rows, upper_half_poles
 from .perturbation import Norm, Perturbations, check_norm, criterion, every_entry
 
@@ -164,7 +165,7 @@ def check_functional(plant: Plant, K: object) -> np.ndarray:
 def check_stable(plant: Plant, poles: Poles) -> None:
     """PoleError unless every pole is stable: Re s < 0, or |s| < 1 for dt > 0 (condition (2a))."""
     for pole in poles:
-        if not (abs(pole) < 1 if plant.dt else pole.real < 0):
+        if not all_stable(np.array([pole]), dt=plant.dt):
             raise PoleError("The observer pole {pole} is not stable, so its error would not decay; choose a "
                             "stable one.",
                             pole=pole_text(pole))

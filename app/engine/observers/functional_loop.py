@@ -16,6 +16,7 @@ from scipy.linalg import expm
 from ..systems.errors import EngineError, ShapeError
 from ..systems.plant import Plant, as_matrix
 from ..systems.recursions import affine_scan
+from ..systems.stability import is_stable
 from .functional import FunctionalObserver
 from .perturbation import Perturbations
 
@@ -23,7 +24,6 @@ __all__ = ["FunctionalRun", "error_index", "error_transfer", "peak_gain", "pertu
            "worst_error_gain"]
 
 GAUSS_NODES, GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(5)
-STABLE = 1e-12
 DIVERGENCE_LIMIT = 1e12
 MAX_STEPS = 1_000_000
 
@@ -130,7 +130,7 @@ def peak_gain(A: np.ndarray, B: np.ndarray, C: np.ndarray, D: np.ndarray) -> tup
     until there are none 1e-10 higher. Source: Bruinsma and Steinbuch (1990).
     """
     poles = np.linalg.eigvals(A)
-    if A.size and not np.max(poles.real) < -STABLE * np.max(np.abs(poles)):
+    if not is_stable(A):
         return np.inf, float(np.abs(poles[np.argmax(poles.real)].imag))
 
     def gain(omega: float) -> float:

@@ -19,6 +19,7 @@ from ..systems.errors import EngineError, ShapeError
 from ..systems.noise import root, step_covariance
 from ..systems.plant import Plant, as_matrix
 from ..systems.recursions import affine_scan
+from ..systems.sampling import require_continuous
 
 __all__ = ["SampledLqg", "SampledRun", "sampled_cost", "sampled_lqg"]
 
@@ -165,6 +166,7 @@ def sampled_cost(plant: Plant, Q: object, R: object, dt: float) -> tuple[np.ndar
 
     From ∫ e^{Mᵀs} diag(Q, R) e^{Ms} ds with M = [A B; 0 0]. Shapes n×n, m×m, n×m. Raises EngineError.
     """
+    require_continuous(plant)
     if not (np.isfinite(dt) and dt > 0):
         raise EngineError("Sampling needs a period dt > 0 in seconds.")
     n, m = plant.n, plant.m
@@ -187,8 +189,7 @@ def sampled_lqg(plant: Plant, Q: object, R: object, W: object, V: object, dt: fl
     >>> design.filter.dt
     0.1
     """
-    if plant.dt:
-        raise EngineError("The plant is sampled already; give the continuous one.")
+    require_continuous(plant)
     G = plant.B if G is None else as_matrix(G, "G")
     if G.shape[0] != plant.n:
         raise ShapeError("G must have {n} rows, one for each state; it has {rows}.", n=plant.n, rows=G.shape[0])

@@ -16,6 +16,7 @@ from ..systems.errors import EngineError, ShapeError, phrase
 from ..systems.lyapunov import settled_covariance
 from ..systems.noise import root
 from ..systems.plant import Plant, as_matrix
+from ..systems.stability import is_stable
 from .hardware import Hardware
 from .mechanics import HeldMechanics, held_mechanics, matrix_key, sensor_root, without_converter
 from .sampled_control import SampledController
@@ -96,10 +97,10 @@ class SampledLoop:
         """Largest |pole| of the settled loop."""
         return float(np.max(np.abs(self.poles), initial=0.0))
 
-    @property
+    @cached_property
     def stable(self) -> bool:
-        """Whether the settled loop is, as long as nothing clips or rounds."""
-        return self.radius < 1.0
+        """Whether the settled loop is stable by more than rounding, as long as nothing clips or is quantised."""
+        return is_stable(self._without_bias(self.closed()), dt=self.dt)
 
     def _without_bias(self, matrix: np.ndarray) -> np.ndarray:
         keep = np.ones(self.n, dtype=bool)

@@ -7,11 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..systems.arrays import frozen
-from ..systems.balance import poles_within, stable_poles, state_scale
+from ..systems.balance import state_scale
 from ..systems.errors import EngineError
 from ..systems.exact_roots import MAX_STATES, exact_poles
 from ..systems.plant import Plant
-from ..systems.pole_sets import match_poles
+from ..systems.pole_sets import match_poles, sorted_poles
+from ..systems.stability import poles_within, stable_poles
 from .decomposition import balanced_staircase
 
 __all__ = ["Controllability", "Mode", "Observability", "controllability", "controllability_matrix", "observability", "observability_matrix"]
@@ -119,8 +120,9 @@ def _modes(A: np.ndarray, C: np.ndarray, dt: float, rtol: float | None) -> tuple
     """Every pole, labelled by the diagonal block of the staircase it comes from: repeated poles count right."""
     scale, Q, seen = balanced_staircase(A.T, C.T, rtol)
     turned = Q.T @ (A * scale[:, None] / scale) @ Q
-    parts = [stable_poles(turned[:seen, :seen], dt=dt), stable_poles(turned[seen:, seen:], dt=dt)]
-    poles, stable = np.concatenate([p for p, _ in parts]), np.concatenate([s for _, s in parts])
+    poles = np.concatenate([sorted_poles(turned[:seen, :seen]), sorted_poles(turned[seen:, seen:])])
+    own, judged = stable_poles(A, dt=dt)
+    stable = judged[match_poles(poles, own)[0]]
     order = np.lexsort((np.imag(poles), np.real(poles)))
     size = max((float(np.linalg.norm(M, 2)) for M in (A, C) if M.size), default=0.0)
     distances = _distances(A, C, _sure(A, poles))

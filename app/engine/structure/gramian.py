@@ -12,10 +12,11 @@ import numpy as np
 from scipy.linalg import expm, schur, solve_sylvester
 
 from ..systems.arrays import frozen, symmetric
-from ..systems.balance import balance, poles_within, stable_poles, state_scale
+from ..systems.balance import balance, state_scale
 from ..systems.errors import EngineError, phrase
 from ..systems.lyapunov import settled_factor
 from ..systems.plant import Plant
+from ..systems.stability import poles_within, stable_poles
 from .decomposition import in_new_states
 from .projection_error import projection_rounding_error
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from types import MappingProxyType
 
-from . import arrays, convert, jacobian, lyapunov, noise, pole_sets, recursions, sampling, spectrum, zeros
+from . import arrays, convert, jacobian, lyapunov, noise, pole_sets, recursions, sampling, spectrum, stability, zeros
 from .argument_checks import (
     COMPLEX,
     COUNT,
@@ -33,7 +33,6 @@ from .argument_checks import (
 )
 from .balance import balance as _balance
 from .balance import natural_scale as _natural_scale
-from .balance import stable_poles as _stable_poles
 from .balance import state_scale as _state_scale
 from .plant import Plant
 
@@ -53,7 +52,8 @@ affine_scan = gated(Phi=matrix("N N"), forcing=optional(array("k N")), z0=vector
                     steps=count(0, MOST_NUMBERS, beside="N"))(recursions.affine_scan)
 held_scan = gated(Phi=matrix("N N"), Gamma=matrix("N q"), inputs=array("k q"), z0=vector("N"))(recursions.held_scan)
 step_matrices = gated(M=matrix("N N"), duration=FINITE)(recursions.step_matrices)
-all_stable = gated(poles=POLES, dt=PERIOD)(pole_sets.all_stable)
+all_stable = gated(poles=POLES, dt=PERIOD)(stability.all_stable)
+is_stable = gated(A=matrix("n n"), dt=PERIOD)(stability.is_stable)
 check_poles = gated(poles=POLES, count=count())(pole_sets.check_poles)
 match_poles = gated(a=POLES, b=POLES)(pole_sets.match_poles)
 move_pole = gated(poles=POLES, index=count(-1000), to=COMPLEX, axis_snap=number(0), fixed=items(count()))(pole_sets.move_pole)
@@ -69,7 +69,7 @@ symmetric = gated(matrix=array("… n n"))(arrays.symmetric)
 balance = gated(**_PARTS)(_balance)
 natural_scale = gated(**_THREE)(_natural_scale)
 state_scale = gated(**_THREE)(_state_scale)
-stable_poles = gated(A=matrix("n n"), dt=PERIOD)(_stable_poles)
+stable_poles = gated(A=matrix("n n"), dt=PERIOD)(stability.stable_poles)
 settled_covariance = gated(A=matrix("n n"), G=matrix("n q"), dt=PERIOD)(lyapunov.settled_covariance)
 step_covariance = gated(A=matrix("n n"), intensity=covariance("n"), duration=number(0, 1e9))(noise.step_covariance)
 process_noise = gated(M=matrix("N N"), G=matrix("N q"), W=covariance("q"), duration=SECONDS,

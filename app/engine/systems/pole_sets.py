@@ -10,7 +10,7 @@ from scipy.optimize import linear_sum_assignment
 
 from .errors import PoleError
 
-__all__ = ["Poles", "all_stable", "check_poles", "match_poles", "move_pole", "pole_text", "sorted_poles"]
+__all__ = ["Poles", "check_poles", "match_poles", "move_pole", "pole_text", "sorted_poles"]
 
 Poles = npt.NDArray[np.complex128]
 
@@ -24,15 +24,10 @@ def sorted_poles(A: np.ndarray) -> Poles:
     return np.sort_complex(np.linalg.eigvals(A).astype(complex))
 
 
-def all_stable(poles: Poles, *, dt: float = 0.0) -> bool:
-    """Whether every pole is stable: Re s < 0, or |s| < 1 where dt > 0."""
-    return bool(np.all(np.abs(poles) < 1) if dt else np.all(poles.real < 0))
-
-
 def pole_text(pole: complex) -> str:
     """A pole as a short human-readable number: 2, -1.5, -1 + 2j."""
     pole = complex(pole)
-    if abs(pole.imag) <= 1e-12 * max(1.0, abs(pole)):
+    if abs(pole.imag) <= 1e-12 * abs(pole):
         return f"{pole.real + 0.0:.6g}"
     return f"{pole.real + 0.0:.6g} {'+' if pole.imag > 0 else '-'} {abs(pole.imag):.6g}j"
 

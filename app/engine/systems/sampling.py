@@ -11,13 +11,23 @@ from .errors import EngineError
 from .plant import Plant
 from .recursions import step_matrices
 
-__all__ = ["continuous_of", "discretise"]
+__all__ = ["continuous_of", "discretise", "require_continuous"]
 
 ROUND_TRIP = 1e-7  # how well e^{M dt} must give back what was sampled, relative to its size
 
 
+def require_continuous(plant: Plant) -> None:
+    """EngineError where the plant has a sampling period, which a call for continuous plants would ignore."""
+    if plant.dt:
+        raise EngineError("The plant is sampled already; give the continuous one.")
+
+
 def discretise(plant: Plant, dt: float) -> Plant:
-    """The plant seen every dt seconds with its input held: A_d = e^{A dt}, B_d = ∫₀ᵈᵗ e^{A s} ds B."""
+    """The plant seen every dt seconds with its input held: A_d = e^{A dt}, B_d = ∫₀ᵈᵗ e^{A s} ds B.
+
+    Raises EngineError for a plant that is sampled already.
+    """
+    require_continuous(plant)
     Phi, Phi1 = step_matrices(plant.A, dt)
     return Plant(Phi, Phi1 @ plant.B, plant.C, plant.D, dt, plant.state_names, plant.input_names,
                  plant.output_names, plant.units, plant.name)
