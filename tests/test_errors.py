@@ -57,7 +57,8 @@ def _made(kind: type[BaseException]) -> BaseException:
 @pytest.mark.slow
 def test_every_error_keeps_its_sentence_in_a_pickle_and_in_a_copy() -> None:
     kinds = _own_errors()
-    assert {"EngineError", "PoleError", "KnobError", "StepTimeout", "FileError", "ScriptError", "UnsuitablePlant"} <= {kind.__name__ for kind in kinds}
+    wanted = {"EngineError", "PoleError", "KnobError", "StepTimeout", "FileError", "ScriptError", "UnsuitablePlant"}
+    assert wanted <= {kind.__name__ for kind in kinds}
     for kind in kinds:
         before = _made(kind)
         for again in COPIES:

@@ -37,12 +37,16 @@ NO_STUDY: Any = None  # of a lesson that computes nothing of its own
 
 @dataclass(frozen=True)
 class Check:
-    """One machine-checked statement about the present design, with the number it rests on."""
+    """One machine-checked statement about the present design, with the number it rests on.
+
+    An `informative` one says which of several cases the design is; that it does not hold is no failure.
+    """
 
     id: str
     text: Text
     holds: bool
     value: float = 0.0
+    informative: bool = False
 
 
 @dataclass(frozen=True)

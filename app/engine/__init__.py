@@ -30,26 +30,11 @@ from .observers import (
     simulate_functional,
     unknown_input_observer,
 )
+from .plant_files import from_control, from_json, from_mat, from_scipy, load_plant, to_control, to_json, to_mat
 from .sampled import sampled_loop, sampled_lqg, simulate_trial
 from .simulation import Scenario, autonomous_error, simulate
 from .structure import balanced_truncation, controllability, gramians, hankel_singular_values, kalman_decomposition, observability
-from .systems import (
-    EngineError,
-    NonlinearPlant,
-    Plant,
-    PoleError,
-    RiccatiError,
-    ShapeError,
-    frequency_response,
-    from_control,
-    from_json,
-    from_mat,
-    load_plant,
-    psd,
-    to_control,
-    to_json,
-    to_mat,
-)
+from .systems import EngineError, NonlinearPlant, Plant, PoleError, RiccatiError, ShapeError, frequency_response, psd
 
 __all__ = [
     "Belief",
@@ -83,6 +68,7 @@ __all__ = [
     "from_control",
     "from_json",
     "from_mat",
+    "from_scipy",
     "functional_observer",
     "gramians",
     "hankel_singular_values",

@@ -19,7 +19,7 @@ from call_parts import A, B, C
 from observer_lab.engine import Plant
 from observer_lab.engine.systems import discretise
 
-ROOMS = ("systems", "structure", "design", "feedback", "simulation", "filters", "observers", "sampled", "network")
+ROOMS = ("systems", "structure", "design", "feedback", "simulation", "filters", "observers", "sampled", "network", "plant_files")
 ANSWERS = frozenset({
     "systems.Balance", "structure.Canonisation", "structure.Controllability", "structure.CoprimeFactors", "structure.Dominance",
     "structure.Gramians", "structure.KalmanDecomposition", "structure.Mixing", "structure.Mode", "structure.Observability",
@@ -34,7 +34,7 @@ ANSWERS = frozenset({
     "observers.RobustObserver", "observers.UnknownInputObserver", "sampled.MechanicsResponse", "sampled.MonteCarlo",
     "sampled.ResponseMeasures", "sampled.SampledController", "sampled.SampledLoop", "sampled.SampledLqg", "sampled.SampledRun",
     "sampled.Trial", "network.CriticalLoss", "network.NetworkRun", "simulation.GearedRun", "simulation.RecoveryMap", "simulation.Run",
-    "structure.Coupling", "systems.Spectrum",
+    "plant_files.Content", "structure.Coupling", "systems.Spectrum",
 })
 NO_CALLS = frozenset({  # kinds of error, names of types, words, and kinds of filter that others are made of
     "systems.EngineError", "systems.PoleError", "systems.RiccatiError", "systems.ShapeError", "systems.Map", "systems.Poles",
@@ -57,7 +57,8 @@ def calls() -> dict[str, dict[str, Any]]:
 def _tables() -> dict[str, dict[str, dict[str, Any]]]:
     plant = Plant(A, B, C)
     dplant = discretise(plant, 0.1)
-    return {"systems": plants.systems(plant, dplant), "structure": plants.structure(plant), "design": plants.design(plant),
+    return {"systems": plants.systems(plant, dplant), "plant_files": plants.plant_files(plant),
+            "structure": plants.structure(plant), "design": plants.design(plant),
             "feedback": loops.feedback(plant), "simulation": loops.simulation(plant), "filters": estimates.filters(plant, dplant),
             "observers": estimates.observers(plant), "sampled": loops.sampled(plant), "network": loops.network(dplant)}
 

@@ -143,7 +143,12 @@ def _serve(request: ServeRequest, end: Ending) -> None:
     lesson = saved.design.lesson if saved else request.lesson or (SANDBOX if plant and SANDBOX in LESSONS else OPENING)
     opening = find_lesson(lesson)
     state = "" if saved is None else write_token(opening, replace(saved, notes=()))
-    fit_lesson(opening, saved.design.plant if saved else plant)
+    try:
+        fit_lesson(opening, saved.design.plant if saved else plant)
+    except CommandError as problem:
+        if saved:
+            raise
+        print(f"observer-lab: lesson {opening.id} does not take this plant: {problem} The other lessons have it.", file=sys.stderr)
     listener, access, url, printed = _door(request)
     from ...page.access.shared_counters import SharedCounters, WorkerSlot
     from ...page.screen.server import LabServer  # viser is loaded only here

@@ -13,8 +13,8 @@ from ..systems.errors import EngineError, ShapeError, phrase
 from ..systems.exact_roots import exact_roots
 from ..systems.plant import Plant, as_matrix
 from ..systems.pole_sets import Poles, match_poles
-from ..systems.repeated_roots import merge_repeated_roots
 from ..systems.spectrum import frequency_response
+from .repeated_roots import merge_repeated_roots
 
 __all__ = ["LoopShape", "diagonal_controller", "loop_shaped", "negated", "polynomial_roots", "rational",
            "realise", "series"]

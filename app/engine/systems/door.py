@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import os
 from types import MappingProxyType
 
-from . import arrays, convert, jacobian, lyapunov, noise, pole_sets, recursions, sampling, spectrum, stability, zeros
+from . import arrays, jacobian, lyapunov, noise, pole_sets, recursions, sampling, spectrum, stability, zeros
 from .argument_checks import (
     COMPLEX,
     COUNT,
@@ -40,11 +39,6 @@ _PLANT = instance(Plant)
 _SYSTEM = MappingProxyType({"A": matrix("n n"), "B": matrix("n m"), "C": matrix("p n"), "D": matrix("p m")})
 _PARTS = MappingProxyType({name: optional(gate) if name != "A" else gate for name, gate in _SYSTEM.items()})
 _THREE = MappingProxyType({name: gate for name, gate in _PARTS.items() if name != "D"})
-
-
-def _target(value: object, name: str, sizes: dict[str, int]) -> object:
-    return value if hasattr(value, "write") else instance(str, bytes, os.PathLike)(value, name, sizes)
-
 
 WINDOWS = ("hann", "hamming", "blackman", "blackmanharris", "bartlett", "boxcar", "flattop")
 
@@ -81,12 +75,3 @@ each_column = gated(one=FUNCTION)(jacobian.each_column)
 slopes = gated(f=FUNCTION, x=array("n N"), u=array("m k"), name=NAME, rows=optional(count()))(jacobian.slopes)
 invariant_zeros = gated(**{**_SYSTEM, "D": optional(matrix("p m"))})(zeros.invariant_zeros)
 transmission_zeros = gated(plant=_PLANT)(zeros.transmission_zeros)
-from_control = convert.from_control
-from_json = gated(text=NAME)(convert.from_json)
-from_mat = gated(source=instance(str, os.PathLike, bytes))(convert.from_mat)
-load_plant = gated(path=instance(str, os.PathLike))(convert.load_plant)
-read_matrix = gated(name=NAME, data=instance(bytes), key=NAME)(convert.read_matrix)
-read_plant = gated(name=NAME, data=instance(bytes))(convert.read_plant)
-to_control = gated(plant=_PLANT)(convert.to_control)
-to_json = gated(plant=_PLANT)(convert.to_json)
-to_mat = gated(plant=_PLANT, path=_target)(convert.to_mat)

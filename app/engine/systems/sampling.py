@@ -30,7 +30,7 @@ def discretise(plant: Plant, dt: float) -> Plant:
     require_continuous(plant)
     Phi, Phi1 = step_matrices(plant.A, dt)
     return Plant(Phi, Phi1 @ plant.B, plant.C, plant.D, dt, plant.state_names, plant.input_names,
-                 plant.output_names, plant.units, plant.name)
+                 plant.output_names, plant.units, plant.name, plant.notes)
 
 
 def continuous_of(plant: Plant) -> Plant:
@@ -61,7 +61,7 @@ def continuous_of(plant: Plant) -> Plant:
         raise EngineError("No continuous plant could be found behind this sampled one: its logarithm is lost in "
                           "rounding.")
     return Plant(M[:n, :n], M[:n, n:], plant.C, plant.D, 0.0, plant.state_names, plant.input_names, plant.output_names,
-                 plant.units, plant.name)
+                 plant.units, plant.name, plant.notes)
 
 
 def _miss(M: np.ndarray, sampled: np.ndarray, dt: float) -> float:

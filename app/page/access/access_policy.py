@@ -15,7 +15,8 @@ from typing import Protocol
 from urllib.parse import urlsplit
 
 AUTHORITY = re.compile(r"(\[[0-9A-Fa-f:.]{2,45}\]|[\w.-]{1,253})(?::(\d{1,5}))?", re.ASCII)
-SINGLE_HEADERS = ("Host", "Origin", "Upgrade")  # two of these, and two readers may believe two different things
+CAME_BY = "Came-By"  # in which our page says under which origin its browser knows it: a proxy may have rewritten Host
+SINGLE_HEADERS = ("Host", "Origin", "Upgrade", CAME_BY)  # two of these, and two readers may believe two different things
 PORTS = (("http", 80), ("https", 443))
 POLICY = ("default-src 'none'; script-src 'self' 'unsafe-inline' 'unsafe-eval' blob:; style-src 'self' 'unsafe-inline'; "
           "img-src 'self' data: blob:; font-src 'self' data:; media-src 'self' data: blob:; worker-src 'self' blob: data:; "
@@ -72,6 +73,9 @@ class AccessPolicy:
         origin = next(iter(head.get_all("Origin")), None)
         if origin is not None and asks_for_websocket(head) and not self._our_page(origin, host):
             return Refusal(403, f"A page of {origin[:80]} may not speak to this server.")
+        came_by = next(iter(head.get_all(CAME_BY)), None)
+        if came_by is not None and not self._our_page(came_by, host):
+            return Refusal(421, f"This server does not know the name {came_by[:80]}; start it with --allow-host and that name.")
         return None
 
     def _answers_to(self, name: str) -> bool:

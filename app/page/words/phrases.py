@@ -141,6 +141,7 @@ UPLOAD_HINT = text("Your own A, B, C and D, F and K too if it is bilinear, up to
                    "or MATLAB's save -v7.")
 STOPPED = text("The server has stopped. This tab keeps your designs.")
 LOADING = text("The lesson is being set up …")
+STRANGER = text("{name} is not among the names of this server; start it with --allow-host {name}.")
 SERVER_LOST = text("The server does not answer. This tab keeps your designs and goes on by itself when the server is back.")
 FULL = text("All {places} places on this server are taken. This page asks again every {seconds} seconds; you can leave it open.")
 ASKS_FOR_TOKEN = text("This server asks for an access token: open the address that you were given, with ?token=… in it.")

@@ -12,7 +12,7 @@ from dataclasses import replace
 from ...course.lazy import FigureSet, complete_figures
 from ...course.lesson import Design, Lesson
 from ...text import Text
-from ..runtime.error_words import refusal_message
+from ..runtime.error_words import kept_for_others, refusal_message
 from ..runtime.outcomes import LongJob, OutcomeAndFigures, OutcomeCache
 from ..state.lesson_state import LessonState
 from ..state.lesson_states import LessonStates, lesson_to_open_first
@@ -86,8 +86,9 @@ class Presenter:
         try:
             self.lesson = self._lesson_for(self.design)
             drawn = self._draw(self.design)
-        except BaseException:
+        except BaseException as problem:
             log.exception("the remembered design of lesson %s cannot be computed; it starts anew", self.lesson.id)
+            self._unsaid += [(kept_for_others(problem), True)] if self.desk.history.design.plant else []
             self.lesson = self.lessons[self.lesson.id]
             self.desks.reset_lesson(self.lesson.id, self.lesson.start())
             drawn = self._draw(self.design)

@@ -18,7 +18,7 @@ from observer_lab.engine.systems import discretise
 TIMELESS = {  # A, B, C and D alone say it, whatever the period; of the first ones `dt` itself travels along
     "design.negated", "observers.every_entry", "observers.perturbations", "structure.controllability_matrix",
     "structure.observability_matrix", "structure.coprime_factors",
-    "structure.kalman_decomposition", "systems.to_control", "systems.to_json", "systems.to_mat",
+    "structure.kalman_decomposition", "plant_files.to_control", "plant_files.to_json", "plant_files.to_mat",
     "systems.transmission_zeros", "observers.UnknownInputObserver.residuals", "observers.existence", "feedback.to_tf",
     "feedback.compensator", "design.series", "design.in_natural_units",
     "observers.decoupling", "observers.unknown_input_observer",  # without zeros here; with zeros see test_unknown_input

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .pole_sets import Poles
+from ..systems.pole_sets import Poles
 
 __all__ = ["merge_repeated_roots"]
 
