@@ -120,3 +120,14 @@ def design(plant: Plant) -> dict[str, dict[str, Any]]:
         "starting_feedback": {"plant": plant, "eager": 2.0}, "starting_observer": {"plant": plant, "eager": 2.0},
         "typical_rate": {"plant": plant},
     }
+
+
+def aliases(plant: Plant) -> dict[str, dict[str, Any]]:
+    regulate = {"A": A, "B": B, "Q": I2, "R": ONE, "S": np.zeros((2, 1))}
+    return {
+        **{name: {"plant": plant} for name in ("ctrb", "obsv", "hsvd", "poles", "zeros")},
+        "acker": {"A": A, "B": B, "poles": [-1, -2]}, "c2d": {"plant": plant, "Ts": 0.1},
+        "care": regulate, "dare": regulate, "lyap": {"A": A, "Q": I2}, "dlyap": {"A": A / 5, "Q": I2},
+        "gram": {"plant": plant, "type": "c"}, "ss": {"A": A, "B": B, "C": C, "D": np.zeros((1, 1)), "dt": 0.1},
+        "tf": {"num": [1.0], "den": [1.0, 2.0], "dt": 0.1},
+    }

@@ -19,7 +19,7 @@ from call_parts import A, B, C
 from observer_lab.engine import Plant
 from observer_lab.engine.systems import discretise
 
-ROOMS = ("systems", "structure", "design", "feedback", "simulation", "filters", "observers", "sampled", "network", "plant_files")
+ROOMS = ("systems", "structure", "design", "feedback", "simulation", "filters", "observers", "sampled", "network", "plant_files", "aliases")
 ANSWERS = frozenset({
     "systems.Balance", "structure.Canonisation", "structure.Controllability", "structure.CoprimeFactors", "structure.Dominance",
     "structure.Gramians", "structure.KalmanDecomposition", "structure.Mixing", "structure.Mode", "structure.Observability",
@@ -28,7 +28,8 @@ ANSWERS = frozenset({
     "feedback.LoopMargins", "feedback.Lqg", "feedback.MultiMargins", "feedback.NoisyLoop", "feedback.Recovered",
     "feedback.Sensitivity", "feedback.TransferFunction", "filters.Correction", "filters.Corrections", "filters.ErrorParts",
     "filters.FilterTrial", "filters.InnovationTest", "filters.Ladder", "filters.RootBelief", "filters.Sample", "filters.Schedule",
-    "filters.SquaredError", "filters.Track", "filters.Whiteness", "observers.Attempt", "observers.BilinearForm",
+    "filters.SquaredError", "filters.Track", "filters.Whiteness", "filters.HorizonTrack",
+    "filters.ParticleTrack", "filters.RobustGain", "filters.Smoothed", "observers.Attempt", "observers.BilinearForm",
     "observers.BilinearObserver", "observers.BilinearRun", "observers.Decoupling", "observers.Existence", "observers.FaultBank",
     "observers.FunctionalObserver", "observers.FunctionalRun", "observers.Perturbations", "observers.ResidualGenerator",
     "observers.RobustObserver", "observers.UnknownInputObserver", "sampled.MechanicsResponse", "sampled.MonteCarlo",
@@ -60,7 +61,8 @@ def _tables() -> dict[str, dict[str, dict[str, Any]]]:
     return {"systems": plants.systems(plant, dplant), "plant_files": plants.plant_files(plant),
             "structure": plants.structure(plant), "design": plants.design(plant),
             "feedback": loops.feedback(plant), "simulation": loops.simulation(plant), "filters": estimates.filters(plant, dplant),
-            "observers": estimates.observers(plant), "sampled": loops.sampled(plant), "network": loops.network(dplant)}
+            "observers": estimates.observers(plant), "sampled": loops.sampled(plant), "network": loops.network(dplant),
+            "aliases": plants.aliases(plant)}
 
 
 def the_call(name: str) -> Callable[..., Any]:

@@ -5,9 +5,12 @@ from __future__ import annotations
 import argparse
 import difflib
 from collections.abc import Iterable
+from typing import TYPE_CHECKING
 
-from ...course.glossary import Entry
 from ..options import CommandError, add_json
+
+if TYPE_CHECKING:
+    from ...course.glossary import Entry
 
 HELP = "print what a term means"
 

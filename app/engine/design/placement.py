@@ -2,21 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Iterator
+from dataclasses import field
 from functools import cached_property
 
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
-from ..systems.arrays import frozen
+from ..plotting import with_plot
+from ..systems.arrays import as_checked, frozen
 from ..systems.balance import balance, state_scale
 from ..systems.errors import PoleError, ShapeError, phrase
 from ..systems.exact_roots import MAX_STATES, exact_poles
-from ..systems.plant import as_matrix
+from ..systems.gates.argument_checks import POLES, matrix, takes
 from ..systems.pole_sets import Poles, check_poles, match_poles, move_pole, pole_text
+from ..systems.records import record
 from ..systems.stability import poles_within
 from .eigenstructure import controllable_split, input_factors, place_by_deflation
+from .gain_record import ActsAsGain
 from .robust import place_robustly
 
 __all__ = ["Placement", "match_poles", "move_pole", "observer_gain", "place"]
@@ -29,9 +32,9 @@ OTHER_STATES = 1.5  # a gain found in balanced states is taken where it is that 
 ALLOWED_MISS = 1e-6  # of the largest pole: a gain that misses the poles by this counts as twice as large
 
 
-@dataclass(frozen=True, eq=False)
-class Placement:
-    """A gain and what it achieves.
+@record()
+class Placement(ActsAsGain):
+    """A gain and what it achieves; it acts as its gain: `A - B @ place(A, B, poles)`.
 
     gain is K (m×n) from `place` and L (n×p) from `observer_gain`. condition is the 2-norm condition number of the
     closed-loop eigenvectors of unit length, infinite if they are not independent. fixed holds the poles no gain can move.
@@ -42,6 +45,12 @@ class Placement:
     condition: float
     fixed: Poles
     _pair: tuple[np.ndarray, np.ndarray, np.ndarray] = field(repr=False)  # A, B and K; of an observer the dual
+
+    def __iter__(self) -> Iterator[np.ndarray]:
+        return iter(self.gain)
+
+    def __getitem__(self, place: object) -> np.ndarray:
+        return self.gain[place]  # type: ignore[index]
 
     @cached_property
     def _told(self) -> tuple[Poles, float]:
@@ -68,7 +77,7 @@ class Placement:
     @property
     def poles(self) -> Poles:
         """The poles reached, sorted by (real, imag)."""
-        return np.sort_complex(self.reached)
+        return with_plot(np.sort_complex(self.reached))
 
 
 def _upper_bound(closed: np.ndarray, asked: Poles) -> tuple[Poles, float]:
@@ -78,6 +87,7 @@ def _upper_bound(closed: np.ndarray, asked: Poles) -> tuple[Poles, float]:
     return frozen(found[order]), float((np.abs(asked - found[order]) + slack[order]).max())
 
 
+@takes(A=matrix(), B=matrix(), poles=POLES)
 def place(A: object, B: object, poles: Iterable[complex]) -> Placement:
     """State-feedback gain K (m×n) with eig(A − BK) = poles, u = −Kx.
 
@@ -95,6 +105,7 @@ def place(A: object, B: object, poles: Iterable[complex]) -> Placement:
     return _place(*matrices, poles, _Wording(phrase("uncontrollable"), "K"))
 
 
+@takes(A=matrix(), C=matrix(), poles=POLES)
 def observer_gain(A: object, C: object, poles: Iterable[complex]) -> Placement:
     """Observer gain L (n×p) with eig(A − LC) = poles, by duality: L = place(Aᵀ, Cᵀ, poles).gainᵀ.
 
@@ -103,20 +114,20 @@ def observer_gain(A: object, C: object, poles: Iterable[complex]) -> Placement:
     >>> np.round(observer_gain([[0, 1], [0, 0]], [[1, 0]], [-1, -2]).gain.T, 6)
     array([[3., 2.]])
     """
-    C = as_matrix(C, "C")
-    A_dual, C_dual = _checked_pair(as_matrix(A, "A").T, C.T, "Aᵀ", "Cᵀ")
+    C = as_checked(C)
+    A_dual, C_dual = _checked_pair(as_checked(A).T, C.T, "Aᵀ", "Cᵀ")
     dual = _place(A_dual, C_dual, poles, _Wording(phrase("unobservable"), "L"))
     return Placement(frozen(dual.gain.T), dual.asked, dual.condition, dual.fixed, dual._pair)
 
 
-@dataclass(frozen=True)
+@record(eq=True)
 class _Wording:
     hidden: str
     gain: str
 
 
 def _checked_pair(A: object, B: object, a: str, b: str) -> tuple[np.ndarray, np.ndarray]:
-    first, second = as_matrix(A, a), as_matrix(B, b)
+    first, second = as_checked(A), as_checked(B)
     if first.shape[0] != first.shape[1] or first.size == 0:
         raise ShapeError("A must be square; it is {rows}×{columns}.", rows=first.shape[0], columns=first.shape[1])
     if second.shape[0] != first.shape[0]:

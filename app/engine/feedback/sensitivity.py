@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
-from ..systems.argument_checks import array, count, gated
 from ..systems.errors import EngineError, ShapeError, phrase
+from ..systems.gates.argument_checks import array, count, gated, takes
+from ..systems.gates.plant_gate import CONTROLLER, PLANT
 from ..systems.plant import Plant, as_matrix
 from ..systems.pole_sets import Poles, sorted_poles
+from ..systems.records import record
 from ..systems.spectrum import frequency_response, modal_coordinates
 from ..systems.stability import is_stable
 
@@ -22,7 +23,7 @@ AROUND = 31  # points around the frequency of each pole
 EXTRA_DECADES = 2.0  # that the sweep reaches beyond the slowest and the fastest pole
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class Sensitivity:
     """S(s) = C (sI − A)⁻¹ B + D from disturbances at the cuts (plant inputs, then outputs) to the signals behind them.
 
@@ -133,6 +134,7 @@ class Sensitivity:
         return self.at(self.omega)
 
 
+@takes(plant=PLANT, controller=CONTROLLER)
 def sensitivity(plant: Plant, controller: Plant | object) -> Sensitivity:
     """The loop of a plant P and a controller u = Kc(s) y, sign included, as `compensator` gives it; or a gain u = F y.
 

@@ -6,12 +6,16 @@ from typing import Literal
 
 import numpy as np
 
+from ..systems.arrays import as_checked
 from ..systems.errors import EngineError, ShapeError
-from ..systems.plant import Plant, as_matrix
+from ..systems.gates.argument_checks import SHARE, choice, count, matrix, takes
+from ..systems.gates.plant_gate import PLANT
+from ..systems.plant import Plant
 
 __all__ = ["delayed_loop", "mean_square_growth"]
 
 
+@takes(plant=PLANT, K=matrix(), M=matrix(), delay=count(0, 1000), told=choice("asked", "applied"), ahead=count(0, 1000))
 def delayed_loop(plant: Plant, K: np.ndarray, M: np.ndarray, delay: int, *,
                  told: Literal["asked", "applied"] = "applied",
                  ahead: int = 0) -> np.ndarray:
@@ -22,7 +26,7 @@ def delayed_loop(plant: Plant, K: np.ndarray, M: np.ndarray, delay: int, *,
     EngineError.
     """
     _require_packets(plant)
-    A, B, C, K, M = plant.A, plant.B, plant.C, as_matrix(K, "K"), as_matrix(M, "M")
+    A, B, C, K, M = plant.A, plant.B, plant.C, as_checked(K), as_checked(M)
     n, m = B.shape
     if K.shape != (m, n) or M.shape != (n, plant.p):
         raise ShapeError("K must be {m}×{n} and M {n}×{p}; they are {k_shape} and {m_shape}.",
@@ -53,6 +57,7 @@ def delayed_loop(plant: Plant, K: np.ndarray, M: np.ndarray, delay: int, *,
     return F
 
 
+@takes(plant=PLANT, K=matrix("m n"), loss=SHARE, on_loss=choice("hold", "zero"))
 def mean_square_growth(plant: Plant, K: np.ndarray, loss: float, on_loss: Literal["hold", "zero"]) -> float:
     """Growth of E‖x‖² a sample under u = −K x when each input is lost with probability `loss`: below 1 it dies out.
 

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from ..systems.errors import EngineError, Phrase
 from ..systems.plant import Plant
+from ..systems.records import record
 from .delays import with_delays
 from .descriptor import solved
 from .found import Found
@@ -26,7 +27,7 @@ _MOST_NAMED = 6
 _FORMAT = "observer-lab plant"
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class Content:
     """What a file holds: the plant, and by their names the further matrices F, F1, F2, … (n×n) and K (r×n) of a bilinear one."""
 

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..systems.errors import EngineError
+from ..systems.gates.argument_checks import takes
+from ..systems.gates.plant_gate import PLANT
 from ..systems.plant import Plant
 from .build import bounded
 from .transfer import Fraction, realised, zeros_and_poles
@@ -19,6 +21,7 @@ if TYPE_CHECKING:
 __all__ = ["from_control", "from_scipy", "to_control"]
 
 
+@takes(plant=PLANT)
 def to_control(plant: Plant) -> control.StateSpace:
     """The plant as control.StateSpace, with names and dt; units ride along in the attribute `units`.
 

@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from ..systems.errors import EngineError
+from ..systems.gates.argument_checks import NAME, instance, takes
 from ..systems.plant import Plant
 from .build import Content, built
 from .found import Found
@@ -26,6 +27,7 @@ _PLANT_KEYS = frozenset(["A", "a", "num", "den", "Numerator", "Denominator", "nu
 _PACKED, _OCTAVE_BINARY, _HDF = b"\x1f\x8b", b"Octave-1-", b"\x89HDF"
 
 
+@takes(text=NAME)
 def from_json(text: str) -> Plant:
     """A plant from `to_json`'s text, or from any object with A, B, C or with a transfer function; `Plant.notes` says what was done to it.
 
@@ -38,6 +40,7 @@ def from_json(text: str) -> Plant:
     return _of_json(text).plant
 
 
+@takes(source=instance(str, os.PathLike, bytes))
 def from_mat(source: str | os.PathLike[str] | bytes) -> Plant:
     """A plant from a .mat file (a path or its bytes): variables A, B, C or num and den, or one struct with them; E, Ts, D, delays, names.
 
@@ -53,6 +56,7 @@ def from_mat(source: str | os.PathLike[str] | bytes) -> Plant:
     return _of_mat(bytes_of(source)).plant
 
 
+@takes(path=instance(str, os.PathLike))
 def load_plant(path: str | os.PathLike[str]) -> Plant:
     """A plant from a file, by its suffix: .json or .mat. Raises EngineError for any other, and as they do.
 
@@ -66,11 +70,13 @@ def load_plant(path: str | os.PathLike[str]) -> Plant:
     return read_plant(Path(path).name, bytes_of(path))
 
 
+@takes(name=NAME, data=instance(bytes))
 def read_plant(name: str, data: bytes) -> Plant:
     """A plant from the bytes of a file of that name, as `load_plant` reads it."""
     return read_content(name, data).plant
 
 
+@takes(name=NAME, data=instance(bytes))
 def read_content(name: str, data: bytes) -> Content:
     """The same with what else the file says of a bilinear plant: F, F1, … and K."""
     kind = kind_of(name)

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.linalg import matrix_balance, schur, solve_continuous_lyapunov, solve_discrete_lyapunov, solve_sylvester
+from scipy.linalg import matrix_balance, schur, solve_sylvester
 
 from ..systems.errors import EngineError
+from ..systems.gates.argument_checks import count, takes
+from ..systems.gates.plant_gate import PLANT
+from ..systems.lyapunov import settled_factor
 from ..systems.plant import Plant
 from .notes import note
 
@@ -16,6 +19,7 @@ EDGE = 1e-12  # of the fastest pole: as near to the edge of stability as this a 
 ROUNDING = 1e-7  # of the largest Hankel value: how well a small one is known from Gramians
 
 
+@takes(plant=PLANT, most=count(1, 200))
 def reduced_to(plant: Plant, most: int) -> Plant:
     """The plant itself where it has at most `most` states; else cut to the least order whose bound 2 Σσ is below a thousandth of σ₁,
     at most `most`.
@@ -71,17 +75,10 @@ def _split(plant: Plant) -> tuple[tuple[np.ndarray, np.ndarray], np.ndarray, np.
 
 def _balanced(A: np.ndarray, B: np.ndarray, C: np.ndarray, dt: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Hankel values of a stable plant, and the columns and rows of its balancing transformation; both of rank k at most."""
-    Rc, Ro = _factor(A, B, dt), _factor(A.T, C.T, dt)
+    Rc, Ro = settled_factor(A, B, dt), settled_factor(A.T, C.T, dt)
     U, sigma, Vt = np.linalg.svd(Ro.T @ Rc)
     root = np.sqrt(np.maximum(sigma, np.finfo(float).tiny))
     return sigma, Rc @ Vt.T / root, (Ro @ U / root).T
-
-
-def _factor(A: np.ndarray, B: np.ndarray, dt: float) -> np.ndarray:
-    """R with R Rᵀ the Gramian of (A, B)."""
-    W = solve_discrete_lyapunov(A, B @ B.T) if dt else solve_continuous_lyapunov(A, -B @ B.T)
-    values, vectors = np.linalg.eigh((W + W.T) / 2)
-    return vectors * np.sqrt(np.maximum(values, 0.0))
 
 
 def _needed(sigma: np.ndarray) -> int:

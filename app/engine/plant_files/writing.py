@@ -8,6 +8,8 @@ from typing import IO
 
 from scipy.io import savemat
 
+from ..systems.gates.argument_checks import Sizes, instance, takes
+from ..systems.gates.plant_gate import PLANT
 from ..systems.plant import Plant
 from .build import bounded
 from .labels import as_text, labels_record
@@ -17,8 +19,14 @@ __all__ = ["to_json", "to_mat"]
 
 _FORMAT = "observer-lab plant"
 _MATRICES = ("A", "B", "C", "D")
+_PATH = instance(str, bytes, os.PathLike)
 
 
+def _target(value: object, name: str, sizes: Sizes) -> object:
+    return value if hasattr(value, "write") else _PATH(value, name, sizes)
+
+
+@takes(plant=PLANT)
 def to_json(plant: Plant) -> str:
     """The plant as JSON text; floats are written so that they read back exactly.
 
@@ -35,6 +43,7 @@ def to_json(plant: Plant) -> str:
                       ensure_ascii=False)
 
 
+@takes(plant=PLANT, path=_target)
 def to_mat(plant: Plant, path: str | os.PathLike[str] | IO[bytes]) -> None:
     """Write a MATLAB 5 file with A, B, C, D, Ts (s, 0 for continuous time) and `labels`.
 

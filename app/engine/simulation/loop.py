@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ..systems.errors import ShapeError
+from ..systems.gates.argument_checks import SECONDS, matrix, takes
+from ..systems.gates.plant_gate import PLANT
 from ..systems.plant import Plant
+from ..systems.records import record
 from ..systems.recursions import step_matrices
 from ..systems.sampling import discretise, require_continuous
 from .scenario import Scenario
@@ -15,7 +16,7 @@ from .scenario import Scenario
 __all__ = ["Loop", "continuous_loop", "discrete_loop", "emulated_gain"]
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class Loop:
     """ż = A z + Bs sat(u) + Bc u + E v with u = F z + r (or z⁺ = … for a sampled loop).
 
@@ -39,6 +40,7 @@ class Loop:
         return r @ self.Bc.T + np.where(free, r, held) @ self.Bs.T + v @ self.E.T
 
 
+@takes(plant=PLANT, L=matrix("n p"), dt=SECONDS)
 def emulated_gain(plant: Plant, L: np.ndarray, dt: float) -> np.ndarray:
     """The gain of a sampled observer emulating a continuous L: L_d = ∫₀ᵈᵗ e^{(A − L C) s} ds L, n×p.
 

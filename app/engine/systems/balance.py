@@ -7,7 +7,6 @@ scales here are read from those alone.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -15,6 +14,8 @@ from scipy.linalg import matrix_balance
 
 from .arrays import frozen
 from .errors import ShapeError
+from .gates.argument_checks import matrix, optional, takes
+from .records import record
 
 __all__ = ["MIN_RATE", "UNLIKE", "Balance", "balance", "natural_scale", "plain_scale", "state_scale", "without_dust"]
 
@@ -25,7 +26,7 @@ MIN_RATE = 1e-200  # a rate below this is none
 WIDEST = 400.0  # log₂ of the largest scale
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class Balance:
     """x = states ∘ x_b, u = inputs ∘ u_b, y = outputs ∘ y_b, all scales powers of two, so that nothing is rounded.
 
@@ -56,6 +57,7 @@ class Balance:
         return D * self.inputs / self.outputs[:, None]
 
 
+@takes(A=matrix("n n"), B=optional(matrix("n m")), C=optional(matrix("p n")), D=optional(matrix("p m")))
 def balance(A: np.ndarray, B: np.ndarray | None = None, C: np.ndarray | None = None,
             D: np.ndarray | None = None) -> Balance:
     """The scales of states (n,), inputs (m,) and outputs (p,) for A n×n, B n×m, C p×n, D p×m; parts may be left out.
@@ -123,11 +125,13 @@ def _scales(L: np.ndarray, n: int) -> np.ndarray:
     return (ahead - back) / 2
 
 
+@takes(A=matrix("n n"), B=optional(matrix("n m")), C=optional(matrix("p n")))
 def state_scale(A: np.ndarray, B: np.ndarray | None = None, C: np.ndarray | None = None) -> np.ndarray:
     """Powers of two d (n,) such that diag(1/d) A diag(d) is balanced: the `states` of `balance`."""
     return balance(A, B, C).states
 
 
+@takes(A=matrix("n n"), B=optional(matrix("n m")), C=optional(matrix("p n")))
 def natural_scale(A: np.ndarray, B: np.ndarray | None = None, C: np.ndarray | None = None) -> np.ndarray:
     """States (n,) in which a design is begun: A balanced as LAPACK does it where the units given are like, so that they
     still say what matters; else the scales of `balance`, not rounded, so that the design follows units exactly."""

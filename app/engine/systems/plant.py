@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
+from ..plotting import with_plot
 from .arrays import as_matrix
 from .errors import EngineError, ShapeError, phrase
 from .pole_sets import sorted_poles
+from .records import record
 
 __all__ = ["Plant", "as_matrix"]
 
@@ -44,7 +45,7 @@ def _notes(given: object) -> tuple[str, ...]:
     return notes  # type: ignore[return-value]
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class Plant:
     """A linear time-invariant plant ẋ = A x + B u, y = C x + D u (dt > 0: x⁺ = A x + B u).
 
@@ -120,7 +121,7 @@ class Plant:
     @cached_property
     def poles(self) -> np.ndarray:
         """eig(A), sorted by (real, imag)."""
-        return sorted_poles(self.A)
+        return with_plot(sorted_poles(self.A))
 
     @cached_property
     def key(self) -> tuple:

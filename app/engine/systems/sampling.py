@@ -8,6 +8,8 @@ import numpy as np
 from scipy.linalg import expm, logm
 
 from .errors import EngineError
+from .gates.argument_checks import SECONDS, takes
+from .gates.plant_gate import PLANT
 from .plant import Plant
 from .recursions import step_matrices
 
@@ -22,6 +24,7 @@ def require_continuous(plant: Plant) -> None:
         raise EngineError("The plant is sampled already; give the continuous one.")
 
 
+@takes(plant=PLANT, dt=SECONDS)
 def discretise(plant: Plant, dt: float) -> Plant:
     """The plant seen every dt seconds with its input held: A_d = e^{A dt}, B_d = ∫₀ᵈᵗ e^{A s} ds B.
 
@@ -33,6 +36,7 @@ def discretise(plant: Plant, dt: float) -> Plant:
                  plant.output_names, plant.units, plant.name, plant.notes)
 
 
+@takes(plant=PLANT)
 def continuous_of(plant: Plant) -> Plant:
     """The continuous plant that, its input held over dt, is this one at the samples; itself where dt = 0.
 

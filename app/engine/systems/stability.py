@@ -12,6 +12,7 @@ from scipy.sparse.csgraph import connected_components
 
 from .balance import state_scale
 from .exact_roots import MAX_STATES, exact_poles
+from .gates.argument_checks import PERIOD, POLES, matrix, takes
 
 __all__ = ["all_stable", "is_stable", "poles_within", "stable_poles"]
 
@@ -19,16 +20,19 @@ CLEARLY = 10.0  # times rounding
 EPS = float(np.finfo(float).eps)
 
 
+@takes(poles=POLES, dt=PERIOD)
 def all_stable(poles: np.ndarray, *, dt: float = 0.0) -> bool:
     """Whether every number of a set is stable as it stands: Re s < 0, or |s| < 1 where dt > 0. For a matrix ask `is_stable`."""
     return bool(_inside(poles, dt).all())
 
 
+@takes(A=matrix("n n"), dt=PERIOD)
 def is_stable(A: np.ndarray, *, dt: float = 0.0) -> bool:
     """Whether every eigenvalue of A (n×n) is stable by more than rounding can move it; see `stable_poles`."""
     return all(bool(stable.all()) for _, stable in _judged(A, dt))
 
 
+@takes(A=matrix("n n"), dt=PERIOD)
 def stable_poles(A: np.ndarray, *, dt: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
     """eig(A) (n,) and which of them are stable by more than rounding can move them: Re s < 0, |z| < 1 where dt > 0.
 

@@ -21,6 +21,7 @@ TIMELESS = {  # A, B, C and D alone say it, whatever the period; of the first on
     "structure.kalman_decomposition", "plant_files.to_control", "plant_files.to_json", "plant_files.to_mat",
     "systems.transmission_zeros", "observers.UnknownInputObserver.residuals", "observers.existence", "feedback.to_tf",
     "feedback.compensator", "design.series", "design.in_natural_units",
+    "aliases.ctrb", "aliases.obsv", "aliases.poles", "aliases.zeros",
     "observers.decoupling", "observers.unknown_input_observer",  # without zeros here; with zeros see test_unknown_input
 }
 
