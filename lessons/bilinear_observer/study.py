@@ -173,6 +173,9 @@ def _stage(body: Body, design: Design, run: Record) -> Stage:
 
 def _live(design: Design, o: BilinearObserver, m: Mapping[str, float]) -> Text:
     pole, late = words(np.array([m["pole"]]), 2), format_number(m["late_error"], ".1e")
+    if o.case == 1 and design["noise"]:
+        return text("Case 1: no L frees ε from u and x. With the nearest one ε is {late} when the run ends, the sensors' noise included.",
+                    late=late)
     if o.case == 1:
         return text("Case 1: no L frees ε from u and x. The nearest one leaves ε at {late} when the run ends.",
                     late=late)

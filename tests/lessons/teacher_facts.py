@@ -76,7 +76,7 @@ PLAIN: tuple[Fact, ...] = (
     ("bilinear-observer", {"noise": 0.01}, {"noise_rms": "0.33"}),
     ("bilinear-observer", {"noise": 0.01, "form": "filtered", "tau": 0.02}, {"noise_rms": "0.15"}),
     ("bilinear-observer", {}, {"A*": "6.468", "B*": "2.532"}),
-    ("fault-diagnosis", {}, {"delay": "0.46", "right_verdict": "1", "hourly": "50.4"}),
+    ("fault-diagnosis", {}, {"delay": "0.46", "right_verdict": "1", "between": "25.3"}),
     ("fault-diagnosis", {"place": "HR"}, {"delay": "0.48", "right_verdict": "1"}),
     ("fault-diagnosis", {"place": "u1"}, {"right_verdict": "0"}),
     ("fault-diagnosis", {"place": "u1", "loss": 100.0, "loop": "open", "force": 0.0}, {"right_verdict": "0"}),

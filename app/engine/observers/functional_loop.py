@@ -156,7 +156,8 @@ def peak_gain(A: np.ndarray, B: np.ndarray, C: np.ndarray, D: np.ndarray) -> tup
         crossings = np.unique(np.abs(values.imag[np.abs(values.real) <= 1e-8 * np.maximum(np.abs(values), 1e-300)]))
         if crossings.size < 1:
             break
-        middles = np.concatenate([crossings, (crossings[1:] + crossings[:-1]) / 2])
+        ends = np.append(0.0, crossings)  # a crossing at 0 is a double eigenvalue, which rounding may turn off the axis
+        middles = np.concatenate([crossings, (ends[1:] + ends[:-1]) / 2])
         best, where = max((gain(float(w)), float(w)) for w in middles)
         if not best > level * (1 + 1e-10):
             break

@@ -180,7 +180,8 @@ def balanced_truncation(plant: Plant, order: int) -> Truncation:
     """Keep the `order` states that both u and y feel most.
 
     In balanced coordinates Wc = Wo = diag(σ); the states of the smallest σ are dropped, D stays, and
-    ‖G − G_r‖_∞ ≤ 2 Σ_{i>r} σᵢ. An unstable part is split off first, kept whole and counted in `order`.
+    ‖G − G_r‖_∞ ≤ 2 Σ_{i>r} σᵢ; equal σᵢ may be counted once if all of them are dropped.
+    An unstable part is split off first, kept whole and counted in `order`.
     Raises EngineError when order is not a whole number between the unstable count and the minimal order.
     Source: Glover, "All optimal Hankel-norm approximations" (1984), theorem 9.6; Enns (1984) for the bound.
 
