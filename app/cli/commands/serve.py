@@ -12,6 +12,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
+from ...course.scenes import MODES, Mode
 from ...text.languages import languages
 from ..options import PLANT_HELP, STATE_HELP, CommandError, error_cause, host_name, whole_number
 
@@ -51,6 +52,7 @@ class ServeRequest:
     exam: bool = False
     workers: int = 1
     exact: bool = False
+    mode: Mode = "guide"
     timeout: float = 90.0
     token: str | None = field(default=None, repr=False)
 
@@ -72,6 +74,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--token", metavar="WORD|auto", help="let nobody in who does not know this word; auto draws one (or in the "
                                                              "environment, OBSERVER_LAB_TOKEN, where it is not printed)")
     parser.add_argument("--lesson", metavar="ID", help="lesson that a page opens on")
+    parser.add_argument("--view", choices=MODES, default="guide", help="how a page shows its lesson (default %(default)s)")
     parser.add_argument("--lang", choices=languages(), default="en", help="language that a page opens in")
     parser.add_argument("--plant", metavar="FILE", help=PLANT_HELP)
     parser.add_argument("--state", metavar="TOKEN|FILE", help=STATE_HELP)
@@ -89,7 +92,7 @@ def execute(options: argparse.Namespace) -> int:
     """Serve until interrupted."""
     return serve(ServeRequest(options.host, options.port, options.lesson, options.lang, options.max_sessions,
                               options.plant, tuple(options.names), options.public, options.log_json, options.data_dir,
-                              options.state, options.exam, options.workers, options.exact_port, options.worker_timeout,
+                              options.state, options.exam, options.workers, options.exact_port, options.view, options.worker_timeout,
                               options.token))
 
 
@@ -155,7 +158,8 @@ def _serve(request: ServeRequest, end: Ending) -> None:
 
     def server(listener: socket.socket, seat: WorkerSlot) -> LabServer:
         return LabServer(LESSONS, request.host, 0, opening.id, request.language, plant=plant, names=request.names, state=state,
-                         insists=bool(request.lesson or plant), sealed=request.exam, access=access, listener=listener, seat=seat)
+                         insists=bool(request.lesson or plant), sealed=request.exam, access=access, listener=listener, seat=seat,
+                         mode=request.mode)
 
     def tell() -> None:
         log.info("serving %s", url)

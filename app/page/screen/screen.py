@@ -24,6 +24,7 @@ from ..column.course_page import CourseDialog
 from ..column.download_dialog import DownloadDialog
 from ..column.key_list import HelpDialog
 from ..column.left_column import Panel
+from ..guide.guide_panel import GuidePanel
 from ..replay.playback import Player
 from ..replay.transport import PlaybackControls
 from ..stage.map_board import MapBoard, map_of
@@ -50,7 +51,7 @@ class Screen(Browser):
         self._boards: dict[str, BoardView] = {}
         self._charts: dict[str, Chart] = {}
         self._map: MapBoard | None = None
-        self._panel: Panel | None = None
+        self._panel: Panel | GuidePanel | None = None
         self._transport: PlaybackControls | None = None
         self._mark: AnsweredMark | None = None
         self._style: viser.GuiHtmlHandle | None = None
@@ -81,17 +82,23 @@ class Screen(Browser):
                                 dark_mode=picture.state.is_dark)
             gui.set_panel_label("Observer Lab")
             self._style = gui.add_html(sheet_of(picture), order=-1e9)
-            self._panel = Panel(gui, picture, self._post)
+            self._panel = GuidePanel(gui, picture, self._post) if picture.guided else Panel(gui, picture, self._post)
             viser_internals.run_script(self._client, "fields", fields=self._panel.fields)
             viser_internals.run_script(self._client, "fill", large=picture.state.lecture)
             viser_internals.run_script(self._client, "tabrow")
-            self._right_panel(picture)
+            if isinstance(self._panel, GuidePanel):
+                self._charts = self._panel.charts
+            else:
+                self._right_panel(picture)
             self._transport = PlaybackControls(gui, picture, self._post)
             self._mark = AnsweredMark(gui, self._post)
             self._take = DownloadDialog(self._client, picture, self._post, self._home)
             self._course = CourseDialog(self._client, self._post)
-            gui.main_panel.dock_left()
-            self._columns.add(gui.main_panel, sizes.left)
+            if picture.guided:
+                gui.main_panel.dock_right()
+            else:
+                gui.main_panel.dock_left()
+            self._columns.add(gui.main_panel, sizes.right if picture.guided else sizes.left)
             self._columns.watch(self._client, self._post)
             self._commands(language)
             self._stage.charted = picture.lesson.pick is not None
@@ -144,7 +151,8 @@ class Screen(Browser):
     def _take_room(self, picture: Picture) -> None:
         """The window has another size; in large print the page is laid out anew instead."""
         sizes = Sizes(picture.state)
-        self._columns.resize(*((sizes.right,) if picture.seen else ()), sizes.left)
+        widths = (sizes.right,) if picture.guided else (*((sizes.right,) if picture.seen else ()), sizes.left)
+        self._columns.resize(*widths)
         for chart in self._charts.values():
             chart.take_room(sizes)
         self._compose(picture)
@@ -156,7 +164,8 @@ class Screen(Browser):
                 self._stage.show(picture.outcome.stage, picture.state.language, letters(self._client.camera, picture.state.lecture))
             for board in picture.boards:
                 view = self._board(board, picture)
-                view.show(board, picture.state.predicted is None, picture.state.calm, picture.resting)
+                view.show(board, picture.veiled, picture.state.calm, picture.resting)
+                view.set_visible(picture.scene is None or board.id in picture.scene.boards)
                 if board.landscape is not None:
                     view.show_landscape(picture.state.landscape)
             self._show_map(picture)

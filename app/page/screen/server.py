@@ -15,6 +15,7 @@ import viser
 from PIL import Image
 
 from ...course.lesson import Lesson
+from ...course.scenes import Mode
 from ...session.commands.commands import Refuse
 from ...session.session import WATCHDOG, Session
 from ..access.access_policy import AccessPolicy, Refusal
@@ -47,9 +48,11 @@ class LabServer:
     def __init__(self, lessons: Mapping[str, Lesson], host: str = "127.0.0.1", port: int = 8080,
                  lesson: str = "separation", language: str = "en", max_sessions: int = 200, plant: str = "",
                  names: Iterable[str] = (), state: str = "", insists: bool = False, sealed: bool = False, access: AccessToken | None = None,
-                 listener: socket.socket | None = None, seat: WorkerSlot | None = None) -> None:
+                 listener: socket.socket | None = None, seat: WorkerSlot | None = None, mode: Mode = "lab") -> None:
         """`state` is what a tab opens with that brings none, as a token or the words of a file. A new tab goes on where the last one
         of its browser was, unless the server `insists` on its lesson or has a state. `sealed` offers no practice of exams.
+
+        `mode` is how a tab shows a lesson that has a path: scene by scene, or all at once.
 
         `listener` stands in the place of host and port where one listens already, `seat` in that of `max_sessions` where several
         processes count together.
@@ -60,7 +63,7 @@ class LabServer:
         share_one_arena()
         self._lessons = lessons
         self._lesson, self._language, self._plant, self._state = lesson, language, plant, state
-        self._insists, self._sealed = insists, sealed
+        self._insists, self._sealed, self._mode = insists, sealed, mode
         self._sessions: dict[int, Session] = {}
         self._screens: dict[int, Screen] = {}
         self._seat = seat or WorkerSlot(SharedCounters(), 0, max_sessions)
@@ -109,7 +112,7 @@ class LabServer:
     def _open(self, client: viser.ClientHandle) -> None:
         screen = Screen(client)
         session = Session(self._lessons, screen, self._lesson, self._language, plant=self._plant,
-                          state=self._state, insists=self._insists, sealed=self._sealed)
+                          state=self._state, insists=self._insists, sealed=self._sealed, mode=self._mode)
         screen.attach(session.post)
         viser_internals.may_leave(client)
         viser_internals.accept_values_only(client, lambda: session.post(Refuse(phrases.NONSENSE)))

@@ -5,6 +5,11 @@ from __future__ import annotations
 from ...text import text, text_in
 
 LESSON = text("lesson")
+GUIDE, LAB, PRESENT = text("Guide"), text("Lab"), text("Present")
+BACK_SCENE, NEXT_SCENE, SKIP_SCENE, TO_LAB = text("Back"), text("Next"), text("Skip this step"), text("Explore in the lab")
+WATCH = text("Watch the stage: the page now does what the question asks about.")
+YOU_CHOSE_RIGHT = text("Your answer is right.")
+YOU_CHOSE = text("You chose {letter}. The right answer is {answer}.")
 PREDICTION = text("Predict")
 PREDICT_AGAIN = text("Predict again")
 AS_OPENED = text("All other knobs stand as at the opening.")

@@ -128,7 +128,8 @@ class Presenter:
         self._drafts.draw(self.lessons[design.lesson].fit(design.plant), design)
         self.desks.lay(design.lesson, design, self.clock())
         self.state = replace(state, language=saved.language, lecture=saved.lecture, tab=saved.tab, step=saved.step,
-                             camera=saved.camera, plant=design.plant or state.plant, withheld=saved.withheld or state.withheld)
+                             camera=saved.camera, plant=design.plant or state.plant, withheld=saved.withheld or state.withheld,
+                             mode=saved.mode or "lab")
         if self._shown is None:
             self.lesson = self.lessons[design.lesson]
         else:
@@ -279,7 +280,8 @@ class Presenter:
 
     def _make(self, design: Design, drawn: OutcomeAndFigures, whole: bool = True) -> Picture:
         history = self.desk.history
-        self.state = replace(self.state, can_undo=history.can_undo, can_redo=history.can_redo)
+        self.state = replace(self.state, can_undo=history.can_undo, can_redo=history.can_redo,
+                             guided=self.state.mode != "lab" and bool(self.lesson.path))
         return Picture(self.lesson, design, *drawn, self.state, self.resting, tuple(self.lessons.values()), self.answered,
                        self._pinning.drawn(self.state.pins), *history.save(), whole or not isinstance(drawn[1], FigureSet))
 
@@ -293,7 +295,8 @@ class Presenter:
     def saved(self) -> SavedState:
         """The state as a link carries it."""
         state = self.state
-        return SavedState(self.design, state.language, state.lecture, state.tab, state.step, self.view.eye(), state.withheld)
+        return SavedState(self.design, state.language, state.lecture, state.tab, state.step, self.view.eye(), state.withheld,
+                          *((state.mode, scene.id) if (scene := self.picture.scene) else ()))
 
     def _write_down(self) -> None:
         self.desk.text = write_lesson_state(self.lesson, self.desk.history, self.state)

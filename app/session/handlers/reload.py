@@ -80,7 +80,7 @@ def _go_on(show: Presenter, memory: TabMemory) -> None:
     show.lesson = show.lessons[memory.lesson]
     show.state = replace(show.state, language=memory.language, lecture=memory.lecture, dark=memory.dark,
                          plant=memory.plant or show.state.plant, key=memory.key, fresh=memory.fresh or show.state.fresh,
-                         withheld=memory.withheld or show.state.withheld)
+                         withheld=memory.withheld or show.state.withheld, mode=memory.mode or show.state.mode)
     if show.shown is not None:
         show.open()
 

@@ -79,7 +79,7 @@ class Watchdog:
     def step(self, left: Callable[[], bool], ended: Callable[[], None]) -> Iterator[None]:
         """A step of a tab in this thread: `left` says whether anybody still looks, `ended` ends the tab.
 
-        May raise StepTimeout, StepTooLarge.
+        May raise StepTimeout, StepMemoryExceeded.
         """
         step = Step(left, ended)
         with self._lock:

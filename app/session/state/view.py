@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Protocol
+from typing import Any, Protocol
 
 from ...course.course_map import Progress
 from ...course.error_window import ErrorWindow, run_end
@@ -14,6 +14,7 @@ from ...course.figures.records import Figure, TableFigure
 from ...course.lazy import FigureSet
 from ...course.lesson import Board, Design, Lesson, Outcome, Verdict
 from ...course.pinned_designs import Ghost, Pin, Pinned, boards_with_pins, comparison_table, figures_with_pins, ghosts_of_pins
+from ...course.scenes import Mode, Scene, SceneWords
 from ...text import Text
 from .saved_designs import SavedDesign
 
@@ -67,6 +68,14 @@ class ReplayLoop:
 
 
 @dataclass(frozen=True)
+class Performance:
+    """What the guide still performs by itself: the values of knobs at the coming steps, and when the next is due."""
+
+    frames: tuple[Mapping[str, Any], ...]
+    due: float
+
+
+@dataclass(frozen=True)
 class State:
     """What belongs to the tab and not to the design.
 
@@ -105,6 +114,12 @@ class State:
     camera: tuple[float, ...] | None = None  # position and target that a link asked for, None for the whole view
     can_undo: bool = False
     can_redo: bool = False
+    mode: Mode = "lab"
+    guided: bool = False  # whether the page leads along a path: not in the lab, nor on a plant of one's own, which has no path
+    scene: int = 0  # which scene of the lesson's path is open
+    done: frozenset[str] = frozenset()  # scenes whose action the person has done
+    chosen: Mapping[str, int] = field(default_factory=dict)  # the option chosen in a scene, by its id; −1 where it was skipped
+    performance: Performance | None = None  # what the page still does by itself
 
     @property
     def is_dark(self) -> bool:
@@ -161,8 +176,30 @@ class Picture:
     def asks_second_prediction(self) -> bool:
         """Whether the second prediction waits: its knob has been moved, and no option has been chosen yet nor the question skipped."""
         again, state = self.lesson.again, self.state
-        return (again is not None and state.predicted is not None and state.again is None and state.asked
+        return (not self.guided and again is not None and state.predicted is not None and state.again is None and state.asked
                 and again.touched(self.lesson.start(), self.design))
+
+    @property
+    def guided(self) -> bool:
+        """Whether the page leads along the lesson's path."""
+        return self.state.guided
+
+    @property
+    def scene(self) -> Scene | None:
+        """The scene that is open, None in the lab."""
+        path = self.lesson.path
+        return path[min(self.state.scene, len(path) - 1)] if self.guided else None
+
+    @property
+    def scene_words(self) -> SceneWords:
+        """The words of that scene."""
+        assert self.scene is not None
+        return self.lesson.words[self.state.language].scenes[self.scene.id]
+
+    @property
+    def veiled(self) -> bool:
+        """Whether the figures wait for a prediction; the path shows nothing that would answer a question that it has not asked."""
+        return self.state.predicted is None and not self.guided
 
     @cached_property
     def ghosts(self) -> tuple[Ghost, ...]:

@@ -26,7 +26,7 @@
   root.append(cover, note);
   let old = null;
   const look = () => {
-    const question = document.querySelector('.ol-question');
+    const question = document.querySelector('.ol-question,.ol-scene');
     if (question && question !== old) { cover.hidden = true; watch.disconnect(); }
   };
   const watch = new MutationObserver(look);
@@ -38,7 +38,7 @@
     } else if (data?.type === 'connected') {
       note.hidden = true;
       stranger = asked = false;
-      old = document.querySelector('.ol-question');  // of the connection before: viser keeps it until the new one speaks
+      old = document.querySelector('.ol-question,.ol-scene');  // of the connection before: viser keeps it until the new one speaks
       cover.hidden = false;
       watch.observe(root, {childList: true, subtree: true});
     }
