@@ -17,6 +17,7 @@ from ...session.commands.commands import Edit, OpenLesson, ToggleCourse
 from ...session.state.view import Picture, progress_of
 from ...text import listed, same
 from ..viser_private import viser_internals
+from ..viser_private.hidden_input import hidden_input
 from ..words import phrases
 from .dialog import Dialog
 
@@ -90,16 +91,6 @@ class CourseDialog(Dialog):
                  f'<small>{html.escape(" · ".join(done))}{_bar(far, lesson)}</small>')
         here = f' aria-current=page title="{html.escape(phrases.OPEN_NOW(lang), quote=True)}"'
         return _button(self._hand, lesson.id, inner, here if lesson.id == picture.lesson.id else "")
-
-
-def hidden_input(gui: viser.GuiApi, heard: Callable[[str], object]) -> viser.GuiButtonGroupHandle:
-    """The unseen widget that buttons of our own HTML answer for."""
-    group = gui.add_button_group("", ("",), visible=False)
-
-    @group.on_click
-    async def _(event: viser.GuiEvent) -> None:
-        heard(str(event.target.value))
-    return group
 
 
 def _button(answers: viser.GuiButtonGroupHandle, value: str, inner: str, look: str = "") -> str:

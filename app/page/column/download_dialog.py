@@ -32,7 +32,7 @@ class DownloadDialog(Dialog):
         super().__init__(client, post)
         self._home, self._lang, self._picture = home, picture.state.language, picture
         gui, state = client.gui, picture.state
-        button = gui.add_button(phrases.TAKE(self._lang), color="gray")
+        button = gui.add_button(phrases.TAKE(self._lang), color="gray", visible=not picture.guided)  # the guide has it in its menu
         said = gui.add_text("", "", visible=False)
         names = tab_names(picture.seen)
         page_scripts.tell_places(client, said, [name(self._lang) for name in names],

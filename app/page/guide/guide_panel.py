@@ -8,14 +8,24 @@ import viser
 
 from ...course.knobs import Knob
 from ...course.scenes import knobs_of
-from ...session.commands.commands import DrawByHand, Edit, OpenLesson, SetKnobs, ToggleCourse
+from ...session.commands.commands import (
+    DrawByHand,
+    Edit,
+    OpenLesson,
+    SetKnobs,
+    SetLanguage,
+    ToggleCourse,
+    ToggleDownloads,
+    ToggleHelp,
+    ToggleTheme,
+)
 from ...session.commands.guide import ChooseOption, GoToScene, SetMode, TurnScene
 from ...session.state.view import Picture
 from ..charts.charts import Chart
 from ..charts.print_sizes import Sizes
-from ..column.course_page import hidden_input
 from ..column.knob_widgets import NumberWidget, Widget, make_widget
 from ..viser_private import viser_internals
+from ..viser_private.hidden_input import hidden_input
 from ..viser_private.write_once import write_content
 from .scene_card import card_html, formulas_html, mode_row, verdict_html
 
@@ -26,7 +36,7 @@ class GuidePanel:
     """One panel for all scenes of a path; what a scene does not show is hidden."""
 
     def __init__(self, gui: viser.GuiApi, picture: Picture, post: Post) -> None:
-        self._post, self._lesson = post, picture.lesson
+        self._post, self._scene = post, picture.state.scene
         self._hand = viser_internals.node_id(hidden_input(gui, self._heard))
         self._head = gui.add_html(mode_row(picture, self._hand))
         self._card = gui.add_html("")
@@ -54,7 +64,8 @@ class GuidePanel:
         kind, _, value = said.partition(":")
         edits: dict[str, Callable[[], Edit]] = {
             "mode": lambda: SetMode(value), "scene": lambda: GoToScene(_whole(value)), "turn": lambda: TurnScene(_whole(value)),
-            "option": lambda: ChooseOption(_whole(value)), "course": ToggleCourse, "lesson": lambda: OpenLesson(value)}
+            "option": lambda: ChooseOption(_whole(value)), "course": ToggleCourse, "language": SetLanguage, "theme": ToggleTheme,
+            "take": ToggleDownloads, "help": ToggleHelp, "reset": lambda: GoToScene(self._scene), "lesson": lambda: OpenLesson(value)}
         if kind in edits:
             self._post(edits[kind]())
 
@@ -63,6 +74,7 @@ class GuidePanel:
         scene = picture.scene
         if scene is None:
             return
+        self._scene = picture.state.scene
         write_content(self._head, mode_row(picture, self._hand))
         write_content(self._card, card_html(picture, self._hand))
         for name, (_, widget) in self._widgets.items():

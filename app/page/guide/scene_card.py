@@ -11,7 +11,7 @@ import numpy as np
 from ...course.scenes import Choose, Read, Scene, fill_numbers
 from ...session.handlers.guide import options_of
 from ...session.state.view import Picture
-from ...text import format_number
+from ...text import format_number, languages, name_of
 from ..words import phrases
 from ..words.prose import judged_html, mathml, render_markdown, with_minus
 
@@ -49,10 +49,17 @@ def mode_row(picture: Picture, hand: str) -> str:
     lang, now = picture.state.language, picture.state.mode
     modes = "".join(f'<button type="button" class="ol-mode" role="tab" aria-selected="{"true" if mode == now else "false"}" '
                     f'data-to="{hand}" data-value="mode:{mode}">{html.escape(words(lang))}</button>' for mode, words in MODE_WORDS)
+    theme = phrases.LIGHT if picture.state.is_dark else phrases.DARK_THEME
+    items = [("language", " / ".join(name_of(code) for code in languages())), ("theme", theme(lang)), ("take", phrases.TAKE(lang)),
+             ("help", phrases.HELP(lang)), ("reset", phrases.RESET(lang))]
+    more = "".join(f'<button type="button" class="ol-item" data-to="{hand}" data-value="{value}">{html.escape(words)}</button>'
+                   for value, words in items)
     return (f'<div class="ol-head"><button type="button" class="ol-menu" data-to="{hand}" data-value="course" '
             f'aria-label="{html.escape(phrases.COURSE(lang), quote=True)}">☰</button>'
             f'<span class="ol-lesson">{picture.lesson.number} · {html.escape(picture.lesson.words[lang].title)}</span>'
-            f'<span class="ol-modes" role="tablist">{modes}</span></div>')
+            f'<span class="ol-modes" role="tablist">{modes}</span>'
+            f'<details class="ol-more"><summary aria-label="{html.escape(phrases.MORE(lang), quote=True)}">⋯</summary>'
+            f"<div>{more}</div></details></div>")
 
 
 def card_html(picture: Picture, hand: str) -> str:

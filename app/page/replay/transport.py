@@ -78,6 +78,8 @@ class PlaybackControls:
         words: list[Any] = [phrases.PAUSE if picture.state.moving else phrases.PLAY]
         if picture.lesson.kick:
             words.append(phrases.KICK)
+        if picture.guided:
+            return tuple(w(self._lang) for w in (*words, phrases.REWIND))
         words += [phrases.REWIND, phrases.SLOWER, phrases.FASTER, phrases.UNDO, phrases.REDO, phrases.RESET, phrases.VIEW]
         if Sizes(picture.state).lists_keys:
             words.append(phrases.HELP)

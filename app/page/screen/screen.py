@@ -21,6 +21,7 @@ from ..charts.style_sheet import sheet_of
 from ..column.answer_mark import AnsweredMark
 from ..column.column_widths import Columns
 from ..column.course_page import CourseDialog
+from ..column.dialog import Dialog
 from ..column.download_dialog import DownloadDialog
 from ..column.key_list import HelpDialog
 from ..column.left_column import Panel
@@ -231,19 +232,28 @@ class Screen(Browser):
 
     def open_help(self) -> None:
         """The list of keys; the same key closes it."""
+        self._close_others(self._help)
         self._help.toggle(self._picture.state.language if self._picture is not None else "en")
 
     def open_course(self, progress: Mapping[str, Progress]) -> None:
         """The page of all lessons; the same key closes it."""
         if self._course is not None and self._picture is not None:
+            self._close_others(self._course)
             self._course.toggle(self._picture, progress)
             self._client.flush()
 
     def offer(self, token: str) -> None:
         """Open the dialog in which a state can be taken away, or close it."""
         if self._take is not None and self._picture is not None:
+            self._close_others(self._take)
             self._take.toggle(token, self._picture)
             self._client.flush()
+
+    def _close_others(self, dialog: Dialog) -> None:
+        """Of all dialogs one is open at a time."""
+        for other in filter(None, (self._help, self._take, self._course)):
+            if other is not dialog:
+                other.close()
 
     # --- parts -----------------------------------------------------------------------------------------------------
     def _right_panel(self, picture: Picture) -> None:

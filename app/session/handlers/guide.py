@@ -40,7 +40,7 @@ def _set_mode(show: Presenter, mode: object) -> None:
         raise KnobError(text("There is no view {mode}; there are {modes}.", mode=str(mode)[:40], modes=", ".join(MODES)))
     if mode != show.state.mode:
         stop(show)
-        show.rebuild_page(replace(show.state, mode=mode, lecture=mode == "present"))
+        show.rebuild(replace(show.state, mode=mode, lecture=mode == "present"))
 
 
 def enter(show: Presenter) -> None:
