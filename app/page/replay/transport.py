@@ -71,7 +71,7 @@ class PlaybackControls:
 
     def _words(self, picture: Picture) -> str:
         """What stands on the stage; a knob may put another plant there."""
-        stage = picture.outcome.stage
+        stage = None if picture.guided else picture.outcome.stage
         return html.escape(stage.body.caption(self._lang)) if stage is not None else ""
 
     def _options(self, picture: Picture) -> tuple[str, ...]:

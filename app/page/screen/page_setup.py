@@ -7,6 +7,7 @@ from collections.abc import Callable
 import viser
 
 from ...session.commands.commands import Edit, PageSeen
+from ...session.commands.shortcuts import SHORTCUTS
 from ..stage.drag_handles import FAINT, GRIPS, OBSERVER_BOARD
 from ..viser_private import page_scripts, viser_internals
 
@@ -46,3 +47,17 @@ def watch_page_visibility(client: viser.ClientHandle, post: Callable[[Edit], obj
     async def _(event: viser.GuiEvent) -> None:
         post(PageSeen(event.target.value))
     page_scripts.ask_whether_seen(client, seen)
+
+
+def bind_shortcuts(client: viser.ClientHandle, post: Callable[[Edit], object], language: str) -> None:
+    """Bind the keys, which also fill the command palette."""
+    for shortcut in SHORTCUTS:
+        handle = client.gui.add_command(shortcut.label(language), hotkey=shortcut.key,  # type: ignore[arg-type]
+                                        modifier=shortcut.modifier)  # type: ignore[arg-type]
+        _bind(handle, shortcut.command, post)
+
+
+def _bind(handle: viser.CommandHandle, command: Edit, post: Callable[[Edit], object]) -> None:
+    @handle.on_trigger
+    async def _(_: object) -> None:
+        post(command)

@@ -11,8 +11,7 @@ import viser
 from ...course.course_map import Progress
 from ...course.figures.records import figure_below, tab_names
 from ...course.lesson import Board
-from ...session.commands.commands import Command, Edit, PickPoint, SetKnobs
-from ...session.commands.shortcuts import SHORTCUTS
+from ...session.commands.commands import Edit, PickPoint, SetKnobs
 from ...session.state.view import Picture
 from ...text import Text
 from ..charts.charts import Chart, only_completes, stale_figures
@@ -36,7 +35,7 @@ from ..stage.viewpoint import letters
 from ..viser_private import page_scripts, viser_internals
 from ..web.html_page import APP_NAME
 from .browser import Browser
-from .page_setup import run_page_scripts, watch_page_visibility
+from .page_setup import bind_shortcuts, run_page_scripts, watch_page_visibility
 
 Post = Callable[[Edit], int]
 BATCH_GAP_S = 0.002  # s between two batches, so that the server's loop sends the first by itself
@@ -95,13 +94,10 @@ class Screen(Browser):
             self._mark = AnsweredMark(gui, self._post)
             self._take = DownloadDialog(self._client, picture, self._post, self._home)
             self._course = CourseDialog(self._client, self._post)
-            if picture.guided:
-                gui.main_panel.dock_right()
-            else:
-                gui.main_panel.dock_left()
+            (gui.main_panel.dock_right if picture.guided else gui.main_panel.dock_left)()
             self._columns.add(gui.main_panel, sizes.right if picture.guided else sizes.left)
             self._columns.watch(self._client, self._post)
-            self._commands(language)
+            bind_shortcuts(self._client, self._post, language)
             self._stage.charted = picture.lesson.pick is not None
             self._compose(picture)
             self._stage.furnish(picture.state.is_dark)
@@ -270,17 +266,6 @@ class Screen(Browser):
                     if figure.tab == tab:
                         self._charts[figure.id] = Chart(self._client.gui, figure, language, Sizes(picture.state), picture.horizon,
                                                        figure_below(picture.seen, figure), sum(f.tab == tab for f in picture.seen))
-
-    def _commands(self, language: str) -> None:
-        for shortcut in SHORTCUTS:
-            handle = self._client.gui.add_command(shortcut.label(language), hotkey=shortcut.key,  # type: ignore[arg-type]
-                                                  modifier=shortcut.modifier)  # type: ignore[arg-type]
-            self._bind(handle, shortcut.command)
-
-    def _bind(self, handle: viser.CommandHandle, command: Command) -> None:
-        @handle.on_trigger
-        async def _(_: Any) -> None:
-            self._post(command)
 
     def _show_style(self, picture: Picture) -> None:
         content = sheet_of(picture)

@@ -1,11 +1,11 @@
-"""Lead along a lesson's path: open scenes, perform what was predicted, notice what the person has done."""
+"""Lead along a lesson's path: open scenes, perform predictions, notice what was done."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any, assert_never
+from typing import Any, assert_never  # the values of knobs are of any kind, as `Any` says
 
 from ...course.knobs import KnobError, Number
 from ...course.lesson import Lesson

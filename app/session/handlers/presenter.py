@@ -127,9 +127,8 @@ class Presenter:
         design, state = saved.design, self.state
         self._drafts.draw(self.lessons[design.lesson].fit(design.plant), design)
         self.desks.lay(design.lesson, design, self.clock())
-        self.state = replace(state, language=saved.language, lecture=saved.lecture, tab=saved.tab, step=saved.step,
-                             camera=saved.camera, plant=design.plant or state.plant, withheld=saved.withheld or state.withheld,
-                             mode=saved.mode or "lab")
+        self.state = replace(state, language=saved.language, lecture=saved.lecture, tab=saved.tab, step=saved.step, mode=saved.mode or "lab",
+                             camera=saved.camera, plant=design.plant or state.plant, withheld=saved.withheld or state.withheld)
         if self._shown is None:
             self.lesson = self.lessons[design.lesson]
         else:
@@ -280,8 +279,8 @@ class Presenter:
 
     def _make(self, design: Design, drawn: OutcomeAndFigures, whole: bool = True) -> Picture:
         history = self.desk.history
-        self.state = replace(self.state, can_undo=history.can_undo, can_redo=history.can_redo,
-                             guided=self.state.mode != "lab" and bool(self.lesson.path))
+        guided = self.state.mode != "lab" and bool(self.lesson.path)
+        self.state = replace(self.state, can_undo=history.can_undo, can_redo=history.can_redo, guided=guided)
         return Picture(self.lesson, design, *drawn, self.state, self.resting, tuple(self.lessons.values()), self.answered,
                        self._pinning.drawn(self.state.pins), *history.save(), whole or not isinstance(drawn[1], FigureSet))
 

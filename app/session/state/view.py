@@ -6,73 +6,26 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, Protocol
+from typing import Protocol
 
 from ...course.course_map import Progress
-from ...course.error_window import ErrorWindow, run_end
+from ...course.error_window import run_end
 from ...course.figures.records import Figure, TableFigure
 from ...course.lazy import FigureSet
-from ...course.lesson import Board, Design, Lesson, Outcome, Verdict
+from ...course.lesson import Board, Design, Lesson, Outcome
 from ...course.pinned_designs import Ghost, Pin, Pinned, boards_with_pins, comparison_table, figures_with_pins, ghosts_of_pins
 from ...course.scenes import Mode, Scene, SceneWords
 from ...text import Text
 from .saved_designs import SavedDesign
-
-
-@dataclass(frozen=True)
-class TaskState:
-    """What a person has seen and reached of one task."""
-
-    verdict: Verdict | None = None
-    hints: int = 0
-    solution: bool = False
-    typed: str = ""  # what was typed when it was last checked
-
-
-def progress_of(predicted: int | None, tasks: Mapping[str, TaskState]) -> Progress:
-    """How far a person is with a prediction and these tasks."""
-    return Progress(predicted is not None, sum(task.verdict is not None and task.verdict.solved for task in tasks.values()))
-
-
-MOST_ANSWERS = 20  # kept of an exam
-MOST_VARIANTS = 10**6
-
-
-@dataclass(frozen=True)
-class ExamAnswer:
-    """An answer to one variant of an exam, drawn for one key."""
-
-    student: str
-    variant: int
-    said: str
-
-
-@dataclass(frozen=True)
-class ExamState:
-    """How far a person is with one exam: the variant that is practised, and what was answered, latest last."""
-
-    variant: int = 1
-    answers: tuple[ExamAnswer, ...] = ()
-
-
-USUAL = (1366.0, 768.0)  # px of a window that has not told its size
-
-
-@dataclass(frozen=True)
-class ReplayLoop:
-    """A part of the run that is played `rounds` times more; then it comes to rest at `rest`."""
-
-    part: ErrorWindow
-    rounds: int
-    rest: float
-
-
-@dataclass(frozen=True)
-class Performance:
-    """What the guide still performs by itself: the values of knobs at the coming steps, and when the next is due."""
-
-    frames: tuple[Mapping[str, Any], ...]
-    due: float
+from .tab_records import MOST_ANSWERS as MOST_ANSWERS
+from .tab_records import MOST_VARIANTS as MOST_VARIANTS
+from .tab_records import USUAL as USUAL
+from .tab_records import ExamAnswer as ExamAnswer
+from .tab_records import ExamState as ExamState
+from .tab_records import Performance as Performance
+from .tab_records import ReplayLoop as ReplayLoop
+from .tab_records import TaskState as TaskState
+from .tab_records import progress_of as progress_of
 
 
 @dataclass(frozen=True)
