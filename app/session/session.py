@@ -72,7 +72,8 @@ class Session:
         if lesson not in lessons:
             raise KeyError(f"There is no lesson {lesson}; there are {', '.join(lessons)}.")
         self._mailbox, self._state = Mailbox(), state
-        first = State(language=language, fresh=secrets.token_hex(8), plant=plant, withheld=sealed, sealed=sealed, mode=mode)
+        first = State(language=language, fresh=secrets.token_hex(8), plant=plant, withheld=sealed, sealed=sealed, mode=mode,
+                      newcomer=mode == "guide" and not insists and not state)
         self._show = Presenter(lessons, view, lesson, first, clock)
         self._show.insists = insists or bool(state)
         self._errands = BackgroundJobs(self.post)
@@ -109,6 +110,7 @@ class Session:
         """Compute the lesson's present design and lay the screen out."""
         self._show.open()
         guide.enter(self._show)
+        guide.greet(self._show)
 
     def step(self, wait: float | None = 0.0) -> None:
         """Take what waits, do what is due, when it is this tab's turn."""

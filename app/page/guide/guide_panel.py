@@ -7,7 +7,7 @@ from collections.abc import Callable
 import viser
 
 from ...course.knobs import Knob
-from ...course.scenes import knobs_of
+from ...course.scenes import knobs_of, minutes_of
 from ...session.commands.commands import (
     DrawByHand,
     Edit,
@@ -27,6 +27,7 @@ from ..column.knob_widgets import NumberWidget, Widget, make_widget
 from ..viser_private import viser_internals
 from ..viser_private.hidden_input import hidden_input
 from ..viser_private.write_once import write_content
+from ..words import phrases
 from .scene_card import card_html, formulas_html, mode_row, verdict_html
 
 Post = Callable[[Edit], int]
@@ -35,7 +36,8 @@ Post = Callable[[Edit], int]
 class GuidePanel:
     """One panel for all scenes of a path; what a scene does not show is hidden."""
 
-    def __init__(self, gui: viser.GuiApi, picture: Picture, post: Post) -> None:
+    def __init__(self, client: viser.ClientHandle, picture: Picture, post: Post) -> None:
+        gui, self._client, self._told = client.gui, client, dict[str, object]()
         self._post, self._scene = post, picture.state.scene
         self._hand = viser_internals.node_id(hidden_input(gui, self._heard))
         self._head = gui.add_html(mode_row(picture, self._hand))
@@ -82,8 +84,20 @@ class GuidePanel:
         if picture.resting:
             write_content(self._formulas, formulas_html(picture))
         write_content(self._verdict, verdict_html(picture, self._hand))
+        self._tell_notes(picture)
         for name, chart in self.charts.items():
             chart.set_visible(name in scene.figures)
+
+    def _tell_notes(self, picture: Picture) -> None:
+        """Give the speaker's window the notes of the scene, what comes next, and the planned time."""
+        words, path, lang = picture.lesson.words[picture.state.language].scenes, picture.lesson.path, picture.state.language
+        at = picture.state.scene
+        told = {"hand": self._hand, "note": words[path[at].id].note, "title": words[path[at].id].title,
+                "next": words[path[at + 1].id].title if at + 1 < len(path) else "", "minutes": round(minutes_of(path, False)),
+                "words": {"notes": phrases.NOTES(lang), "next": phrases.NEXT_IS(lang)}}
+        if told != self._told:
+            self._told = told
+            viser_internals.run_script(self._client, "presenter", **told)
 
     def progress(self, fraction: float | None) -> None:
         """The guide starts no long computation."""

@@ -54,7 +54,9 @@ def mode_row(picture: Picture, hand: str) -> str:
              ("help", phrases.HELP(lang)), ("reset", phrases.RESET(lang))]
     more = "".join(f'<button type="button" class="ol-item" data-to="{hand}" data-value="{value}">{html.escape(words)}</button>'
                    for value, words in items)
-    return (f'<div class="ol-head"><button type="button" class="ol-menu" data-to="{hand}" data-value="course" '
+    more += f'<button type="button" class="ol-item ol-notes">{html.escape(phrases.NOTES(lang))}</button>'
+    hall = " ol-present" if now == "present" else ""
+    return (f'<div class="ol-head{hall}"><button type="button" class="ol-menu" data-to="{hand}" data-value="course" '
             f'aria-label="{html.escape(phrases.COURSE(lang), quote=True)}">☰</button>'
             f'<span class="ol-lesson">{picture.lesson.number} · {html.escape(picture.lesson.words[lang].title)}</span>'
             f'<span class="ol-modes" role="tablist">{modes}</span>'

@@ -5,6 +5,9 @@ from __future__ import annotations
 from ...text import text, text_in
 
 LESSON = text("lesson")
+START, CONTINUE = text("Start"), text("Continue")
+NOTES, NEXT_IS = text("Speaker's notes"), text("next")
+PLANNED = text("15 / 45 / 90 min")
 GUIDE, LAB, PRESENT = text("Guide"), text("Lab"), text("Present")
 BACK_SCENE, NEXT_SCENE, SKIP_SCENE, TO_LAB = text("Back"), text("Next"), text("Skip this step"), text("Explore in the lab")
 WATCH = text("Watch the stage: the page now does what the question asks about.")

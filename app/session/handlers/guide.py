@@ -49,6 +49,13 @@ def enter(show: Presenter) -> None:
         _enter(show, show.state.scene)
 
 
+def greet(show: Presenter) -> None:
+    """Show a newcomer the page of lessons, once."""
+    if show.state.newcomer:
+        show.state = replace(show.state, newcomer=False)
+        show.view.open_course(show.desks.progress(show.lesson.id, show.state))
+
+
 def _enter(show: Presenter, index: int) -> None:
     """Show a scene: its values on the knobs, the run at its start. Beyond the ends of the path nothing happens."""
     path = show.lesson.path

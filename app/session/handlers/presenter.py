@@ -127,8 +127,9 @@ class Presenter:
         design, state = saved.design, self.state
         self._drafts.draw(self.lessons[design.lesson].fit(design.plant), design)
         self.desks.lay(design.lesson, design, self.clock())
-        self.state = replace(state, language=saved.language, lecture=saved.lecture, tab=saved.tab, step=saved.step, mode=saved.mode or "lab",
-                             camera=saved.camera, plant=design.plant or state.plant, withheld=saved.withheld or state.withheld)
+        self.state = replace(state, language=saved.language, lecture=saved.lecture, tab=saved.tab, step=saved.step,
+                             mode=saved.mode or "lab", camera=saved.camera,
+                             plant=design.plant or state.plant, withheld=saved.withheld or state.withheld)
         if self._shown is None:
             self.lesson = self.lessons[design.lesson]
         else:

@@ -59,6 +59,8 @@ def restore_memory(show: Presenter, said: MemoryRecalled) -> None:
         with suppress(KnobError):
             show.state = replace(show.state, window=(check_pixels(across), check_pixels(up)), night=bool(check_number(night)))
     memory = read_memory(said.text, show.lessons)
+    if said.text or said.earlier or said.token:
+        show.state = replace(show.state, newcomer=False)
     if memory is not None:
         _go_on(show, memory)
     elif (earlier := read_memory(said.earlier, show.lessons)) is not None:

@@ -69,6 +69,7 @@ class State:
     can_redo: bool = False
     mode: Mode = "lab"
     guided: bool = False  # whether the page leads along a path: not in the lab, nor on a plant of one's own, which has no path
+    newcomer: bool = False  # whether nothing is known of the person: the page of lessons opens first
     scene: int = 0  # which scene of the lesson's path is open
     done: frozenset[str] = frozenset()  # scenes whose action the person has done
     chosen: Mapping[str, int] = field(default_factory=dict)  # the option chosen in a scene, by its id; −1 where it was skipped
