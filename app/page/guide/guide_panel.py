@@ -92,12 +92,13 @@ class GuidePanel:
         """Give the speaker's window the notes of the scene, what comes next, and the planned time."""
         words, path, lang = picture.lesson.words[picture.state.language].scenes, picture.lesson.path, picture.state.language
         at = picture.state.scene
-        told = {"hand": self._hand, "note": words[path[at].id].note, "title": words[path[at].id].title,
+        told: dict[str, object] = {"note": words[path[at].id].note, "title": words[path[at].id].title,
                 "next": words[path[at + 1].id].title if at + 1 < len(path) else "", "minutes": round(minutes_of(path, False)),
                 "words": {"notes": phrases.NOTES(lang), "next": phrases.NEXT_IS(lang)}}
         if told != self._told:
             self._told = told
-            viser_internals.run_script(self._client, "presenter", **told)
+            viser_internals.run_script(self._client, "presenter", hand=self._hand, note=told["note"], title=told["title"],
+                                       next=told["next"], minutes=told["minutes"], words=told["words"])
 
     def progress(self, fraction: float | None) -> None:
         """The guide starts no long computation."""

@@ -294,9 +294,7 @@ class Presenter:
 
     def saved(self) -> SavedState:
         """The state as a link carries it."""
-        state = self.state
-        return SavedState(self.design, state.language, state.lecture, state.tab, state.step, self.view.eye(), state.withheld,
-                          *((state.mode, scene.id) if (scene := self.picture.scene) else ()))
+        return self.picture.saved(self.design, self.view.eye())
 
     def _write_down(self) -> None:
         self.desk.text = write_lesson_state(self.lesson, self.desk.history, self.state)

@@ -1,4 +1,4 @@
-"""Hold the records that a tab's state is made of: tasks, exams, the loop and the performance that play."""
+"""Hold the records that a tab's state is made of: tasks, exams, loop and performance."""
 
 from __future__ import annotations
 

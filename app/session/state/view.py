@@ -17,6 +17,7 @@ from ...course.pinned_designs import Ghost, Pin, Pinned, boards_with_pins, compa
 from ...course.scenes import Mode, Scene, SceneWords
 from ...text import Text
 from .saved_designs import SavedDesign
+from .saved_state import SavedState
 from .tab_records import MOST_ANSWERS as MOST_ANSWERS
 from .tab_records import MOST_VARIANTS as MOST_VARIANTS
 from .tab_records import USUAL as USUAL
@@ -154,6 +155,12 @@ class Picture:
     def veiled(self) -> bool:
         """Whether the figures wait for a prediction; the path shows nothing that would answer a question that it has not asked."""
         return self.state.predicted is None and not self.guided
+
+    def saved(self, design: Design, eye: tuple[float, ...] | None) -> SavedState:
+        """The state as a link carries it, with a design and a camera."""
+        state, scene = self.state, self.scene
+        return SavedState(design, state.language, state.lecture, state.tab, state.step, eye, state.withheld,
+                          *((state.mode, scene.id) if scene else ()))
 
     @cached_property
     def ghosts(self) -> tuple[Ghost, ...]:
