@@ -8,6 +8,7 @@ import viser
 
 from ...session.commands.commands import Edit, PageSeen
 from ...session.commands.shortcuts import SHORTCUTS
+from ...session.state.view import Picture
 from ..stage.drag_handles import FAINT, GRIPS, OBSERVER_BOARD
 from ..viser_private import page_scripts, viser_internals
 
@@ -47,6 +48,12 @@ def watch_page_visibility(client: viser.ClientHandle, post: Callable[[Edit], obj
     async def _(event: viser.GuiEvent) -> None:
         post(PageSeen(event.target.value))
     page_scripts.ask_whether_seen(client, seen)
+
+
+def stage_name(picture: Picture) -> str:
+    """What a screen reader says of the stage: what stands on it."""
+    stage, language = picture.outcome.stage, picture.state.language
+    return stage.body.caption(language) if stage is not None else picture.lesson.words[language].title
 
 
 def bind_shortcuts(client: viser.ClientHandle, post: Callable[[Edit], object], language: str) -> None:

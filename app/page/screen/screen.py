@@ -35,7 +35,7 @@ from ..stage.viewpoint import letters
 from ..viser_private import page_scripts, viser_internals
 from ..web.html_page import APP_NAME
 from .browser import Browser
-from .page_setup import bind_shortcuts, run_page_scripts, watch_page_visibility
+from .page_setup import bind_shortcuts, run_page_scripts, stage_name, watch_page_visibility
 
 Post = Callable[[Edit], int]
 BATCH_GAP_S = 0.002  # s between two batches, so that the server's loop sends the first by itself
@@ -112,6 +112,7 @@ class Screen(Browser):
             listen_to_the_window(self._client, self._post)
             page_scripts.name_page(self._client, f"{picture.lesson.words[language].title} · {APP_NAME}", language)
             page_scripts.say_in(self._client, language)
+            viser_internals.run_script(self._client, "aria", stage=stage_name(picture))
         self._picture = None
 
     def show(self, picture: Picture) -> None:
