@@ -72,11 +72,16 @@ def test_serve_prints_the_address_it_really_took_and_ends_when_interrupted() -> 
                 assert server.stdout is not None
                 url = next(line.strip() for line in server.stdout if line.startswith("http://"))
                 assert f":{port}/" not in url and "/?token=" in url
-                with urllib.request.urlopen(url, timeout=20) as page:
-                    assert page.status == 200 and b"<html" in page.read().lower()
+                with browser().open(url, timeout=20) as page:
+                    assert page.status == 200 and b"<html" in page.read().lower() and "token" not in page.url
             finally:
                 server.send_signal(signal.SIGINT)
                 assert server.wait(30) == 0
+
+
+def browser() -> urllib.request.OpenerDirector:
+    """What follows a redirect with the cookie that it came with, as a browser does."""
+    return urllib.request.build_opener(urllib.request.HTTPCookieProcessor())
 
 
 @contextmanager

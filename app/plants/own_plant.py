@@ -39,7 +39,9 @@ MOST_STATES = 30  # of a plant that lessons take
 LONGEST_NAME, LONGEST_UNIT, LONGEST_TITLE = 18, 10, 40
 ON_BOARD = 10  # most poles on one board
 MAX_RATE_FACTOR = 25.0  # poles faster than this many typical rates are left off the board
+MAX_NUMBER, MAX_STEP_S = 1e30, 1e9  # of a matrix, and s between two samples: beyond, products overflow
 ALLOWED = frozenset(" .,-+/()°·²³⁻¹µ%_")
+BEYOND_REACH = text("The numbers of a plant must lie between −10³⁰ and 10³⁰, its sampling time below 10⁹ s; choose other units.")
 
 
 class UnsuitablePlant(EngineError):
@@ -79,6 +81,9 @@ def clean_plant_json(text: str) -> str:
 
 def canonical_text(plant: Plant, beyond: PlantExtras = NO_EXTRAS) -> str:
     """The plant as the text that a design carries: JSON that reads back exactly, its names made plain words."""
+    largest = max(float(np.max(np.abs(matrix), initial=0.0)) for matrix in (plant.A, plant.B, plant.C, plant.D))
+    if largest > MAX_NUMBER or plant.dt > MAX_STEP_S:
+        raise UnsuitablePlant(BEYOND_REACH)
     names = {name: _plain(name, LONGEST_NAME) for name in (*plant.state_names, *plant.input_names, *plant.output_names)}
     units = tuple((names[k], _plain(v, LONGEST_UNIT)) for k, v in plant.units if k in names)
 

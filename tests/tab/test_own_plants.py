@@ -245,3 +245,12 @@ def test_a_new_plant_stands_at_the_start_of_its_run_on_the_stage_too() -> None:
     tab.do(UploadPlant(*file_of(SMALL)))
     assert tab.shown.state.t == 0.0 and not tab.shown.state.playing
     assert tab.view.of("pose")[-1] == 0.0
+
+
+@pytest.mark.parametrize("odd", [{"A": [[1e300]]}, {"B": [[-1e300]]}, {"dt": 1e308}, {"A": [[-1e31]], "C": [[1e300]]}], ids=str)
+def test_numbers_beyond_reach_cost_one_sentence_and_no_traceback(odd: dict[str, object], caplog: pytest.LogCaptureFixture) -> None:
+    tab = tab_of()
+    tab.do(UploadPlant("mine.json", json.dumps({"A": [[-1.0]], "B": [[1.0]], "C": [[1.0]], **odd}).encode()))
+    (said,) = tab.view.scolded()
+    assert "10³⁰" in said("en") and "10³⁰" in said("zh")
+    assert not [record for record in caplog.records if record.exc_info]

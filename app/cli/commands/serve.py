@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 from ...course.scenes import MODES, Mode
 from ...text.languages import languages
+from ..file_limit import allow_many_files
 from ..options import PLANT_HELP, STATE_HELP, CommandError, error_cause, host_name, whole_number
 
 if TYPE_CHECKING:
@@ -48,6 +49,7 @@ class ServeRequest:
     public: bool = False
     log_json: bool = False
     data_dir: str | None = None
+    frames: tuple[str, ...] = ()
     state: str | None = None
     exam: bool = False
     workers: int = 1
@@ -82,6 +84,8 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--public", action="store_true", help="yes, listen on an address that other machines can reach")
     parser.add_argument("--allow-host", action="append", default=[], type=host_name, metavar="NAME", dest="names",
                         help="a name that people reach this server by, as that of a proxy; may be repeated")
+    parser.add_argument("--embed-in", action="append", default=[], type=host_name, metavar="NAME", dest="frames",
+                        help="a site that may show the page inside its own, over TLS; may be repeated (default: none may)")
     parser.add_argument("--log-json", action="store_true", help="write the log as lines of JSON")
     parser.add_argument("--data-dir", metavar="FOLDER", help="folder for what is kept: the log, in files that rotate")
     parser.add_argument("--max-sessions", type=count, default=200, metavar="N",
@@ -92,7 +96,8 @@ def execute(options: argparse.Namespace) -> int:
     """Serve until interrupted."""
     return serve(ServeRequest(options.host, options.port, options.lesson, options.lang, options.max_sessions,
                               options.plant, tuple(options.names), options.public, options.log_json, options.data_dir,
-                              options.state, options.exam, options.workers, options.exact_port, options.view, options.worker_timeout,
+                              tuple(options.frames), options.state, options.exam, options.workers, options.exact_port,
+                              options.view, options.worker_timeout,
                               options.token))
 
 
@@ -139,6 +144,7 @@ def _serve(request: ServeRequest, end: Ending) -> None:
     from ..inputs import find_lesson, fit_lesson, read_plant, read_saved_state
 
     _keep_log(request)
+    allow_many_files()
     plant = "" if request.plant is None else read_plant(request.plant)
     if request.state is not None and (request.lesson or request.plant):
         raise CommandError("Give --state without --lesson and --plant: a state brings its own.")
@@ -158,8 +164,8 @@ def _serve(request: ServeRequest, end: Ending) -> None:
 
     def server(listener: socket.socket, seat: WorkerSlot) -> LabServer:
         return LabServer(LESSONS, request.host, 0, opening.id, request.language, plant=plant, names=request.names, state=state,
-                         insists=bool(request.lesson or plant), sealed=request.exam, access=access, listener=listener, seat=seat,
-                         mode=request.mode)
+                         insists=bool(request.lesson or plant), sealed=request.exam, access=access,
+                         frames=request.frames, listener=listener, seat=seat, mode=request.mode)
 
     def tell() -> None:
         log.info("serving %s", url)

@@ -19,7 +19,7 @@ from ...course.scenes import MODES, Mode
 from ...engine import EngineError
 from ...plants.examples import EXAMPLES, example
 from ...plants.own_plant import clean_plant_json
-from ...text import Text, error_words, languages, listed, same, text
+from ...text import Text, error_words, languages, listed, read_outside_json, same, text
 
 VERSION = 1
 MAX_STATE_CHARACTERS = 200_000  # characters of a written state that are read at all
@@ -67,8 +67,8 @@ def write_state(lesson: Lesson, saved: SavedState) -> str:
 def read_state(written: str, lessons: Mapping[str, Lesson]) -> SavedState:
     """The state that `write_state` wrote; knobs it does not name stay at their defaults. Raises KnobError."""
     try:
-        data = json.loads(written) if len(written) <= MAX_STATE_CHARACTERS else None
-    except (ValueError, RecursionError):
+        data = read_outside_json(written) if len(written) <= MAX_STATE_CHARACTERS else None
+    except ValueError:
         data = None
     return check_state(data, lessons)
 

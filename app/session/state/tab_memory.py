@@ -20,7 +20,7 @@ from ...course.pinned_designs import Pin
 from ...course.scenes import MODES, Mode
 from ...engine import EngineError
 from ...plants.own_plant import clean_plant_json
-from ...text import languages, text
+from ...text import languages, read_outside_json, text
 from .history import History
 from .history_codec import read_steps, write_steps
 from .lesson_state import LessonState
@@ -90,8 +90,8 @@ def write_memory(lesson: str, state: State, desks: Iterable[tuple[str, str]]) ->
 def read_memory(written: str | None, lessons: Mapping[str, Lesson]) -> TabMemory | None:
     """The tab that `write_memory` wrote, None if there is none that can be read."""
     try:
-        data = json.loads(written) if written and _size(written) <= MAX_MEMORY_BYTES else None
-    except (ValueError, RecursionError):
+        data = read_outside_json(written) if written and _size(written) <= MAX_MEMORY_BYTES else None
+    except ValueError:
         return None
     if not isinstance(data, dict) or data.get("version") != VERSION:
         return None
