@@ -1,4 +1,4 @@
-"""Read JSON that came from outside: text that UTF-8 cannot hold is replaced, a name that stands twice is refused."""
+"""Read JSON from outside: replace text that UTF-8 cannot hold, refuse a name that stands twice."""
 
 from __future__ import annotations
 

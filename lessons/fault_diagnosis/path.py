@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from types import MappingProxyType
+
 from observer_lab.course.scenes import Choose, Move, Press, Question, Scene, Solve
 
-DRIFT = {"place": "VR", "kind": "drift", "drift": 4.0, "loop": "blind"}
+DRIFT = MappingProxyType({"place": "VR", "kind": "drift", "drift": 4.0, "loop": "blind"})
 PATH = (
     Scene("recall", Choose(answer=1), set={"place": "none"}, minutes=0.5),
     Scene("meet", Press("kick"), minutes=1.0),

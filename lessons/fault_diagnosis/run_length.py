@@ -1,4 +1,4 @@
-"""Mean time between false alarms of windows tested at every sample: of one member and of the whole bank."""
+"""Compute the mean time between false alarms of windows tested at every sample."""
 
 from __future__ import annotations
 

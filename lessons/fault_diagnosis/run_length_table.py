@@ -1,4 +1,4 @@
-"""Mean run of the healthy bank: coefficients in log₁₀ α + 3.5 for each of WINDOWS, by tests/benchmarks/run_lengths.py."""
+"""Tabulate the mean run length of the healthy bank, fitted to a long simulation."""
 
 WINDOWS = (1, 2, 3, 5, 8, 12, 18, 25, 37, 55, 80, 115, 150)
 MEMBER_ENERGY = (

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from types import MappingProxyType
+
 from observer_lab.course.scenes import Choose, Move, Press, Question, Read, Scene, Solve
 
 SCORES = ("suppression",)
-DEFAULT_NOISE = {"sensor": 1e-10, "v": 1e-10}
+DEFAULT_NOISE = MappingProxyType({"sensor": 1e-10, "v": 1e-10})
 PATH = (
     Scene("recall", Choose(answer=2), minutes=0.5),
     Scene("meet", Press("kick"), minutes=1.0),

@@ -1,4 +1,4 @@
-"""Bound what one connection and one address may cost: messages, bytes, fragments, and connections that open no tab.
+"""Bound what one connection and one address may cost: messages, bytes, fragments, idle time.
 
 An honest page sends some 20 messages a second, at most 50 while its camera turns; every bound stands well above that.
 """

@@ -1,4 +1,4 @@
-"""The header fields that stand on every answer, so that a page gives nothing away and stands in no foreign frame."""
+"""Write the header fields of every answer: no sniffing, no referrer, no foreign frame."""
 
 from __future__ import annotations
 
