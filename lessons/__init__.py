@@ -52,6 +52,7 @@ LESSONS: MappingProxyType[str, Lesson] = MappingProxyType({lesson.id: lesson for
     sandbox,
     arm,
 ), key=lambda lesson: lesson.number)})
+FIRST = "virtual-sensor"  # the lesson that a newcomer is led into
 OPENING = "separation"  # the lesson that the page opens on
 
 

@@ -202,7 +202,8 @@ def test_two_workers_share_the_tabs_and_a_tab_whose_worker_dies_goes_on_at_the_o
 def test_a_worker_that_answers_lives_and_one_that_is_stopped_is_replaced() -> None:
     """An idle worker and a busy one outlive five time limits; the tab of one that does not answer goes on at the other."""
     limit, word, knob = 5, "the-word-of-this-test", "stiffness believed wrong by [%]"
-    with started("--port", "0", "--workers", "2", "--max-sessions", "2", "--view", "lab", "--lesson", "separation", "--worker-timeout", str(limit), **{
+    with started("--port", "0", "--workers", "2", "--max-sessions", "2", "--view", "lab", "--lesson", "separation",
+                 "--worker-timeout", str(limit), **{
             VARIABLE: word, "OBSERVER_LAB_KERNELS": "off"}) as (server, url):
         processes = [int(child) for child in Path(f"/proc/{server.pid}/task/{server.pid}/children").read_text().split()]
         busy = WireTab(url, word=word)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import lru_cache
+from types import MappingProxyType
 
 import numpy as np
 from numpy.polynomial.polynomial import polyval
@@ -15,8 +16,8 @@ from .diagnosis import ENERGY, MEAN, Rule
 from .observer_bank import DT
 from .run_length_table import BANK_ENERGY, BANK_MEAN, MEMBER_ENERGY, MEMBER_MEAN, WINDOWS
 
-MEMBER = {ENERGY: MEMBER_ENERGY, MEAN: MEMBER_MEAN}
-BANK = {ENERGY: BANK_ENERGY, MEAN: BANK_MEAN}
+MEMBER = MappingProxyType({ENERGY: MEMBER_ENERGY, MEAN: MEMBER_MEAN})
+BANK = MappingProxyType({ENERGY: BANK_ENERGY, MEAN: BANK_MEAN})
 RATES = (1e-6, 0.1)
 
 

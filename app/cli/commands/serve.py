@@ -137,7 +137,7 @@ def serve(request: ServeRequest) -> int:
 
 
 def _serve(request: ServeRequest, end: Ending) -> None:
-    from observer_lab.lessons import LESSONS, OPENING
+    from observer_lab.lessons import FIRST, LESSONS, OPENING
 
     from ...engine.kernels import prepare_kernels
     from ...session.state.token import write_token
@@ -149,7 +149,8 @@ def _serve(request: ServeRequest, end: Ending) -> None:
     if request.state is not None and (request.lesson or request.plant):
         raise CommandError("Give --state without --lesson and --plant: a state brings its own.")
     saved = None if request.state is None else read_saved_state(request.state)
-    lesson = saved.design.lesson if saved else request.lesson or (SANDBOX if plant and SANDBOX in LESSONS else OPENING)
+    first = SANDBOX if plant and SANDBOX in LESSONS else OPENING if request.mode == "lab" else FIRST
+    lesson = saved.design.lesson if saved else request.lesson or first
     opening = find_lesson(lesson)
     state = "" if saved is None else write_token(opening, replace(saved, notes=()))
     try:

@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 from scipy.linalg import block_diag
-from scipy.signal import tf2ss
 
 from ..systems.errors import EngineError, Phrase
 from ..systems.plant import Plant
@@ -52,6 +51,8 @@ def _each(delays: np.ndarray, count: int, key: str, dt: float) -> np.ndarray:
 
 def _block(delay: float, dt: float) -> Block:
     """One channel with that delay: A k×k, B k×1, C 1×k, D 1×1."""
+    from scipy.signal import tf2ss  # late: it brings all of scipy.stats, 0.6 s
+
     if not delay:
         return np.zeros((0, 0)), np.zeros((0, 1)), np.zeros((1, 0)), np.ones((1, 1))
     if dt:

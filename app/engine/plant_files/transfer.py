@@ -6,7 +6,6 @@ from collections.abc import Sequence
 
 import numpy as np
 from scipy.linalg import block_diag
-from scipy.signal import zpk2tf
 
 from ..structure.decomposition import kalman_decomposition
 from ..systems.errors import EngineError, Phrase
@@ -23,6 +22,8 @@ _HIGHEST = 60  # degree of a denominator
 
 def zeros_and_poles(zeros: np.ndarray, poles: np.ndarray, gain: float) -> Fraction:
     """The fraction of k ∏(s − z)/∏(s − p). Raises EngineError where a complex one lacks its conjugate."""
+    from scipy.signal import zpk2tf  # late: it brings all of scipy.stats, 0.6 s
+
     for values in (zeros, poles):
         if np.abs(np.imag(np.poly(values))).max(initial=0.0) > 1e-12 * np.abs(np.poly(values)).max(initial=1.0):
             raise EngineError("A complex zero or pole lacks its conjugate; give both.")

@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 from scipy.linalg import block_diag
-from scipy.signal import zpk2tf
 
 from .errors import EngineError
 from .plant import Plant
@@ -40,6 +39,8 @@ def _of_control(system: Any) -> Plant:
 
 
 def _of_scipy(system: Any) -> Plant:
+    from scipy.signal import zpk2tf  # late: it brings all of scipy.stats, 0.6 s
+
     if system.dt is True:
         raise EngineError("The sampling period is unspecified (dt=True); give it in seconds.")
     dt = float(system.dt or 0.0)
