@@ -22,6 +22,7 @@ from .network.lesson import LESSON as network
 from .noise.lesson import LESSON as noise
 from .nonlinear.lesson import LESSON as nonlinear
 from .observability.lesson import LESSON as observability
+from .record.lesson import LESSON as record
 from .robust_observer.lesson import LESSON as robust_observer
 from .sandbox.lesson import LESSON as sandbox
 from .saturation.lesson import LESSON as saturation
@@ -51,6 +52,7 @@ LESSONS: MappingProxyType[str, Lesson] = MappingProxyType({lesson.id: lesson for
     fault_diagnosis,
     sandbox,
     arm,
+    record,
 ), key=lambda lesson: lesson.number)})
 FIRST = "virtual-sensor"  # the lesson that a newcomer is led into
 OPENING = "separation"  # the lesson that the page opens on

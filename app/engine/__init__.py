@@ -133,7 +133,7 @@ __all__ = [
 ]
 
 _ROOMS = ("systems", "structure", "plant_files", "design", "simulation", "feedback", "filters", "network", "observers", "sampled",
-          "aliases")
+          "identification", "aliases")
 
 
 def __getattr__(name: str) -> Any:

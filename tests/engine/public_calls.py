@@ -14,12 +14,14 @@ from typing import Any
 import calls_of_estimates as estimates
 import calls_of_loops as loops
 import calls_of_plants as plants
+import calls_of_records as records
 from call_parts import A, B, C
 
 from observer_lab.engine import Plant
 from observer_lab.engine.systems import discretise
 
-ROOMS = ("systems", "structure", "design", "feedback", "simulation", "filters", "observers", "sampled", "network", "plant_files", "aliases")
+ROOMS = ("systems", "structure", "design", "feedback", "simulation", "filters", "observers", "sampled", "network", "plant_files",
+         "identification", "aliases")
 ANSWERS = frozenset({
     "systems.Balance", "structure.Canonisation", "structure.Controllability", "structure.CoprimeFactors", "structure.Dominance",
     "structure.Gramians", "structure.KalmanDecomposition", "structure.Mixing", "structure.Mode", "structure.Observability",
@@ -36,6 +38,8 @@ ANSWERS = frozenset({
     "sampled.ResponseMeasures", "sampled.SampledController", "sampled.SampledLoop", "sampled.SampledLqg", "sampled.SampledRun",
     "sampled.Trial", "network.CriticalLoss", "network.NetworkRun", "simulation.GearedRun", "simulation.RecoveryMap", "simulation.Run",
     "plant_files.Content", "structure.Coupling", "systems.Spectrum",
+    "identification.FilteredRecord", "identification.FittedFilter", "identification.RecordFit",
+    "identification.Smoothed", "identification.Subspace", "identification.Trend",
 })
 NO_CALLS = frozenset({  # kinds of error, names of types, words, and kinds of filter that others are made of
     "systems.EngineError", "systems.PoleError", "systems.RiccatiError", "systems.ShapeError", "systems.Map", "systems.Poles",
@@ -62,7 +66,7 @@ def _tables() -> dict[str, dict[str, dict[str, Any]]]:
             "structure": plants.structure(plant), "design": plants.design(plant),
             "feedback": loops.feedback(plant), "simulation": loops.simulation(plant), "filters": estimates.filters(plant, dplant),
             "observers": estimates.observers(plant), "sampled": loops.sampled(plant), "network": loops.network(dplant),
-            "aliases": plants.aliases(plant)}
+            "identification": records.identification(dplant), "aliases": plants.aliases(plant)}
 
 
 def the_call(name: str) -> Callable[..., Any]:

@@ -211,7 +211,7 @@ TERMS = {
     "nonlinear": ("extended Kalman filter", "unscented Kalman filter", "consistent"),
     "robust-observer": ("functional observer", "Sylvester equation"), "bilinear-observer": ("bilinear",),
     "fault-diagnosis": ("residual", "CUSUM"), "network": ("critical loss",), "sandbox": ("disk margin",),
-    "arm": ("disturbance state", "backlash")}
+    "arm": ("disturbance state", "backlash"), "record": ("subspace identification", "smoother")}
 
 
 def chinese_files() -> list[tuple[str, str]]:

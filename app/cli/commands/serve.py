@@ -16,6 +16,7 @@ from ...course.scenes import MODES, Mode
 from ...text.languages import languages
 from ..file_limit import allow_many_files
 from ..options import PLANT_HELP, STATE_HELP, CommandError, error_cause, host_name, whole_number
+from ..records import COLUMNS_HELP, DATA_HELP, RECORD, lesson_with
 
 if TYPE_CHECKING:
     from ...page.access.shared_counters import WorkerSlot
@@ -57,6 +58,8 @@ class ServeRequest:
     mode: Mode = "guide"
     timeout: float = 90.0
     token: str | None = field(default=None, repr=False)
+    data: str | None = None
+    columns: str | None = None
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -79,6 +82,8 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--view", choices=MODES, default="guide", help="how a page shows its lesson (default %(default)s)")
     parser.add_argument("--lang", choices=languages(), default="en", help="language that a page opens in")
     parser.add_argument("--plant", metavar="FILE", help=PLANT_HELP)
+    parser.add_argument("--data", metavar="FILE", help=DATA_HELP)
+    parser.add_argument("--columns", metavar="LIST", help=COLUMNS_HELP)
     parser.add_argument("--state", metavar="TOKEN|FILE", help=STATE_HELP)
     parser.add_argument("--exam", action="store_true", help="note answers to exams and tell nothing of them; no tab can practise")
     parser.add_argument("--public", action="store_true", help="yes, listen on an address that other machines can reach")
@@ -98,7 +103,7 @@ def execute(options: argparse.Namespace) -> int:
                               options.plant, tuple(options.names), options.public, options.log_json, options.data_dir,
                               tuple(options.frames), options.state, options.exam, options.workers, options.exact_port,
                               options.view, options.worker_timeout,
-                              options.token))
+                              options.token, options.data, options.columns))
 
 
 class Ending:
@@ -146,12 +151,18 @@ def _serve(request: ServeRequest, end: Ending) -> None:
     _keep_log(request)
     allow_many_files()
     plant = "" if request.plant is None else read_plant(request.plant)
+    if request.data is not None and (request.plant or request.state):
+        raise CommandError("Give --data without --plant and --state: the record brings its own model.")
     if request.state is not None and (request.lesson or request.plant):
         raise CommandError("Give --state without --lesson and --plant: a state brings its own.")
     saved = None if request.state is None else read_saved_state(request.state)
     first = SANDBOX if plant and SANDBOX in LESSONS else OPENING if request.mode == "lab" else FIRST
     lesson = saved.design.lesson if saved else request.lesson or first
-    opening = find_lesson(lesson)
+    opening = find_lesson(RECORD if request.data is not None and request.lesson is None else lesson)
+    lessons = LESSONS
+    if request.data is not None:
+        lessons = {**LESSONS, RECORD: lesson_with(find_lesson(RECORD), request.data, request.columns)}
+        opening = lessons[opening.id]
     state = "" if saved is None else write_token(opening, replace(saved, notes=()))
     try:
         fit_lesson(opening, saved.design.plant if saved else plant)
@@ -164,8 +175,8 @@ def _serve(request: ServeRequest, end: Ending) -> None:
     from ...page.screen.server import LabServer  # viser is loaded only here
 
     def server(listener: socket.socket, seat: WorkerSlot) -> LabServer:
-        return LabServer(LESSONS, request.host, 0, opening.id, request.language, plant=plant, names=request.names, state=state,
-                         insists=bool(request.lesson or plant), sealed=request.exam, access=access,
+        return LabServer(lessons, request.host, 0, opening.id, request.language, plant=plant, names=request.names, state=state,
+                         insists=bool(request.lesson or plant or request.data), sealed=request.exam, access=access,
                          frames=request.frames, listener=listener, seat=seat, mode=request.mode)
 
     def tell() -> None:
