@@ -15,6 +15,7 @@ from .derive import derived
 from .exams import EXAMS
 from .figures import all_figures
 from .knobs import KNOBS
+from .path import PATH
 from .study import compute, from_knobs
 from .tasks import TASKS
 
@@ -37,4 +38,5 @@ LESSON = Lesson(
     aside=("share",),
     code=code,
     derived=derived,
+    path=PATH,
 )
