@@ -159,7 +159,7 @@ def test_a_run_gives_the_right_option(name: str) -> None:
 
 def test_the_right_letters_are_spread_evenly() -> None:
     found = Counter(LETTERS[lesson.again.answer] for lesson in LESSONS.values() if lesson.again is not None)
-    assert all(found[letter] == len(LESSONS) // 4 for letter in "ABCD"), found
+    assert all(found[letter] - len(LESSONS) // 4 in (0, 1) for letter in "ABCD"), found
 
 
 @each("name, values, metric, printed", PRINTED)
