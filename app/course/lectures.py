@@ -73,7 +73,7 @@ def read_lecture(text_of_file: str, lessons: Mapping[str, Lesson]) -> Lecture:
         raise KnobError(text("The lecture needs a title of at most {most} characters.", most=MAX_TITLE_CHARS))
     stops = data.get("stops", [])
     if not isinstance(stops, list) or not 0 < len(stops) <= MAX_STOPS:
-        raise KnobError(text("The lecture needs between 1 and {most} stops, each under [[stops]].", most=MAX_STOPS))
+        raise KnobError(text("The number of stops must be from 1 to {most}; write each under [[stops]].", most=MAX_STOPS))
     found = tuple(_stop(number, stop, lessons) for number, stop in enumerate(stops, 1))
     minutes = _minutes(data.get("minutes", sum(stop.minutes for stop in found)), MAX_STOPS * MAX_MINUTES)
     if minutes is None:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from types import MappingProxyType
+
 from observer_lab.course.scenes import Choose, Move, Press, Question, Scene, Solve
 
-ALL_ROWS = {"rows_deck": 6}
+ALL_ROWS = MappingProxyType({"rows_deck": 6})
 PATH = (
     Scene("recall", Choose(answer=1), minutes=0.5),
     Scene("meet", Press("play"), set={"left_on": False, "across_on": True, **ALL_ROWS}, minutes=1.0),
