@@ -19,7 +19,8 @@ from observer_lab.plants.signal_names import SIGNALS, in_unit, signal_name, titl
 from observer_lab.text import Text, languages, same, symbol
 
 WORD = re.compile(r"(?<![A-Za-z\\_])[A-Za-z]{3,}")
-FORMULA = re.compile(r"\[\[\w+(?::[^\]]*)?\]\]|\$+[^$]*\$+|`[^`]*`|\{\w+\}|\\[A-Za-z]+|<[^>]*>|[A-Za-z]+\([^)]*\)")  # mathematics, code, places for numbers
+FORMULA = re.compile(r"\[\[\w+(?::[^\]]*)?\]\]|"  # live numbers; mathematics, code, places for numbers
+                     r"\$+[^$]*\$+|`[^`]*`|\{\w+\}|\\[A-Za-z]+|<[^>]*>|[A-Za-z]+\([^)]*\)")
 CODES = frozenset({"id", "role", "mark", "dash", "colour", "scale", "kind", "side", "knob", "also", "name", "symbol", "default", "when",
                    "value", "parts", "source", "plant",  # fields of plain text that no page shows
                    "equation", "now"})  # and mathematics
