@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from pathlib import Path
 from types import MappingProxyType
 
+from observer_lab.course.glossary import Glossary, read_glossary
 from observer_lab.course.lesson import Lesson
 
 from .arm.lesson import LESSON as arm
@@ -20,6 +22,7 @@ from .network.lesson import LESSON as network
 from .noise.lesson import LESSON as noise
 from .nonlinear.lesson import LESSON as nonlinear
 from .observability.lesson import LESSON as observability
+from .record.lesson import LESSON as record
 from .robust_observer.lesson import LESSON as robust_observer
 from .sandbox.lesson import LESSON as sandbox
 from .saturation.lesson import LESSON as saturation
@@ -49,10 +52,18 @@ LESSONS: MappingProxyType[str, Lesson] = MappingProxyType({lesson.id: lesson for
     fault_diagnosis,
     sandbox,
     arm,
+    record,
 ), key=lambda lesson: lesson.number)})
+FIRST = "virtual-sensor"  # the lesson that a newcomer is led into
 OPENING = "separation"  # the lesson that the page opens on
 
 
 def folder(id: str) -> Path:
     """Where a lesson's code and English words stand."""
     return Path(__file__).parent / id.replace("-", "_")
+
+
+@lru_cache(maxsize=1)
+def glossaries() -> MappingProxyType[str, Glossary]:
+    """The glossary of all lessons by language. Raises ProseError."""
+    return MappingProxyType(read_glossary(Path(__file__).parent))

@@ -42,4 +42,5 @@ COURSE_PLACES = MappingProxyType(dict((
     _place("network", "separation kalman", ESTIMATION),
     _place("sandbox", "separation"),
     _place("arm", "separation saturation"),
+    _place("record", "kalman", ESTIMATION),
 )))

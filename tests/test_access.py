@@ -7,6 +7,7 @@ import subprocess
 import sys
 import threading
 from collections.abc import Callable
+from dataclasses import replace
 from http import HTTPStatus
 from pathlib import Path
 
@@ -19,7 +20,8 @@ from websockets.http11 import Request, Response
 
 from observer_lab.engine.kernels import compile_cache
 from observer_lab.page.access.access_policy import AccessPolicy
-from observer_lab.page.access.handshake import AdmissionControl, PackedPage
+from observer_lab.page.access.handshake import AdmissionControl, PackedPage, sender
+from observer_lab.page.access.page_headers import PageHeaders
 from observer_lab.page.access.shared_counters import SharedCounters, WorkerSlot
 from observer_lab.page.access.socket_handoff import HandedListener, HandedSocket, send_connection
 from observer_lab.page.access.tokens import TOKEN_BYTES, AccessToken, draw_token
@@ -49,11 +51,60 @@ def asked(path: str, fields: list[tuple[str, str]], upgrade: bool = False, host:
 def test_the_word_lets_in_and_a_page_that_was_opened_by_it_is_kept_in(way: str) -> None:
     path, fields = WAYS[way](WORD)
     page = asked(path, fields)
-    assert page is not None and page.status_code == 200 and asked(path, fields, upgrade=True) is None
+    assert page is not None and asked(path, fields, upgrade=True) is None
     kept = page.headers.get("Set-Cookie")
+    assert page.status_code == (200 if kept is None else 303)
     assert kept == (f"observer-lab-{PORT}={WORD}; HttpOnly; SameSite=Strict" if way.startswith("address") else None)
     if kept is not None:
         assert asked("/", [("Cookie", kept.partition(";")[0])], upgrade=True) is None
+
+
+@each(("path", "left"), [("/?token={}", "./"), ("/index.html?token={}", "index.html"),
+                         ("/?darkMode=1&token={}&a=%23", "./?darkMode=1&a=%23"),
+                         ("/?%74oken={}", "./"), ("/?token={}&token=x", "./"), ("/?token={}&\udce9", "./")])
+def test_a_word_in_the_address_is_exchanged_for_the_cookie_and_leaves_the_address(path: str, left: str) -> None:
+    """The place is relative: a proxy may have taken away the path under which it shows the lab."""
+    answer = asked(path.format(WORD), [])
+    assert answer is not None and answer.status_code == 303 and answer.headers["Location"] == left
+    assert WORD not in left and WORD not in f"{answer.body!r}" and answer.headers["Cache-Control"] == "no-store"
+    assert answer.headers["Set-Cookie"].startswith(f"observer-lab-{PORT}={WORD};")
+
+
+def test_every_answer_gives_nothing_away_and_stands_in_no_frame() -> None:
+    answers = [asked("/", []), asked("/", [("Cookie", f"observer-lab-{PORT}={WORD}")]), asked(f"/?token={WORD}", []),
+               asked("/none", [("Authorization", f"Bearer {WORD}")]), asked("/health", [("Authorization", f"Bearer {WORD}")]),
+               asked("/", [], host="evil.example"), asked("/", [], True)]
+    for answer in answers:
+        assert answer is not None
+        assert answer.headers["X-Content-Type-Options"] == "nosniff" and answer.headers["Referrer-Policy"] == "no-referrer"
+        assert answer.headers["X-Frame-Options"] == "DENY"
+        if "html" in answer.headers["Content-Type"]:
+            assert "frame-ancestors 'none'" in answer.headers["Content-Security-Policy"]
+
+
+def test_a_site_that_is_named_may_show_the_page_and_the_cookie_goes_with_it_over_tls() -> None:
+    open_to = replace(RECEPTION, headers=PageHeaders(("lms.example",)))
+    page = PackedPage.of("<html>")
+    known = Headers([("Host", "127.0.0.1:8080"), ("Cookie", f"observer-lab-{PORT}={WORD}")])
+    shown = open_to.answer(Request("/", known), page, True)
+    assert shown is not None and "X-Frame-Options" not in shown.headers
+    assert shown.headers["Content-Security-Policy"].endswith("frame-ancestors https://lms.example")
+    exchanged = open_to.answer(Request(f"/?token={WORD}", Headers([("Host", "127.0.0.1:8080")])), page, True)
+    assert exchanged is not None and exchanged.headers["Set-Cookie"].endswith("; HttpOnly; SameSite=None; Secure; Partitioned")
+
+
+@each(("said", "packed"), [("gzip", True), ("deflate, gzip;q=1.0", True), ("GZIP", True), ("gzip;q=0", False), ("gzip; q=0.000", False),
+                           ("*;q=0", False), ("gzip;q=0.5, *;q=0", True), ("identity", False), ("x-gzip", True), ("notgzip", False)])
+def test_the_page_is_packed_for_whoever_takes_it(said: str, packed: bool) -> None:
+    page = asked("/", [("Authorization", f"Bearer {WORD}"), ("Accept-Encoding", said)])
+    assert page is not None and ("Content-Encoding" in page.headers) == packed
+
+
+@each(("peer", "said", "counted"), [("127.0.0.1", ["203.0.113.5"], "203.0.113.5"), ("::1", ["1.2.3.4, 203.0.113.5"], "203.0.113.5"),
+                                    ("127.0.0.1", ["1.2.3.4", "2001:DB8::1"], "2001:db8::1"), ("127.0.0.1", [], "127.0.0.1"),
+                                    ("127.0.0.1", ["unknown"], "127.0.0.1"), ("198.51.100.7", ["203.0.113.5"], "198.51.100.7")])
+def test_only_a_proxy_on_this_machine_may_say_where_a_request_comes_from(peer: str, said: list[str], counted: str) -> None:
+    assert sender(peer, Request("/", Headers([("X-Forwarded-For", value) for value in said]))) == counted
 
 
 @each(("said", "secure"), [((), False), (("http",), False), (("https",), True), (("HTTPS, http",), True), (("http, https",), False),

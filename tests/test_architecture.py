@@ -10,6 +10,7 @@ from collections import Counter
 from collections.abc import Iterable, Iterator
 from functools import lru_cache
 from pathlib import Path
+from types import MappingProxyType
 
 import pytest
 from syntax import ROOT, Module, arrows, circles, imports, mutable_globals, name_of, parsed, private_uses, within
@@ -40,9 +41,12 @@ PICTURE = drawn((ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8"))
 MAY_IMPORT = {"observer_lab": ("observer_lab.cli",), **PICTURE, "observer_lab.engine": ("observer_lab.engine",)}
 ENGINE_LIBRARIES = {"numpy", "scipy", "control"}
 PRIVATE = "observer_lab.page.viser_private.viser_internals"  # the one module that may use private names of viser
+PLOTTING = "observer_lab.engine.plotting"  # may load matplotlib where a plot is asked for
+HORIZON = "observer_lab.engine.filters.smoothing.moving_horizon"  # may load a solver of quadratic programs where bounds act
 COMPILER, SHELF = "numba", "observer_lab.engine.kernels.compile_cache"  # imported there alone, when kernels are compiled
+WHEN_CALLED = MappingProxyType({SHELF: COMPILER, PLOTTING: "matplotlib", HORIZON: "daqp"})
 ROOMS = ("lesson", "knobs", "study", "figures", "tasks")  # of every lesson, beside job and own where there are such
-MOST_FILES, LONGEST_FIRST_LINE = 24, 100
+MOST_FILES, LONGEST_FIRST_LINE = 20, 100
 LONGEST, LONGEST_LESSON = 300, 80  # lines of a module, and of the one that assembles a lesson
 # --- reading -------------------------------------------------------------------------------------------------------
 def layer_of(name: str) -> str | None:
@@ -171,7 +175,7 @@ def test_the_table_of_folders_names_every_room() -> None:
 
 def test_the_engine_stands_on_numpy_scipy_and_control_alone() -> None:
     allowed = ENGINE_LIBRARIES | set(sys.stdlib_module_names) | {"observer_lab"}
-    assert violations((m, {name.split(".")[0] for name in m.imports()} - allowed - ({COMPILER} if m.name == SHELF else set()))
+    assert violations((m, {name.split(".")[0] for name in m.imports()} - allowed - {WHEN_CALLED.get(m.name, "")})
                       for m in modules("observer_lab.engine")) == []
 
 
@@ -182,8 +186,14 @@ def test_the_compiler_of_kernels_is_not_loaded_with_the_engine() -> None:
 
 @pytest.mark.parametrize("library, home", [("viser", "observer_lab.page"), ("matplotlib", "observer_lab.export")])
 def test_a_library_of_one_room_is_imported_there_alone(library: str, home: str) -> None:
-    elsewhere = (m for m in modules("observer_lab") if not within(m.name, home))
+    elsewhere = (m for m in modules("observer_lab") if not within(m.name, home) and m.name != PLOTTING)
     assert violations((m, (name for name in m.imports() if within(name, library))) for m in elsewhere) == []
+
+
+def test_matplotlib_is_loaded_by_a_plot_and_not_with_the_engine() -> None:
+    plotting = next(modules(PLOTTING))
+    early = [node for node in plotting.tree.body if isinstance(node, (ast.Import, ast.ImportFrom)) and "matplotlib" in ast.unparse(node)]
+    assert early == [] and any(within(name, "matplotlib") for name in plotting.imports())
 
 
 def test_private_names_of_viser_are_touched_in_quirks_alone() -> None:

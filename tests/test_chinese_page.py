@@ -19,7 +19,8 @@ from observer_lab.plants.signal_names import SIGNALS, in_unit, signal_name, titl
 from observer_lab.text import Text, languages, same, symbol
 
 WORD = re.compile(r"(?<![A-Za-z\\_])[A-Za-z]{3,}")
-FORMULA = re.compile(r"\$+[^$]*\$+|`[^`]*`|\{\w+\}|\\[A-Za-z]+|<[^>]*>|[A-Za-z]+\([^)]*\)")  # mathematics, code, places for numbers
+FORMULA = re.compile(r"\[\[\w+(?::[^\]]*)?\]\]|"  # live numbers; mathematics, code, places for numbers
+                     r"\$+[^$]*\$+|`[^`]*`|\{\w+\}|\\[A-Za-z]+|<[^>]*>|[A-Za-z]+\([^)]*\)")
 CODES = frozenset({"id", "role", "mark", "dash", "colour", "scale", "kind", "side", "knob", "also", "name", "symbol", "default", "when",
                    "value", "parts", "source", "plant",  # fields of plain text that no page shows
                    "equation", "now"})  # and mathematics
@@ -27,6 +28,7 @@ CODES = frozenset({"id", "role", "mark", "dash", "colour", "scale", "kind", "sid
 FUNCTIONS = frozenset(WORD.findall("min max log eig rank det diag cos sin exp cov vec tr"))  # of something; alone they are words
 KNOWN = FUNCTIONS | frozenset(WORD.findall("""
     mrad rad rpm kHz dB
+    Cramér Rao Box Jenkins Padé
     LQR LQG LQE PBH NIS NEES EKF UKF RLO ADC SISO MIMO RMS LTR CRLB
     Riccati Gram Hankel Nyquist Joseph Doyle Lyapunov Bode Kalman Tustin windup Luenberger Duan Athans Wishner Bertolini
     Julier Uhlmann sigma maxon

@@ -41,7 +41,7 @@ def use(monkeypatch, lesson: Lesson) -> None:
 def test_run_prints_the_contracts_record_at_the_lessons_start(capsys) -> None:
     status, record = run_json(capsys)
     outcome = SEPARATION.compute(SEPARATION.start())
-    assert list(record) == ["lesson", "knobs", "gains", "poles", "metrics", "checks", "series"]
+    assert list(record) == ["lesson", "knobs", "gains", "poles", "metrics", "checks", "series", "sentences"]
     assert record["lesson"] == "separation" and list(record["knobs"]) == [k.name for k in SEPARATION.knobs]
     assert np.array_equal(record["gains"]["K"], outcome.gains["K"])
     loop = [complex(*pair) for pair in record["poles"]["loop"]]
@@ -136,11 +136,12 @@ def test_a_check_that_fails_is_status_1(capsys, monkeypatch) -> None:
 
 def test_the_long_computation_runs_only_with_final(capsys, monkeypatch) -> None:
     def job(outcome):
-        yield 0.5, replace(outcome, metrics={"half": 1.0})
-        yield 1.0, replace(outcome, metrics={"done": 1.0})
+        yield 0.5, replace(outcome, metrics={**outcome.metrics, "half": 1.0})
+        yield 1.0, replace(outcome, metrics={**outcome.metrics, "done": 1.0})
     use(monkeypatch, replace(SEPARATION, job=Job(same("long"), job, key=lambda design: design, shown=lambda outcome, found: found)))
     assert "done" not in run_json(capsys)[1]["metrics"]
-    assert run_json(capsys, "--final")[1]["metrics"] == {"done": 1.0}
+    metrics = run_json(capsys, "--final")[1]["metrics"]
+    assert metrics["done"] == 1.0 and "half" not in metrics
     use(monkeypatch, replace(SEPARATION, job=None))
     assert "union_error" in run_json(capsys, "--final")[1]["metrics"]
 
@@ -282,11 +283,13 @@ def test_verify_prints_every_value_and_is_status_1_when_one_differs(capsys, monk
     assert "DIFFERS" in capsys.readouterr().out
 
 
-def test_teach_prints_the_notes_as_they_are_written(capsys) -> None:
+def test_teach_prints_the_notes_as_they_are_written_and_then_the_terms(capsys) -> None:
     for words, path in ((["hidden-modes"], "lessons/hidden_modes/teacher.md"),
                         (["hidden-modes", "--lang", "zh"], "app/locale/zh/hidden-modes.teacher.md")):
         assert main(["teach", *words]) == 0
-        assert capsys.readouterr().out == (ROOT / path).read_text(encoding="utf-8")
+        notes = (ROOT / path).read_text(encoding="utf-8")
+        told = capsys.readouterr().out
+        assert told.startswith(f"{notes}## ") and told.count("## ") == notes.count("## ") + 1
 
 
 def test_exam_prints_what_a_key_draws_and_the_answers(capsys) -> None:
@@ -339,3 +342,20 @@ def test_a_state_with_something_unknown_runs_with_a_note(capsys, tmp_path: Path)
 def test_serve_takes_a_state_or_a_lesson_with_its_plant(capsys) -> None:
     assert "a state brings its own" in refused(capsys, "serve", "--state", "1.AAAA", "--lesson", "noise")
     assert "torn" in refused(capsys, "serve", "--state", "1.AAAA")
+
+
+@pytest.mark.parametrize("command", [["run"], ["replay"], ["export", "--to", "python"], ["export", "--to", "json"]], ids=" ".join)
+def test_knobs_that_cross_are_refused_in_one_sentence(
+        command: list[str], capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main([command[0], "decoupling", *command[1:], "--set", "f_low=4", "--set", "f_high=0.5"]) == 2
+    assert not list(tmp_path.iterdir())
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1 and "must reach from 4 Hz to at least 6 Hz" in said
+
+
+def test_a_plant_without_dynamics_and_with_unseen_modes_gives_no_traceback(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "still.json"
+    path.write_text('{"A": [[0,0],[0,0]], "B": [[1],[2]], "C": [[1,0]]}')
+    assert main(["run", "separation", "--plant", str(path)]) in (0, 1)
+    assert "Traceback" not in capsys.readouterr().err

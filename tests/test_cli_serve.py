@@ -72,11 +72,16 @@ def test_serve_prints_the_address_it_really_took_and_ends_when_interrupted() -> 
                 assert server.stdout is not None
                 url = next(line.strip() for line in server.stdout if line.startswith("http://"))
                 assert f":{port}/" not in url and "/?token=" in url
-                with urllib.request.urlopen(url, timeout=20) as page:
-                    assert page.status == 200 and b"<html" in page.read().lower()
+                with browser().open(url, timeout=20) as page:
+                    assert page.status == 200 and b"<html" in page.read().lower() and "token" not in page.url
             finally:
                 server.send_signal(signal.SIGINT)
                 assert server.wait(30) == 0
+
+
+def browser() -> urllib.request.OpenerDirector:
+    """What follows a redirect with the cookie that it came with, as a browser does."""
+    return urllib.request.build_opener(urllib.request.HTTPCookieProcessor())
 
 
 @contextmanager
@@ -164,7 +169,7 @@ def workers_of(url: str, word: str) -> list[dict[str, int]]:
 def test_two_workers_share_the_tabs_and_a_tab_whose_worker_dies_goes_on_at_the_other() -> None:
     """One address, printed once; figures and places are those of both; the word of the token reaches no log."""
     word, knob = "the-word-of-this-test", "stiffness believed wrong by [%]"
-    with started("--port", "0", "--workers", "2", "--max-sessions", "2", "--lesson", "separation", "--log-json", **{
+    with started("--port", "0", "--workers", "2", "--max-sessions", "2", "--view", "lab", "--lesson", "separation", "--log-json", **{
             VARIABLE: word, "OBSERVER_LAB_KERNELS": "off"}) as (server, url):
         processes = [int(child) for child in Path(f"/proc/{server.pid}/task/{server.pid}/children").read_text().split()]
         first = WireTab(url, word=word)
@@ -197,7 +202,8 @@ def test_two_workers_share_the_tabs_and_a_tab_whose_worker_dies_goes_on_at_the_o
 def test_a_worker_that_answers_lives_and_one_that_is_stopped_is_replaced() -> None:
     """An idle worker and a busy one outlive five time limits; the tab of one that does not answer goes on at the other."""
     limit, word, knob = 5, "the-word-of-this-test", "stiffness believed wrong by [%]"
-    with started("--port", "0", "--workers", "2", "--max-sessions", "2", "--lesson", "separation", "--worker-timeout", str(limit), **{
+    with started("--port", "0", "--workers", "2", "--max-sessions", "2", "--view", "lab", "--lesson", "separation",
+                 "--worker-timeout", str(limit), **{
             VARIABLE: word, "OBSERVER_LAB_KERNELS": "off"}) as (server, url):
         processes = [int(child) for child in Path(f"/proc/{server.pid}/task/{server.pid}/children").read_text().split()]
         busy = WireTab(url, word=word)

@@ -112,3 +112,13 @@ def test_whatever_passes_comes_from_loopback_under_its_own_name(host: str, origi
         assert origin.removesuffix(":80").rstrip(".") == host.removesuffix(":80").rstrip(".")
         assert not set(host) & set(" ;,'\"/@")
     assert f" ws://{host} " in content_policy(host)
+
+
+@each(("gate", "came_by", "answer"), [
+    (LOCAL, "http://127.0.0.1:8080", 200), (LOCAL, "https://lab.example", 421), (LOCAL, "null", 421),
+    (PROXIED, "https://lab.example", 200), (PROXIED, "https://other.example", 421)])
+def test_a_page_behind_a_proxy_that_rewrites_host_learns_whether_its_name_is_known(gate: AccessPolicy, came_by: str, answer: int) -> None:
+    """The page asks by itself: a plain request has no Origin, and its Host is the proxy's."""
+    head = Head({"Host": ["127.0.0.1:8080"], "Came-By": [came_by]})
+    assert status(gate, head) == answer
+    assert answer == 200 or "--allow-host" in gate.refusal(head).words  # type: ignore[union-attr]

@@ -8,8 +8,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from observer_lab.page.access import handshake
-from observer_lab.page.access.handshake import Connection
+from observer_lab.page.access import connection as connections
+from observer_lab.page.access.connection import Connection
 
 
 def waiting(*sizes: int) -> tuple[Connection, deque[int]]:
@@ -24,7 +24,7 @@ def waiting(*sizes: int) -> tuple[Connection, deque[int]]:
 
 @pytest.mark.parametrize(("sizes", "looks"), [((5, 5), 2), ((5, 6), 2), ((5, 4, 3, 3), 4)])
 def test_a_connection_is_given_up_once_nothing_goes_out(sizes: tuple[int, ...], looks: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(handshake, "SEND_TIMEOUT_S", 0.01)
+    monkeypatch.setattr(connections, "SEND_TIMEOUT_S", 0.01)
     connection, left = waiting(*sizes)
 
     async def drain() -> None:

@@ -11,12 +11,14 @@ import os
 import signal
 import sys
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from types import MappingProxyType
 from typing import Protocol
 
-from .commands import exam, export, link, replay, run, serve, status, study, teach, verify
+from .commands import exam, export, glossary, link, replay, run, serve, status, study, teach, verify
 from .commands import list as list_
-from .options import THREADS, CommandError, Parser
+from .options import THREADS, CommandError, Parser, error_cause
+from .terminal import give_up_output, set_up
 
 
 class Command(Protocol):
@@ -36,26 +38,68 @@ class Command(Protocol):
 
 
 DEFAULT = "serve"
-COMMANDS: Mapping[str, Command] = MappingProxyType({DEFAULT: serve, "list": list_, "teach": teach, "exam": exam, "run": run, "link": link,
-                                                    "export": export, "replay": replay, "study": study,
-                                                    "verify": verify, "status": status})
+DEBUG = "OBSERVER_LAB_DEBUG"  # set in the environment: errors that nobody foresaw show where they arose
+COMMANDS: Mapping[str, Command] = MappingProxyType({
+    DEFAULT: serve, "list": list_, "teach": teach, "glossary": glossary, "exam": exam, "run": run, "link": link, "export": export,
+    "replay": replay, "study": study, "verify": verify, "status": status})
 
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command; returns the exit status."""
     for name in THREADS:
         os.environ.setdefault(name, "1")  # matrices of 20×20 are slower on several threads
+    set_up()
     try:
-        options = parser().parse_args(_with_command(list(sys.argv[1:] if argv is None else argv)))
-        return COMMANDS[options.command].execute(options)
+        return _flushed(_execute(list(sys.argv[1:] if argv is None else argv)))
     except CommandError as problem:
-        print(f"observer-lab: {problem}", file=sys.stderr)
-        return 2
+        return _refuse(str(problem))
     except KeyboardInterrupt:  # whoever pressed Ctrl-C knows why
         return 128 + signal.SIGINT
     except BrokenPipeError:  # the reader of our output has gone, as with `| head`
-        sys.stdout = None  # type: ignore[assignment]
+        give_up_output()
         return 0
+    except OSError as problem:
+        if problem.filename is None:
+            give_up_output()
+            return _refuse(f"What is printed cannot be written ({error_cause(problem)}); make room, or send it elsewhere.")
+        return _refuse(f"{str(problem.filename)[:80]} cannot be used ({error_cause(problem)}); choose another place.")
+    except Exception as problem:
+        if os.environ.get(DEBUG):
+            raise
+        return _refuse(_sentence(problem))
+
+
+def _execute(words: list[str]) -> int:
+    try:
+        options = parser().parse_args(_with_command(words))
+    except SystemExit:  # after --help
+        _flushed(0)
+        raise
+    return COMMANDS[options.command].execute(options)
+
+
+def _flushed(status: int) -> int:
+    """The status, when all that was printed is written. Raises OSError where it cannot be."""
+    if sys.stdout is not None:
+        sys.stdout.flush()
+    return status
+
+
+def _refuse(sentence: str) -> int:
+    with suppress(OSError):
+        print(f"observer-lab: {sentence}", file=sys.stderr)
+    return 2
+
+
+def _sentence(problem: Exception) -> str:
+    """What an error of the engine or of a lesson says; of an error that nobody foresaw, its kind."""
+    from ..course.knobs import KnobError
+    from ..engine import EngineError
+    from ..session.runtime.error_words import error_kind
+
+    if isinstance(problem, EngineError | KnobError):
+        return f"This design cannot be computed: {problem}"
+    return f"That could not be done ({error_kind(problem)}); change what was given, or set {DEBUG}=1 to see where it failed."
 
 
 def _with_command(words: list[str]) -> list[str]:

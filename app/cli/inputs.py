@@ -59,6 +59,16 @@ def read_design(lesson: Lesson, plant: str | None, state: str | None, changes: S
             lesson = fit_lesson(lesson, read_plant(plant))
         design = lesson.start() if state is None else _design_in(state, lesson)
         lesson = fit_lesson(find_lesson(lesson.id), design.plant)
+        return changed(lesson, design, changes)
+    except KnobError as problem:
+        raise CommandError(str(problem)) from problem
+    except (OverflowError, RecursionError) as problem:
+        raise CommandError(str(TOO_LARGE)) from problem
+
+
+def changed(lesson: Lesson, design: Design, changes: Sequence[str]) -> Design:
+    """The design with knobs changed as KNOB=VALUE says. Raises CommandError."""
+    try:
         for change in changes:
             name, equals, words = change.partition("=")
             if not equals:
@@ -67,8 +77,6 @@ def read_design(lesson: Lesson, plant: str | None, state: str | None, changes: S
         return design
     except KnobError as problem:
         raise CommandError(str(problem)) from problem
-    except (OverflowError, RecursionError) as problem:
-        raise CommandError(str(TOO_LARGE)) from problem
 
 
 def read_saved_state(state: str) -> SavedState:

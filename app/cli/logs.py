@@ -10,6 +10,7 @@ import time
 from contextlib import suppress
 from pathlib import Path
 
+from .log_limits import OneLine, RateLimit, log_uncaught_errors, writable
 from .options import error_cause
 
 LOG_NAME, MAX_LOG_BYTES, LOG_FILES = "observer-lab.log", 1_000_000, 5  # bytes of a file, and files
@@ -31,7 +32,7 @@ class OneLineOfJson(logging.Formatter):
                 **self._worker, "where": record.name, "what": record.getMessage()}
         if record.exc_info:
             line["trace"] = self.formatException(record.exc_info)
-        return json.dumps(line, ensure_ascii=False)
+        return writable(json.dumps(line, ensure_ascii=False))
 
 
 class RotatingFile(logging.handlers.RotatingFileHandler):
@@ -63,7 +64,10 @@ def set_up(as_json: bool, folder: str | None, worker: int = 0) -> None:
         name = LOG_NAME.replace(".", f"-{worker}.") if worker else LOG_NAME
         handlers.append(RotatingFile(Path(folder) / name, maxBytes=MAX_LOG_BYTES, backupCount=LOG_FILES, encoding="utf-8"))
     plain = LOG_FORMAT.replace(" %(name)s", f" worker {worker} %(name)s") if worker else LOG_FORMAT
+    limit = RateLimit()
     for handler in handlers:
-        handler.setFormatter(OneLineOfJson(worker) if as_json else logging.Formatter(plain))
+        handler.setFormatter(OneLineOfJson(worker) if as_json else OneLine(plain))
+        handler.addFilter(limit)
     logging.basicConfig(level=logging.WARNING, handlers=handlers, force=True)
     logging.getLogger("observer_lab.cli").setLevel(logging.INFO)
+    log_uncaught_errors(logging.getLogger("observer_lab.cli"))

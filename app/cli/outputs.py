@@ -8,6 +8,8 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from ..course.figures.records import Figure
+from ..course.knobs import KnobError
+from ..engine import EngineError
 from .options import CommandError, error_cause
 
 
@@ -22,6 +24,8 @@ def write_whole_file(name: str, save: Callable[[str], None]) -> None:
             part = Path(folder) / path.name
             save(str(part))
             os.replace(part, path)
+    except (EngineError, KnobError):  # a figure that is made only now
+        raise
     except (OSError, ValueError) as problem:
         raise CommandError(f"{name[:80]} cannot be written ({error_cause(problem)}); choose another place.") from problem
 

@@ -11,17 +11,13 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
 from typing import Any
 
-from ..text import NO_WORDS, Text, text
+from ..text import NO_WORDS, SaidError, Text, text
 
 MAX_TRACK = 400
 
 
-class KnobError(ValueError):
+class KnobError(SaidError):
     """A value that a knob does not accept; `text` says why in every language."""
-
-    def __init__(self, said: Text) -> None:
-        super().__init__(said("en"))
-        self.text = said
 
 
 def short(value: float) -> str:

@@ -27,6 +27,7 @@ from .figures.scene import Stage as Stage
 from .knobs import Knob, KnobError, Poles
 from .lazy import LazyValue
 from .own_plant_banner import write_banner
+from .scenes import NO_PATH, Scene
 from .script_record import Code
 
 S = TypeVar("S")  # a lesson's study: what it computes of its own
@@ -37,12 +38,16 @@ NO_STUDY: Any = None  # of a lesson that computes nothing of its own
 
 @dataclass(frozen=True)
 class Check:
-    """One machine-checked statement about the present design, with the number it rests on."""
+    """One machine-checked statement about the present design, with the number it rests on.
+
+    An `informative` one says which of several cases the design is; that it does not hold is no failure.
+    """
 
     id: str
     text: Text
     holds: bool
     value: float = 0.0
+    informative: bool = False
 
 
 @dataclass(frozen=True)
@@ -157,7 +162,8 @@ class Lesson(Generic[S]):
     the figure that shows why. `aside` names the knobs that are turned rarely: the page keeps them behind "more". `key` names
     those that a hall needs, at most KEYS of which matter at once: in large print all others are behind "more knobs".
     `code` says what a script of a design starts from and finds again, where the run is no plain loop.
-    `derived` gives the numbers of the derivation's places, `place` its place in the course, `again` its second prediction.
+    `derived` gives the numbers of the derivation's places, `place` its place in the course, `again` its second prediction,
+    `path` its scenes, which are told on the lesson's own plant.
     """
 
     id: str
@@ -185,6 +191,7 @@ class Lesson(Generic[S]):
     derived: Callable[[Outcome[S]], Mapping[str, Value]] = no_numbers
     place: CoursePlace = NO_PLACE
     again: SecondPrediction | None = None
+    path: tuple[Scene, ...] = NO_PATH
 
     def fit(self, plant: str) -> Lesson:
         """This lesson for the user's plant (canonical JSON), itself for "". Raises EngineError or KnobError."""
@@ -243,4 +250,4 @@ def _fitted(origin: Lesson, text: str) -> Lesson:
         prose, introduction=f"{head(language)}\n\n{prose.introduction}",
         tasks={key: task for key, task in prose.tasks.items() if key in kept}) for language, prose in lesson.words.items()}
     derived = no_numbers if lesson.derived is origin.derived else lesson.derived  # made for the lesson's own study
-    return replace(lesson, words=words, plant=text, origin=origin, derived=derived, again=None)
+    return replace(lesson, words=words, plant=text, origin=origin, derived=derived, again=None, path=NO_PATH)

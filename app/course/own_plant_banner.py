@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ..plants.model import Model
-from ..text import Text, joined, text
+from ..text import Text, error_words, joined, text
 
 __all__ = ["write_banner"]
 
@@ -14,6 +14,7 @@ def write_banner(model: Model, universal: bool, bilinear: bool, sampled: bool) -
     name = text("“{name}”", name=model.label) if p.name else model.label
     shown = text("**This page shows {name}** (states {n}, inputs {m}, outputs {p}).",
                  name=name, n=p.n, m=p.m, p=p.p)
+    shown = joined(shown, *map(error_words, p.notes))
     if model.beyond.F is not None and not bilinear:
         shown = joined(shown, text("Its bilinear term u F x is left out here: this is the plant linearised at x = 0 and u = 0."))
     if model.beyond.F is None and bilinear:

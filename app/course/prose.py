@@ -38,12 +38,14 @@ The form of such a file (headings are keywords, the rest is Markdown with $LaTeX
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from ..text.languages import folder_of, languages
 from .exercises.derivation import DerivationStep, derived_step
+from .scenes import SceneWords
 
 
 class ProseError(ValueError):
@@ -96,6 +98,7 @@ class Prose:
     source: str
     derivation: tuple[DerivationStep, ...] = ()
     again: PredictionWords | None = None
+    scenes: Mapping[str, SceneWords] = field(default_factory=dict)  # of the lesson's path, from `path.md`
     references: tuple[str, ...] = ()  # what to read on, from the end of the notes for the teacher
 
 
@@ -107,7 +110,7 @@ def read_prose(folder: Path) -> dict[str, Prose]:
     own, name = folder / "en.md", f"{_id(folder)}.md"
     files = {lang: (folder_of(lang) or folder) / name for lang in languages()}
     return {lang: replace(parse_prose((path if path.is_file() else own).read_text(encoding="utf-8"), f"{lang}/{name}"),
-                          references=_references(folder, lang)) for lang, path in files.items()}
+                          references=_references(folder, lang), scenes=read_scenes(folder, lang)) for lang, path in files.items()}
 
 
 def read_notes(folder: Path, language: str) -> str:
@@ -166,10 +169,35 @@ def parse_prose(text: str, name: str = "text") -> Prose:
             raise ProseError(f"{name} has a section '## {title}'; use predict, again, step, derive, task, exam or source.")
     prose = Prose(lines[0][2:].strip(), question, introduction, first.question, first.options, first.refutations, first.reveal,
                   tuple(steps), tasks, exams, source, tuple(derivation), again)
-    for field in ("question", "introduction", "predict", "reveal", "exams", "source"):
-        if not getattr(prose, field):
-            raise ProseError(f"{name} has no {field}.")
+    for part in ("question", "introduction", "predict", "reveal", "exams", "source"):
+        if not getattr(prose, part):
+            raise ProseError(f"{name} has no {part}.")
     return prose
+
+
+def read_scenes(folder: Path, language: str) -> dict[str, SceneWords]:
+    """The words of a lesson's path by scene: `<id>.path.md` of the language, the lesson's own `path.md` without it; empty without a path.
+
+    Each scene is a section `## id: title` with its text and options, then `### do`, `### say`, `### note` as far as it has them.
+    """
+    path = (folder_of(language) or folder) / f"{_id(folder)}.path.md"
+    path = path if path.is_file() else folder / "path.md"
+    sections = ("\n" + path.read_text(encoding="utf-8").strip()).split("\n## ")[1:] if path.is_file() else []
+    found = {}
+    for section in sections:
+        title, _, body = section.partition("\n")
+        key, _, label = title.partition(":")
+        found[key.strip()] = _scene(label.strip(), body)
+    return found
+
+
+def _scene(title: str, body: str) -> SceneWords:
+    parts = dict.fromkeys(("do", "say", "note"), "")
+    head, *rest = re.split(r"\n### (do|say|note)\n", "\n" + body)
+    for name, words in zip(rest[::2], rest[1::2], strict=True):
+        parts[name] = words.strip()
+    asked = _asked(head)
+    return SceneWords(title, asked.question, asked.options, asked.refutations, **parts)
 
 
 def _asked(body: str) -> PredictionWords:

@@ -1,55 +1,50 @@
 """Compute observers and estimate feedback: arrays in, frozen records out.
 
-The names that people need are here; the others are public in their room, as in `from observer_lab.engine.filters import Track`.
+The names that people need are here, those that python-control shares too; the others are public in their room, as in
+`from observer_lab.engine.filters import Track`.
 """
 
-from .design import dlqe, dlqr, lqe, lqr, observer_gain, place
-from .feedback import closed_loop, compensator, loop_margins, lqg, noisy_loop, recover, sensitivity
-from .filters import (
-    Belief,
-    ExtendedKalmanFilter,
-    KalmanFilter,
-    SquareRootFilter,
-    UnscentedKalmanFilter,
-    chi2_band,
-    correct,
-    error_parts,
-    innovation_test,
-    nees,
-    nis,
-    predict,
-)
-from .network import Link, NetworkScenario, critical_loss, simulate_network
-from .observers import (
-    BilinearPlant,
-    bilinear_functional_observer,
-    functional_observer,
-    residual_generator,
-    rlo,
-    simulate_bilinear,
-    simulate_functional,
-    unknown_input_observer,
-)
-from .sampled import sampled_loop, sampled_lqg, simulate_trial
-from .simulation import Scenario, autonomous_error, simulate
-from .structure import balanced_truncation, controllability, gramians, hankel_singular_values, kalman_decomposition, observability
-from .systems import (
-    EngineError,
-    NonlinearPlant,
-    Plant,
-    PoleError,
-    RiccatiError,
-    ShapeError,
-    frequency_response,
-    from_control,
-    from_json,
-    from_mat,
-    load_plant,
-    psd,
-    to_control,
-    to_json,
-    to_mat,
-)
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from .aliases import acker, c2d, care, ctrb, dare, dlyap, gram, hsvd, lyap, obsv, poles, ss, tf, zeros
+    from .design import dlqe, dlqr, lqe, lqr, observer_gain, place
+    from .feedback import closed_loop, compensator, loop_margins, lqg, noisy_loop, recover, sensitivity
+    from .filters import (
+        Belief,
+        ExtendedKalmanFilter,
+        KalmanFilter,
+        ParticleFilter,
+        SquareRootFilter,
+        UnscentedKalmanFilter,
+        chi2_band,
+        correct,
+        error_parts,
+        h_infinity,
+        innovation_test,
+        moving_horizon,
+        nees,
+        nis,
+        predict,
+        smooth,
+    )
+    from .network import Link, NetworkScenario, critical_loss, simulate_network
+    from .observers import (
+        BilinearPlant,
+        bilinear_functional_observer,
+        functional_observer,
+        residual_generator,
+        rlo,
+        simulate_bilinear,
+        simulate_functional,
+        unknown_input_observer,
+    )
+    from .plant_files import from_control, from_json, from_mat, from_scipy, load_plant, to_control, to_json, to_mat
+    from .sampled import sampled_loop, sampled_lqg, simulate_trial
+    from .simulation import Scenario, autonomous_error, simulate
+    from .structure import balanced_truncation, controllability, gramians, hankel_singular_values, kalman_decomposition, observability
+    from .systems import EngineError, NonlinearPlant, Plant, PoleError, RiccatiError, ShapeError, frequency_response, psd
 
 __all__ = [
     "Belief",
@@ -60,6 +55,7 @@ __all__ = [
     "Link",
     "NetworkScenario",
     "NonlinearPlant",
+    "ParticleFilter",
     "Plant",
     "PoleError",
     "RiccatiError",
@@ -67,25 +63,35 @@ __all__ = [
     "ShapeError",
     "SquareRootFilter",
     "UnscentedKalmanFilter",
+    "acker",
     "autonomous_error",
     "balanced_truncation",
     "bilinear_functional_observer",
+    "c2d",
+    "care",
     "chi2_band",
     "closed_loop",
     "compensator",
     "controllability",
     "correct",
     "critical_loss",
+    "ctrb",
+    "dare",
     "dlqe",
     "dlqr",
+    "dlyap",
     "error_parts",
     "frequency_response",
     "from_control",
     "from_json",
     "from_mat",
+    "from_scipy",
     "functional_observer",
+    "gram",
     "gramians",
+    "h_infinity",
     "hankel_singular_values",
+    "hsvd",
     "innovation_test",
     "kalman_decomposition",
     "load_plant",
@@ -93,12 +99,16 @@ __all__ = [
     "lqe",
     "lqg",
     "lqr",
+    "lyap",
+    "moving_horizon",
     "nees",
     "nis",
     "noisy_loop",
     "observability",
     "observer_gain",
+    "obsv",
     "place",
+    "poles",
     "predict",
     "psd",
     "recover",
@@ -112,8 +122,30 @@ __all__ = [
     "simulate_functional",
     "simulate_network",
     "simulate_trial",
+    "smooth",
+    "ss",
+    "tf",
     "to_control",
     "to_json",
     "to_mat",
     "unknown_input_observer",
+    "zeros",
 ]
+
+_ROOMS = ("systems", "structure", "plant_files", "design", "simulation", "feedback", "filters", "network", "observers", "sampled",
+          "identification", "aliases")
+
+
+def __getattr__(name: str) -> Any:
+    """A name is looked for when it is first used, room by room from the lowest: `import observer_lab.engine` alone loads none."""
+    if name in (*_ROOMS, "kernels", "plotting"):
+        return import_module(f"{__name__}.{name}")
+    if name in __all__:
+        for room in map(import_module, (f"{__name__}.{room}" for room in _ROOMS)):
+            if name in room.__all__:
+                return globals().setdefault(name, getattr(room, name))
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__, *_ROOMS})

@@ -10,7 +10,7 @@ from types import MappingProxyType
 
 from ..course.figures.records import Figure
 from ..course.lesson import Lesson, Outcome
-from ..text import Text, text
+from ..text import SaidError, text
 from .data.data import json_text
 from .data.tables import figure_csv, figure_json
 from .figures.figure import figures_as
@@ -42,12 +42,8 @@ BORN = (2020, 1, 1, 0, 0, 0)  # of every file in a zip, so that the same records
 NO_FONT = text("The server has no font that holds Chinese, so this file would have boxes for words; switch the page to English for it.")
 
 
-class FileError(ValueError):
+class FileError(SaidError):
     """A file that cannot be made; `text` says why in every language."""
-
-    def __init__(self, said: Text) -> None:
-        super().__init__(said("en"))
-        self.text = said
 
 
 @dataclass(frozen=True)

@@ -10,14 +10,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..engine import EngineError, Plant, Scenario, from_json, simulate
+from ..engine import EngineError, Plant, Scenario, simulate
 from ..engine.design import StartingGain, starting_feedback, starting_observer, typical_rate
+from ..engine.plant_files import Content, read_content, reduced_to
 from ..engine.simulation import Run
-from ..engine.systems import continuous_of, natural_scale, read_plant
+from ..engine.systems import continuous_of, natural_scale
 from ..text import Text, error_words, text, text_in
 from .bodies.own_body import tubes_body
 from .model import Model, Signal, Window
-from .plant_extras import NO_EXTRAS, PlantExtras, extras_of, plant_json, read_extras
+from .plant_extras import NO_EXTRAS, PlantExtras, extras_of, plant_json
 from .signal_names import signal_name, title_of
 
 __all__ = [
@@ -27,16 +28,20 @@ __all__ = [
     "clean_plant_json",
     "model_of",
     "own_model",
+    "parts_of",
     "plant_of",
     "read_plant_file",
     "without_hold",
 ]
 
 RUN_SAMPLES = 400  # of a run
+MOST_STATES = 30  # of a plant that lessons take
 LONGEST_NAME, LONGEST_UNIT, LONGEST_TITLE = 18, 10, 40
 ON_BOARD = 10  # most poles on one board
 MAX_RATE_FACTOR = 25.0  # poles faster than this many typical rates are left off the board
+MAX_NUMBER, MAX_STEP_S = 1e30, 1e9  # of a matrix, and s between two samples: beyond, products overflow
 ALLOWED = frozenset(" .,-+/()°·²³⁻¹µ%_")
+BEYOND_REACH = text("The numbers of a plant must lie between −10³⁰ and 10³⁰, its sampling time below 10⁹ s; choose other units.")
 
 
 class UnsuitablePlant(EngineError):
@@ -49,25 +54,36 @@ class UnsuitablePlant(EngineError):
     def __str__(self) -> str:
         return str(self.text)
 
+    def __reduce__(self) -> tuple[object, ...]:
+        return UnsuitablePlant, (self.text,)
+
 
 # --- the gate ----------------------------------------------------------------------------------------------------------
 def read_plant_file(name: str, data: bytes) -> str:
-    """The canonical text of the plant in a file of that name (.json or .mat). Raises Misfit, in one sentence."""
+    """The canonical text of the plant in a file of that name (.json or .mat), with at most 30 states. Raises Misfit, in one sentence."""
     try:
-        plant = read_plant(name, data)
-        return canonical_text(plant, read_extras(name, data, plant))
+        return _canonical_of(read_content(name, data))
     except EngineError as problem:
         raise UnsuitablePlant(text_in("file", "{why}", why=error_words(problem))) from problem
 
 
+def _canonical_of(content: Content) -> str:
+    plant = reduced_to(content.plant, MOST_STATES)
+    if plant is not content.plant and content.more:
+        raise EngineError("A bilinear plant may have at most {most} states; this one has {n}.", most=MOST_STATES, n=content.plant.n)
+    return canonical_text(plant, extras_of(content.more, plant))
+
+
 def clean_plant_json(text: str) -> str:
     """The canonical text of a plant in any JSON text. Raises Misfit."""
-    plant = plant_of(text)
-    return canonical_text(plant, _beyond(text, plant))
+    return canonical_text(*parts_of(text))
 
 
 def canonical_text(plant: Plant, beyond: PlantExtras = NO_EXTRAS) -> str:
     """The plant as the text that a design carries: JSON that reads back exactly, its names made plain words."""
+    largest = max(float(np.max(np.abs(matrix), initial=0.0)) for matrix in (plant.A, plant.B, plant.C, plant.D))
+    if largest > MAX_NUMBER or plant.dt > MAX_STEP_S:
+        raise UnsuitablePlant(BEYOND_REACH)
     names = {name: _plain(name, LONGEST_NAME) for name in (*plant.state_names, *plant.input_names, *plant.output_names)}
     units = tuple((names[k], _plain(v, LONGEST_UNIT)) for k, v in plant.units if k in names)
 
@@ -75,7 +91,7 @@ def canonical_text(plant: Plant, beyond: PlantExtras = NO_EXTRAS) -> str:
         return tuple(names[name] or f"{letter}{i + 1}" for i, name in enumerate(given))
     return plant_json(Plant(plant.A, plant.B, plant.C, plant.D, plant.dt, called(plant.state_names, "x"),
                          called(plant.input_names, "u"), called(plant.output_names, "y"), units,
-                         _plain(plant.name, LONGEST_TITLE)), beyond)
+                         _plain(plant.name, LONGEST_TITLE), plant.notes), beyond)
 
 
 def _plain(words: str, longest: int) -> str:
@@ -85,16 +101,16 @@ def _plain(words: str, longest: int) -> str:
 
 
 def plant_of(text: str) -> Plant:
-    """The plant of a canonical text, or of any other JSON of a plant. Raises Misfit."""
-    try:
-        return from_json(text)
-    except EngineError as problem:
-        raise UnsuitablePlant(text_in("plant", "{why}", why=error_words(problem))) from problem
+    """The plant of a canonical text, or of any other JSON of a plant with at most 30 states. Raises Misfit."""
+    return parts_of(text)[0]
 
 
-def _beyond(text: str, plant: Plant) -> PlantExtras:
+def parts_of(text: str) -> tuple[Plant, PlantExtras]:
+    """The same with F and K of a bilinear plant. Raises Misfit."""
     try:
-        return extras_of(text, plant)
+        content = read_content("plant.json", text.encode(errors="replace"))
+        plant = reduced_to(content.plant, MOST_STATES)
+        return plant, extras_of(content.more, plant)
     except EngineError as problem:
         raise UnsuitablePlant(text_in("plant", "{why}", why=error_words(problem))) from problem
 
@@ -111,8 +127,8 @@ def without_hold(plant: Plant) -> Plant:
 # --- the model ---------------------------------------------------------------------------------------------------------
 def model_of(text: str, *, held: bool) -> Model:
     """The model of a canonical text, with F and K of a bilinear plant; `held`: a sampled plant stays as it is. Raises Misfit."""
-    plant = plant_of(text)
-    return replace(own_model(plant if held else without_hold(plant)), beyond=_beyond(text, plant))
+    plant, beyond = parts_of(text)
+    return replace(own_model(plant if held else without_hold(plant)), beyond=beyond)
 
 
 @dataclass(frozen=True)

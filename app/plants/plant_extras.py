@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from ..engine import EngineError, Plant, ShapeError, to_json
-from ..engine.systems import read_matrix
+from ..engine.systems import as_matrix
 
-__all__ = ["NO_EXTRAS", "PlantExtras", "extras_of", "plant_json", "read_extras"]
+__all__ = ["NO_EXTRAS", "PlantExtras", "extras_of", "plant_json"]
 
 MOST_WANTED = 16  # rows of K
 
@@ -29,24 +30,24 @@ class PlantExtras:
 NO_EXTRAS = PlantExtras()
 
 
-def read_extras(name: str, data: bytes, plant: Plant) -> PlantExtras:
+def extras_of(more: Mapping[str, np.ndarray], plant: Plant) -> PlantExtras:
     """F and K of the file that the plant came from. Raises EngineError, in one sentence, where they do not fit the plant."""
-    F = _multiplying(name, data, plant)
+    F = _multiplying(more, plant)
     if F is None:
         return NO_EXTRAS
-    K = read_matrix(name, data, "K")
+    K = more.get("K")
     if K is None:
         return PlantExtras(F)
     if K.shape[1] != plant.n or not 1 <= len(K) <= MOST_WANTED:
         raise ShapeError("K must have 1 to {most} rows of {n} numbers, one for each state; it is {rows}×{columns}.",
                          most=MOST_WANTED, n=plant.n, rows=K.shape[0], columns=K.shape[1])
-    return PlantExtras(F, K)
+    return PlantExtras(F, as_matrix(K, "K"))
 
 
-def _multiplying(name: str, data: bytes, plant: Plant) -> np.ndarray | None:
+def _multiplying(more: Mapping[str, np.ndarray], plant: Plant) -> np.ndarray | None:
     """[F₁ … F_m] of the file: F where there is one input, F1, F2, … where there are several, zero where one of them is left out."""
     keys = [f"F{j + 1}" for j in range(plant.m)]
-    found = {key: M for key in ("F", *keys) if (M := read_matrix(name, data, key)) is not None}
+    found = {key: M for key, M in more.items() if key != "K"}
     if not found:
         return None
     if plant.dt:
@@ -55,15 +56,12 @@ def _multiplying(name: str, data: bytes, plant: Plant) -> np.ndarray | None:
         raise EngineError("F multiplies one input, and this plant has {count}: give F1 to F{count}, one for each, or keep one column of B.",
                           count=plant.m)
     for key, F in found.items():
+        if key not in ("F", *keys):
+            raise EngineError("{name} has no input to multiply; this plant has {count} inputs.", name=key, count=plant.m)
         if F.shape != plant.A.shape:
             raise ShapeError("{name} must be {n}×{n}, as A is; it is {rows}×{columns}.", name=key, n=plant.n, rows=F.shape[0],
                              columns=F.shape[1])
-    return np.hstack([found.get("F", found.get(key, np.zeros_like(plant.A))) for key in keys])
-
-
-def extras_of(text: str, plant: Plant) -> PlantExtras:
-    """F and K of a plant in its JSON text. Raises EngineError, as `read_extras` does."""
-    return read_extras("plant.json", text.encode(errors="replace"), plant) if '"F' in text else NO_EXTRAS
+    return np.hstack([as_matrix(found.get("F", found.get(key, np.zeros_like(plant.A))), key) for key in keys])
 
 
 def plant_json(plant: Plant, beyond: PlantExtras) -> str:

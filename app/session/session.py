@@ -16,6 +16,7 @@ from typing import assert_never
 
 from ..course.knobs import KnobError
 from ..course.lesson import Lesson
+from ..course.scenes import Mode
 from ..engine import EngineError
 from .commands.commands import (
     Answer,
@@ -34,7 +35,8 @@ from .commands.commands import (
 )
 from .commands.exams import Examining
 from .commands.files import Comparing, FileReady, Shelving, Taking
-from .handlers import design, downloads, exams, page, pins, playback, saved_designs, sharing, tasks
+from .commands.guide import Guiding
+from .handlers import design, downloads, exams, guide, page, pins, playback, saved_designs, sharing, tasks
 from .handlers.presenter import Presenter
 from .handlers.reload import RECALL_TIMEOUT_S, MemoryRequest, restore_memory
 from .runtime.background_jobs import BackgroundJobs
@@ -60,7 +62,7 @@ class Session:
 
     def __init__(self, lessons: Mapping[str, Lesson], view: View, lesson: str, language: str = "en",
                  clock: Callable[[], float] = time.monotonic, plant: str = "",
-                 state: str = "", insists: bool = False, sealed: bool = False) -> None:
+                 state: str = "", insists: bool = False, sealed: bool = False, mode: Mode = "lab") -> None:
         """`state` is a token, or the words of a saved file, that the tab opens with if nothing else is known of it.
 
         A new tab goes on where the browser's last one was, unless the server `insists` on its lesson or its state.
@@ -70,7 +72,8 @@ class Session:
         if lesson not in lessons:
             raise KeyError(f"There is no lesson {lesson}; there are {', '.join(lessons)}.")
         self._mailbox, self._state = Mailbox(), state
-        first = State(language=language, fresh=secrets.token_hex(8), plant=plant, withheld=sealed, sealed=sealed)
+        first = State(language=language, fresh=secrets.token_hex(8), plant=plant, withheld=sealed, sealed=sealed, mode=mode,
+                      newcomer=mode == "guide" and not insists and not state)
         self._show = Presenter(lessons, view, lesson, first, clock)
         self._show.insists = insists or bool(state)
         self._errands = BackgroundJobs(self.post)
@@ -106,6 +109,8 @@ class Session:
     def open(self) -> None:
         """Compute the lesson's present design and lay the screen out."""
         self._show.open()
+        guide.enter(self._show)
+        guide.greet(self._show)
 
     def step(self, wait: float | None = 0.0) -> None:
         """Take what waits, do what is due, when it is this tab's turn."""
@@ -133,6 +138,7 @@ class Session:
                 else:
                     self._show.complete()
                     self._run_command(edits)
+                guide.follow(self._show, edits)
             except (KnobError, EngineError) as problem:
                 self._show.report_refusal(problem)
             except BaseException as problem:  # a lesson that asks the process to exit is a lesson that failed
@@ -143,9 +149,11 @@ class Session:
         if not self._show.resting and now - self._show.last_edit >= FINAL_PICTURE_DELAY_S:
             self._show.rest()
             tasks.follow(self._show)
+            guide.follow(self._show, ())
         self._recall.go_on(now)
         tasks.go_on(self._show, self._mailbox.empty)
         playback.tick(self._show, now)
+        guide.tick(self._show, now)
 
     def _complete_hidden_figures(self) -> None:
         """What hidden tabs show of the last draft, unless the hand goes on."""
@@ -175,6 +183,8 @@ class Session:
             pins.obey(self._show, command)
         elif isinstance(command, Shelving):
             saved_designs.obey(self._show, command)
+        elif isinstance(command, Guiding):
+            guide.obey(self._show, command)
         elif isinstance(command, Paging):
             page.obey(self._show, command)
         else:
@@ -221,4 +231,4 @@ class Session:
         now = self._show.clock()
         frame = playback.wait_for_frame(self._show, now)
         rest = None if self._show.resting else max(0.0, self._show.last_edit + FINAL_PICTURE_DELAY_S - now)
-        return min((wait for wait in (frame, rest, self._recall.wait(now)) if wait is not None), default=None)
+        return min((wait for wait in (frame, rest, self._recall.wait(now), guide.wait(self._show, now)) if wait is not None), default=None)

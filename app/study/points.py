@@ -15,8 +15,8 @@ from ..course.knobs import KnobError, Number
 from ..course.lesson import Design, Lesson, Outcome
 from ..engine import EngineError
 from ..engine.kernels import SHELF
-from ..plants.own_plant import canonical_text, plant_of
-from ..plants.plant_extras import PlantExtras, extras_of
+from ..plants.own_plant import canonical_text, parts_of, plant_of
+from ..plants.plant_extras import PlantExtras
 from .plan import Axis, Row, Study, StudyError, programs
 
 ENTRY = re.compile(r"([ABCDFK])\((\d{1,3}),\s*(\d{1,3})\)")
@@ -101,8 +101,7 @@ def design_at(study: Study, index: int) -> tuple[Lesson, Design]:
 
 def matrices_of(plant: str) -> dict[str, np.ndarray]:
     """A, B, C and D of a plant in its canonical text, and F and K of a bilinear one, to be changed."""
-    linear = plant_of(plant)
-    beyond = extras_of(plant, linear)
+    linear, beyond = parts_of(plant)
     found = {name: getattr(linear, name) for name in "ABCD"} | {"F": beyond.F, "K": beyond.K}
     return {name: np.array(matrix) for name, matrix in found.items() if matrix is not None}
 

@@ -5,12 +5,14 @@ is a sentence. The English is the id that translators see.
 """
 
 from .languages import languages
-from .message import NO_WORDS, Text, error_words, joined, label_in_language, listed, name_of, same, text, text_in
+from .message import NO_WORDS, SaidError, Text, error_words, joined, label_in_language, listed, name_of, same, text, text_in
 from .numbers import format_number, superscript
+from .outside_json import read_outside_json, replace_surrogates
 from .symbols import squared_unit, subscript, symbol
 
 __all__ = [
     "NO_WORDS",
+    "SaidError",
     "Text",
     "error_words",
     "format_number",
@@ -19,6 +21,8 @@ __all__ = [
     "languages",
     "listed",
     "name_of",
+    "read_outside_json",
+    "replace_surrogates",
     "same",
     "squared_unit",
     "subscript",

@@ -111,6 +111,23 @@ def label_in_language(words: Text | str, language: str) -> str:
     return words if isinstance(words, str) else words(language)
 
 
+class SaidError(ValueError):
+    """An error with its sentence in every language, `text`. It can be pickled and copied, whatever its subclass takes."""
+
+    def __init__(self, said: Text) -> None:
+        super().__init__(said("en"))
+        self.text = said
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return _raised_again, (type(self), self.text)
+
+
+def _raised_again(kind: type[SaidError], said: Text) -> SaidError:
+    made = kind.__new__(kind)
+    SaidError.__init__(made, said)
+    return made
+
+
 def error_words(problem: object) -> Text:
     """What an error says, in every language: one of the engine carries its message and values, one of ours its text.
 

@@ -1,6 +1,6 @@
 """Observer Lab for each student of a JupyterHub. The Littlest JupyterHub reads it from its folder `jupyterhub_config.d`.
 
-Needs, where the students' servers run: `pip install observer-lab jupyter-server-proxy`, in the environment that has jupyterlab.
+Needs, where the students' servers run: `pip install ./observer_lab-*.whl jupyter-server-proxy`, in the environment that has jupyterlab.
 The lab then has a tile in everybody's launcher and the address /user/NAME/observer-lab/; nothing below is needed for that.
 """
 

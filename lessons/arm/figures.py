@@ -210,7 +210,15 @@ def _rest(outcome: Outcome[Study]) -> TableFigure:
     if rest is None:
         said = text("This loop comes to no rest.")
     elif not outcome.study.played.linear or design["encoder"] != EXACT_ENCODER:
-        said = text("On the left an ideal gear and an exact encoder; on the right this run, which has neither.")
+        said = (
+            text("On the left an ideal gear and an exact encoder. On the right this run, whose gear has play and whose encoder counts.")
+            if design["gap"] and design["encoder"] != EXACT_ENCODER
+            else text("On the left an ideal gear. On the right this run, whose gear has play.")
+            if design["gap"]
+            else text("On the left an exact encoder. On the right this run, whose encoder counts.")
+            if design["encoder"] != EXACT_ENCODER
+            else text("On the left a voltage without limit. On the right this run, whose voltage is limited.")
+        )
     else:
         gap = max(abs(degrees(rest[0][ANGLE_INDEX] - x[ANGLE_INDEX])), abs(rest[1][LOAD_INDEX] - xhat[LOAD_INDEX]))
         said = claim(text("The run ends where the equations of rest say."), gap, below=RESTED,

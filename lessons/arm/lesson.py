@@ -15,6 +15,7 @@ from .exams import EXAMS
 from .figures import figures
 from .job import JOB
 from .knobs import KNOBS
+from .path import PATH
 from .study import compute
 from .tasks import TASKS
 
@@ -25,4 +26,4 @@ LESSON = Lesson(
     place=COURSE_PLACES["arm"],
     again=SecondPrediction(("cancel",), 3, {"cancel": False}, ("angle", "load", "error")),
     words=read_prose(Path(__file__).parent), key=("load_state", "load", "gap"),
-    aside=("target", "counts"), derived=derived, code=code, job=JOB)
+    aside=("target", "counts"), derived=derived, code=code, job=JOB, path=PATH)

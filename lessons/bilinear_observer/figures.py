@@ -88,7 +88,8 @@ def _functional(outcome: Outcome[Study], run: Record) -> LineFigure:
     guess = run.estimates[:, form_index(outcome.design)]
     met = outcome.metrics["settled_after"]
     caption = (text("After {met:.3g} s the error of ĝ stays below 2 % of its peak.", met=met) if met <= HORIZON
-               else text("Within this run ĝ does not settle on g."))
+               else text("With the sensors' noise the error of ĝ does not stay below 2 % of its peak in this run.")
+               if outcome.design["noise"] else text("Within this run ĝ does not settle on g."))
     return LineFigure("functional", text("the number wanted, g = K x"), run.t,
                       (Curve(same("g"), run.g), Curve(same("ĝ"), guess, "estimate", "dash")), "g", window=(-10.0, 30.0),
                       tab=TIME_TAB, caption=caption)
@@ -131,7 +132,7 @@ def _singular(o: BilinearObserver) -> TableFigure:
     table = ((same("Q"), words(wide, 3), f"{o.canonical_Q.rank} / {rows}"),
              (text("Q with the row V₂(FT₂ AT₃ FT₃)"), words(tall, 3), f"{rank} / {rows + 1}"))
     caption = (text("The row adds to the rank: no combination of the rows of Q is equal to it. What is left of "
-                    "(21) is {defect_size:.1e}, relative.",
+                    "(21) is {defect_size:.1e} of it in these coordinates; another basis gives another share.",
                     defect_size=o.defect_size) if more else
                text("The row adds nothing to the rank, so (21) holds. Rows of Q to spare: {rows}.",
                     rows=rows - o.canonical_Q.rank))

@@ -15,6 +15,7 @@ from .exams import EXAMS
 from .figures import figures
 from .knobs import KNOBS
 from .own import adapted
+from .path import PATH
 from .study import compute
 from .tasks import TASKS
 
@@ -25,4 +26,4 @@ LESSON = Lesson("bilinear-observer", 16, KNOBS, compute, figures, answer=2, answ
                 again=SecondPrediction(("form",), 1, {"form": "filtered", "pole": (-60 + 0j,)}, ("forms", "error")),
     words=read_prose(Path(__file__).parent), key=("step", "input", "form"), adapt=adapted, bilinear=True,
     aside=("amplitude", "omega", "seed", "tau", "noise", "chi0", "line"), code=code,
-    derived=derived)
+    derived=derived, path=PATH)

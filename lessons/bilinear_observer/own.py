@@ -63,9 +63,9 @@ def _metrics(design: Design, s: Story) -> dict[str, float]:
 def _checks(s: Story, m: Mapping[str, float]) -> tuple[Check, ...]:
     o, start = s.wanted.solved, s.wanted.start
     return (
-        Check("case1", text("case 1: (21) fails, no L"), o.case == 1, o.defect_size),
-        Check("case2", text("case 2: one L only"), o.case == 2, float(o.canonical_Q.rank)),
-        Check("case3", text("case 3: a family of L"), o.case == 3, float(len(o.canonical_Q.zero_left))),
+        Check("case1", text("case 1: (21) fails, no L"), o.case == 1, o.defect_size, informative=True),
+        Check("case2", text("case 2: one L only"), o.case == 2, float(o.canonical_Q.rank), informative=True),
+        Check("case3", text("case 3: a family of L"), o.case == 3, float(len(o.canonical_Q.zero_left)), informative=True),
         Check("controllable", text("(A*, B*) controllable: any poles"), start is not None and not len(start.bolted),
               0.0 if start is None else float(len(start.moved))),
         Check("stable", text("the poles in use are on the left"), m["slowest"] < 0, m["slowest"]),

@@ -119,9 +119,9 @@ def _noise(design: Design, run: Record, form: BilinearForm, outputs: int) -> dic
 def _checks(o: BilinearObserver, metrics: Mapping[str, float]) -> tuple[Check, ...]:
     gap = metrics["law_gap"]
     return (
-        Check("case1", text("case 1: (21) fails, no L"), o.case == 1, o.defect_size),
-        Check("case2", text("case 2: one L only"), o.case == 2, float(o.canonical_Q.rank)),
-        Check("case3", text("case 3: a family of L"), o.case == 3, float(len(o.canonical_Q.zero_left))),
+        Check("case1", text("case 1: (21) fails, no L"), o.case == 1, o.defect_size, informative=True),
+        Check("case2", text("case 2: one L only"), o.case == 2, float(o.canonical_Q.rank), informative=True),
+        Check("case3", text("case 3: a family of L"), o.case == 3, float(len(o.canonical_Q.zero_left)), informative=True),
         Check("controllable", text("(A*, B*) controllable: any pole"), bool(o.controllable),
               float(np.max(np.abs(o.B_star), initial=0.0))),
         Check("stable", text("the pole in use is on the left"), metrics["pole"] < 0, metrics["pole"]),
@@ -145,8 +145,8 @@ def promises(o: BilinearObserver) -> tuple[Check, Check, Check]:
     """What sizes and a pair of matrices promise before anything is solved."""
     (known, needed), n, m, q = counts(o), o.plant.n, o.plant.m, o.order
     return (
-        Check("fewer", text("r < n − m: fewer states than Luenberger's reduced observer"), q < n - m, float(n - m - q)),
-        Check("advised", text("{bound}: (21) is to be expected", bound=bound(o.plant)), o.advised, float(known - needed)),
+        Check("fewer", text("r < n − m: fewer states than Luenberger's reduced observer"), q < n - m, float(n - m - q), informative=True),
+        Check("advised", text("{bound}: (21) is to be expected", bound=bound(o.plant)), o.advised, float(known - needed), informative=True),
         Check("pair", text("(V₂AT₂, V₁AT₂) observable: any pole, if (21) asked nothing of L"), o.observable, float(o.order)),
     )
 
@@ -173,6 +173,9 @@ def _stage(body: Body, design: Design, run: Record) -> Stage:
 
 def _live(design: Design, o: BilinearObserver, m: Mapping[str, float]) -> Text:
     pole, late = words(np.array([m["pole"]]), 2), format_number(m["late_error"], ".1e")
+    if o.case == 1 and design["noise"]:
+        return text("Case 1: no L frees ε from u and x. With the nearest one ε is {late} when the run ends, the sensors' noise included.",
+                    late=late)
     if o.case == 1:
         return text("Case 1: no L frees ε from u and x. The nearest one leaves ε at {late} when the run ends.",
                     late=late)

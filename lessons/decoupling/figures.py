@@ -280,7 +280,7 @@ def _force_spectrum(outcome: Outcome[Study]) -> LineFigure:
     return over_frequency("force-spectrum", text("forces asked of the coils"), s.f, curves, "[mN/√Hz]",
                           tab=FORCE_TAB, window=(1e-2, 10.0),
                           caption=text("Largest between 0.1 and 10 Hz: {size:.3g} mN/√Hz.",
-                                       size=float(size[inside].max())))
+                                       size=1e3 * float(np.sqrt(np.maximum(s.forces[inside], 0.0).max()))))
 
 
 def _forces(outcome: Outcome[Study]) -> LineFigure:

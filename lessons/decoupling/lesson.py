@@ -14,6 +14,7 @@ from .derive import derived
 from .exams import EXAMS
 from .figures import figures, pick
 from .knobs import KNOBS
+from .path import PATH
 from .study import compute
 from .tasks import TASKS
 
@@ -23,4 +24,4 @@ LESSON = Lesson("decoupling", 11, KNOBS, compute, figures, answer=2, answering="
                 again=SecondPrediction(("mix",), 3, {"mix": "best"}, ("spectrum-rotation", "velocity-rotation")),
     words=read_prose(Path(__file__).parent), key=("vertical", "horizontal", "pitch"),
     aside=("f_low", "f_high", "lower", "ground", "noise"), pick=pick,
-    derived=derived, code=code)
+    derived=derived, path=PATH, code=code)

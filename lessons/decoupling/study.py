@@ -82,7 +82,7 @@ def compute(design: Design) -> Outcome[Study]:
     zeros = zeros_of(mix.a, mix.b, lower)
     own = built.whole.poles if built.whole.n else np.zeros(0, dtype=complex)
     return Outcome(design, {"S": mix.S}, {"loop": loop.poles, "controller": own, "zeros of P_h": zeros}, metrics,
-                   LazySequence(lambda: _checks(metrics, drift)), None,
+                   LazySequence(lambda: _checks(metrics, drift, bool(design["pitch"]))), None,
                    _boards(design, zeros), Stage(BODY, run.t, run.x, run.bare, np.hstack([run.u, run.ground])),
                    LazySequence(lambda: _formulas(mix, built)), LazyValue(lambda: _live(metrics)), study)
 
@@ -115,10 +115,11 @@ def _metrics(known: Mapping[str, float], design: Design, study: Study) -> dict[s
     }
 
 
-def _checks(m: Mapping[str, float], drift: float) -> tuple[Check, ...]:
+def _checks(m: Mapping[str, float], drift: float, closed: bool) -> tuple[Check, ...]:
     worst = max(m["rightmost"], drift)
     return (Check("stable", text("every pole of the loop lies on the left"), worst < 0, worst),
-            Check("claim", text("closing pitch leaves the loop stable"), m["rightmost"] < 0 or m["rightmost_pitch_open"] >= 0,
+            Check("claim", text("closing pitch leaves the loop stable") if closed else text("pitch is open, so closing it is not tried"),
+                  m["rightmost"] < 0 or m["rightmost_pitch_open"] >= 0,
                   m["rightmost"]))
 
 

@@ -11,7 +11,7 @@ from observer_lab.course.lesson import Outcome
 from observer_lab.engine.simulation import Run
 from observer_lab.text import format_number, same, text
 
-from ..toolkit.figures import TIME_TAB, rate_of_error, settled_words, state_figures
+from ..toolkit.figures import TIME_TAB, no_error, rate_of_error, settled_words, state_figures
 from .notes_page import notes_figures
 from .study import Setting, Study, left_alone
 
@@ -44,7 +44,7 @@ def _beside(quiet: np.ndarray, count: int) -> np.ndarray:
 
 def _size(outcome: Outcome[Study], run: Run, quiet: Run) -> LineFigure:
     after = outcome.metrics["settled_after"]
-    said = settled_words(after if after <= run.scenario.horizon else None, rate_of_error(run))
+    said = no_error(run) or settled_words(after if after <= run.scenario.horizon else None, rate_of_error(run))
     return LineFigure("error", text("size of the error"), run.t, (
         Curve(text("with this input"), np.linalg.norm(run.e, axis=1), "error"),
         Curve(text("without input"), _beside(np.linalg.norm(quiet.e, axis=1), len(run.t)), "reference", "dash", 1.6)),

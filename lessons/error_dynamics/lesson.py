@@ -15,6 +15,7 @@ from .exams import EXAMS
 from .figures import figures
 from .knobs import KNOBS
 from .own import adapted
+from .path import PATH
 from .study import BLOCK_SETTING, compute
 from .tasks import TASKS
 
@@ -36,4 +37,5 @@ LESSON = Lesson(
     aside=("amplitude", "frequency", "seed", "line"),
     adapt=adapted,
     derived=partial(derived, BLOCK_SETTING),
+    path=PATH,
 )

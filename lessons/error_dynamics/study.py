@@ -106,7 +106,8 @@ def compute(here: Setting, design: Design) -> Outcome[Study]:
               metrics["slowest_observer"]),
     )
     return Outcome(design, {"L": L}, {"observer": poles, "plant": plant.poles}, metrics, checks, run,
-                   _boards(here, design, poles, error), stage(model, run), _formulas(here, design, L, error), _live(metrics),
+                   _boards(here, design, poles, error), stage(model, run), _formulas(here, design, L, error),
+                   _live(metrics, bool(kicks(design, model))),
                    Study(quiet, error))
 
 
@@ -144,7 +145,9 @@ def _formulas(here: Setting, design: Design, L: np.ndarray, error: np.ndarray) -
             Formula("leak", rf"A - LC - M = {matrix(leak)}"))
 
 
-def _live(m: dict[str, float]) -> Text:
+def _live(m: dict[str, float], kicked: bool) -> Text:
+    if m["state_moved"] == 0 and kicked:
+        return text("No input acts; only the kick moves plant and error.")
     if m["state_moved"] == 0:
         return text("No input acts: plant and error are left to themselves.")
     moved = format_number(m["state_moved"], ".2g")

@@ -77,7 +77,7 @@ def code(outcome: Outcome[Study]) -> Code:
             ShownValue("named_pair", _named(said.both, 2)),
             *(
                 ShownValue(name, m[name])
-                for name in ("threshold", "dof", "needed", "hourly", "accused", "right_verdict", "delay", "expected_delay", "pitch")
+                for name in ("threshold", "dof", "needed", "accused", "right_verdict", "delay", "expected_delay", "pitch")
             ),
         ),
         "Shares over many runs, the cumulative sum, and how small a fault the banks see",

@@ -10,6 +10,7 @@ from scipy.special import chdtr, chdtri
 
 from .diagnosis import Rule
 from .observer_bank import guard
+from .run_length import member_run
 from .runs import Record
 
 CELLS = 160  # of the Markov chain
@@ -30,10 +31,10 @@ class Cusum:
 def cusum(test: Rule, record: Record) -> Cusum:
     """g_k = max(0, g_{k−1} + q_k − d − κ) of each member, q_k = ‖r_k‖² its whitened innovation's square, χ² with d degrees of freedom.
 
-    κ is half of what the least fault that the window sees with POWER adds to a sample; h gives the window's mean time between
-    false alarms, N/α samples. Source: Page, Continuous inspection schemes (1954).
+    κ is half of what the least fault that the window sees with POWER adds to a sample; h gives the mean time between
+    false alarms of the window that is tested at every sample. Source: Page, Continuous inspection schemes (1954).
     """
-    d, mean = guard().bank.dof, test.window / test.rate
+    d, mean = guard().bank.dof, member_run(test)
     slack = min(test.needed / (2 * test.window), (float(chdtri(d, 1 / mean)) - d) / 2)  # never so much that one sample must do it all
     h = threshold(d, slack, mean)
     total = np.cumsum(np.sum(np.asarray(record.residuals) ** 2, axis=2) - d - slack, axis=0)

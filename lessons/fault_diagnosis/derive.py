@@ -13,7 +13,7 @@ from .diagnosis import ENERGY
 from .fault_pairs import PAIRS, pair_bank, rank_of
 from .observer_bank import DT, MODEL, SENSOR_SIGMA, guard
 from .results import Study
-from .study import hourly
+from .study import between
 
 MICRO = 1e6  # mm²/s² in a m²/s²
 SENSOR_COUNT = 4  # members that leave one out and read the others as they are
@@ -28,7 +28,8 @@ def derived(outcome: Outcome[Study]) -> Mapping[str, Value]:
     Cb = MODEL.plant.C @ MODEL.plant.B[:, [coil]]
     known: dict[str, Value] = {
         "count": float(N if s.test.statistic == ENERGY else 1), "dof": float(s.test.dof), "alpha": s.test.rate, "N": float(N), "dt": DT,
-        "hourly": hourly(s), "needed": s.test.needed, "least": float(s.test.needed / N) ** 0.5,
+        "side": N * DT / s.test.rate, "bank": between(s),
+        "sooner": N * DT / s.test.rate / between(s), "needed": s.test.needed, "least": float(s.test.needed / N) ** 0.5,
         "inner": float((Cb.T @ Cb)[0, 0]), "size": float(np.linalg.norm(Cb)), "one": 1.0,
         "pairs": float(len(PAIRS)), "rank": float(rank_of(frozenset(s.pair or PAIRS[0]))), "left": float(pair_bank().dof)}
     if column < SENSOR_COUNT:

@@ -7,16 +7,17 @@ import numpy as np
 from observer_lab.course.figures.records import Curve, Dash, LineFigure, PlaneFigure, Point, TableFigure, over_frequency
 from observer_lab.course.lazy import FigureSet, tab_figures
 from observer_lab.course.lesson import Outcome
-from observer_lab.text import Text, listed, same, text, text_in
+from observer_lab.text import NO_WORDS, Text, joined, listed, same, text, text_in
 
 from .cusum import cusum
 from .diagnosis import DETECTION_POWER
 from .observer_bank import COIL_IDS, DT, FAULT_PLACES, MEMBER_NAMES, PLACE_NAMES, SAMPLE_COUNT, guard
 from .pair_figures import PAIR_TAB, pair_figures, pair_reach, short
-from .results import BAND_PROBABILITY, Study
+from .results import BAND_PROBABILITY, Study, Trials
+from .run_length import duration, member_run
 from .runs import KEEP_LOOP_OPEN, NONE, SWITCH_LOOP
 from .sensitivity import TONES, least, least_force
-from .study import unknown_coil
+from .study import between, unknown_coil
 
 RESIDUAL_TAB, VERDICT_TAB, LOOP_TAB = text("Residuals"), text("Verdict"), text("Loop")
 RATE_TAB, REACH_TAB = text("False alarms"), text("Reach")
@@ -200,18 +201,18 @@ def _rates(s: Study) -> PlaneFigure:
 
 
 def _counts(s: Study) -> TableFigure:
-    a, n = s.test.rate, s.test.window
-    hourly = 7 * a * 3600 / (n * DT)
+    a, all_seven = s.test.rate, between(s)
     rows: list[tuple[Text | str, ...]] = [
         (text("threshold"), f"{s.test.threshold:.2f}"),
         (text("χ² degrees of freedom"), str(s.test.dof)),
         (text("designed, per window and member"), f"{a:.2g}"),
-        (text("expected per hour, all members"), f"{hourly:.3g}"),
+        (text("mean time between false alarms, one member"), duration(DT * member_run(s.test))),
+        (text("mean time between false alarms, all seven"), duration(all_seven)),
         (text("λ for {power:.0f} % power", power=100 * DETECTION_POWER), f"{s.test.needed:.1f}"),
     ]
     t = s.trials
-    some = "—" if t is None else f"{t.any / t.windows:.2g} ≤ {min(7 * a, 1.0):.2g}"
-    rows.append((text("at least one of seven, measured"), some))
+    rows += [(text("all seven, measured"), "—" if t is None else _measured(t, s.test.window)),
+             (text("one window of at least one of seven, measured"), "—" if t is None else f"{t.any / t.windows:.2g}")]
     if t is not None and s.case.place != NONE:
         middle = f"{np.median(t.delays):.2f} s" if t.delays else "—"
         rows += [(text("accused rightly / wrongly / nobody"), f"{t.right} / {t.wrong} / {t.nobody}"),
@@ -219,7 +220,8 @@ def _counts(s: Study) -> TableFigure:
     else:
         rows += [(text("accused rightly / wrongly / nobody"), "—"), (text("median "
                                                                                                            "delay"), "—")]
-    said = (text("One threshold for all members: about {hourly:.2g} false alarms an hour.", hourly=hourly))
+    said = joined(text("A healthy bank gives a false alarm every {time} on average. Its windows are tested at every sample and are emptied "
+                       "after an alarm.", time=duration(all_seven)), _wrong_model(s))
     return TableFigure("counts", text("design of the threshold"), (text("quantity"), text("value")),
                        tuple(rows), said, RATE_TAB)
 
@@ -230,15 +232,25 @@ def _cusum(s: Study) -> LineFigure:
     member = int(np.argmax(s.verdict.values.max(axis=0)))
     curves = [values[:, member] for values in (judged(s), both.values)]
     window, total = (_crossing(values) for values in curves)
-    hours = both.mean * DT / 3600
-    said = text("The window crosses at {window}, the sum at {total}. Windows side by side and the sum are made for a false alarm of one "
-                "member every {hours:.2g} h.",
-                window=window, total=total, hours=hours)
+    said = text("The window crosses at {window}, the sum at {total}. Both have the same mean time between false alarms of one member: "
+                "{time}.", window=window, total=total, time=duration(both.mean * DT))
     return LineFigure("cusum", text("window and cumulative sum of {member}", member=MEMBER_NAMES[member]), TIMES_S,
                       (Curve(text("window"), np.maximum(curves[0], THRESHOLD_FLOOR), "plant"),
                        Curve(text("cumulative sum"), np.maximum(curves[1], THRESHOLD_FLOOR), "error", "dash"),
                        Curve(text("threshold"), np.ones(SAMPLE_COUNT), "reference", "dash", 1.4)), text("over its threshold"), log_y=True,
                       window=(0.1, 10.0), caption=said, tab=RATE_TAB)
+
+
+def _measured(t: Trials, window: int) -> Text:
+    """The mean time that healthy runs show, with how many alarms it rests on."""
+    return (text("{time}; alarms: {count}", time=duration(t.between(window)), count=t.false) if t.false else
+            text("no alarm in {time}", time=duration(DT * t.full)))
+
+
+def _wrong_model(s: Study) -> Text:
+    """That the mean time is of a true model, where the model is wrong."""
+    return NO_WORDS if s.case.stiffer == 0 else text("This time is for springs as the model has them. Here they differ: press the button "
+                                                     "and count.")
 
 
 def judged(s: Study) -> np.ndarray:

@@ -25,12 +25,15 @@ def try_often(outcome: Outcome[Study]) -> Iterator[tuple[float, Trials | None]]:
     s, seed = outcome.study, int(outcome.design["seed"])
     healthy, faulty = healthy_case(s.case), replace(s.case, kick=-1.0, loop=NO_REACTION if s.case.loop == SWITCH_LOOP else s.case.loop)
     alarms, some, windows, right, wrong = np.zeros(len(MEMBER_NAMES), dtype=int), 0, 0, 0, 0
+    false, full = 0, 0
     delays: list[float] = []
     seeds = np.random.SeedSequence([seed, 5]).generate_state(RUN_COUNT)
     for count in range(BATCH_RUNS, RUN_COUNT + 1, BATCH_RUNS):
         noises = [draw(int(drawn_seed)) for drawn_seed in seeds[count - BATCH_RUNS:count]]
         yield (count - 0.8 * BATCH_RUNS) / RUN_COUNT, None
-        over = s.test.values(residuals_of(healthy, noises))[s.test.window - 1::s.test.window] > s.test.threshold
+        every = np.asarray(s.test.values(residuals_of(healthy, noises)) > s.test.threshold)
+        more, longer = false_alarms(np.any(every, axis=2), s.test.window)
+        false, full, over = false + more, full + longer, every[s.test.window - 1::s.test.window]
         alarms, some, windows = alarms + over.sum(axis=(0, 1)), some + int(over.any(axis=2).sum()), windows + over[..., 0].size
         yield (count - 0.5 * BATCH_RUNS) / RUN_COUNT, None
         ratios = s.test.values(residuals_of(faulty, noises)) / s.test.threshold if s.column is not None else np.empty((SAMPLE_COUNT, 0))
@@ -42,7 +45,19 @@ def try_often(outcome: Outcome[Study]) -> Iterator[tuple[float, Trials | None]]:
                 delays.append(DT * (v.decided - named.start))
             elif v.who is not None:
                 wrong += 1
-        yield count / RUN_COUNT, Trials(count, windows, alarms, some, right, wrong, tuple(delays))
+        yield count / RUN_COUNT, Trials(count, windows, alarms, some, false, full, right, wrong, tuple(delays))
+
+
+def false_alarms(over: np.ndarray, window: int) -> tuple[int, int]:
+    """Alarms of over (COUNT, runs), and samples with a full window; after each alarm the window is emptied and fills anew."""
+    count, full = 0, 0
+    last = np.full(over.shape[1], -1)
+    for k, now in enumerate(over):
+        filled = k - last >= window
+        full += int(filled.sum())
+        count += int((alarm := filled & now).sum())
+        last[alarm] = k
+    return count, full
 
 
 def healthy_case(case: Case) -> Case:

@@ -15,6 +15,7 @@ from .exams import EXAMS
 from .figures import figures
 from .job import JOB
 from .knobs import KNOBS
+from .path import PATH
 from .study import compute
 from .tasks import TASKS
 
@@ -25,4 +26,4 @@ LESSON = Lesson(
     again=SecondPrediction(("window",), 0, {"bias": 1.5, "window": 100}, ("sensors", "isolation", "members", "cusum")),
     words=read_prose(Path(__file__).parent), key=("place", "bias", "drift", "loss", "rate"),
     aside=("at", "place2", "bias2", "loss2", "at2", "force", "tone", "stiffer"), job=JOB, code=code,
-    derived=derived)
+    derived=derived, path=PATH)

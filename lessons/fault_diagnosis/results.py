@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,9 +24,10 @@ def named_by(v: Verdict, case: Case) -> Fault | None:
 
 @dataclass(frozen=True, eq=False)
 class Trials:
-    """What many drawn runs gave: alarms of windows that do not overlap, and, with a fault, who was accused.
+    """What many drawn runs gave: false alarms of healthy runs and, with a fault, who was accused.
 
-    alarms (7,) and `any` over `windows` windows of healthy runs; right, wrong, nobody: verdicts of `runs` runs with the
+    alarms (7,) and `any` over `windows` windows that do not overlap; `false`: alarms of the bank that tests at every sample and
+    empties its windows after each, in `full` samples with full windows; right, wrong, nobody: verdicts of `runs` runs with the
     fault; delays in s of the right ones.
     """
 
@@ -33,6 +35,8 @@ class Trials:
     windows: int
     alarms: np.ndarray
     any: int
+    false: int
+    full: int
     right: int
     wrong: int
     delays: tuple[float, ...]
@@ -41,6 +45,10 @@ class Trials:
     def nobody(self) -> int:
         """Runs in which nobody was accused."""
         return self.runs - self.right - self.wrong
+
+    def between(self, window: int) -> float:
+        """Mean time in s between two false alarms of the bank in the healthy runs; infinite where there was none."""
+        return DT * (window - 1 + self.full / self.false) if self.false else math.inf
 
     def band(self, rate: float) -> tuple[float, float]:
         """Where the share of alarms of one member is to lie."""

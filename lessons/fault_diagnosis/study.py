@@ -18,6 +18,7 @@ from .diagnosis import ENERGY, Forecast, Rule, forecast, judge
 from .fault_pairs import ALWAYS_ISOLABLE, isolable, rivals
 from .observer_bank import COIL_IDS, DT, FAULT_PLACES, MODEL, SAMPLE_COUNT, guard
 from .results import Study
+from .run_length import member_run, seconds_between
 from .runs import BIAS_FAULT, NONE, SWITCH_LOOP, Case, Fault, Record, drawn, quiet, simulate, switched
 from .summary import live
 
@@ -84,9 +85,9 @@ def unknown_coil(coil: int) -> Decoupling:
     return decoupling(MODEL.plant, MODEL.plant.B[:, [coil]])
 
 
-def hourly(s: Study) -> float:
-    """Expected false alarms an hour of the whole bank."""
-    return 7 * s.test.rate * 3600 / (s.test.window * DT)
+def between(s: Study) -> float:
+    """Mean time in s between two false alarms of the whole bank, which tests a window at every sample."""
+    return seconds_between(s.test)
 
 
 def compute(design: Design) -> Outcome[Study]:
@@ -106,9 +107,10 @@ def metrics_of(s: Study) -> dict[str, float]:
     """The numbers of a study by name."""
     v, t = s.verdict, s.trials
     found = {"trials": float(t.runs), "windows": float(t.windows), "worst_share": float(t.alarms.max()) / t.windows,
-             "right": float(t.right), "wrong": float(t.wrong)} if t is not None else {}
+             "right": float(t.right), "wrong": float(t.wrong), "measured_between": t.between(s.test.window)} if t is not None else {}
     return {
-        "threshold": s.test.threshold, "dof": float(s.test.dof), "needed": s.test.needed, "hourly": hourly(s),
+        "threshold": s.test.threshold, "dof": float(s.test.dof), "needed": s.test.needed, "between": between(s),
+        "member_between": DT * member_run(s.test),
         "accused": -1.0 if v.who is None else float(FAULT_PLACES.index(v.who)), "right_verdict": float(s.right),
         "delay": -1.0 if s.delay is None else s.delay,
         "expected_delay": -1.0 if s.forecast.delay is None else DT * s.forecast.delay,

@@ -7,19 +7,20 @@ import numpy as np
 from observer_lab.course.exercises.typed_answers import Typed
 from observer_lab.course.lesson import Outcome, Task, Verdict, typed_task
 from observer_lab.engine.observers import alarm_probability
-from observer_lab.text import text, text_in
+from observer_lab.text import Text, text
 
 from .diagnosis import MEAN, forecast
 from .observer_bank import DT, FAULT_PLACES
 from .pair_sensitivity import least_beside
 from .results import Study
+from .run_length import duration
 from .runs import KEEP_LOOP_OPEN, SWITCH_LOOP
-from .study import hourly
+from .study import between
 
-HOURLY, SOONEST, MAX_PITCH_MRAD = 1.0, 3.0, 1.5  # alarms an hour, s, mrad
+HOUR, SOONEST, MAX_PITCH_MRAD = 3600.0, 3.0, 1.5  # s between two false alarms, s, mrad
 MAX_LOST_SHARE, MAX_FORCE_N = 0.5, 1.0  # share lost, N
-MAX_DRIFT, OFTEN, DUE = 1.0, (0.9, 1.1), 2.06  # mm/s², alarms an hour, s
-LIAR, MAX_DELAY_SAMPLES = "VL", 80  # who lies besides, samples
+MAX_DRIFT, NEAR, DUE = 1.0, 1.1, 2.12  # mm/s², times an hour between two false alarms, s
+LIAR, MAX_DELAY_SAMPLES = "VL", 90  # who lies besides, samples
 LIE, FRAMED, HUSHED = 3.0, "u3", 1.0  # mm/s, who is to be accused, per cent
 
 
@@ -27,14 +28,19 @@ def _rare(o: Outcome[Study]) -> Verdict:
     s: Study = o.study
     if s.case.place != "VL" or s.case.kind != "bias" or s.case.size > 3:
         return Verdict(False, text("Let VL have a bias of at most 3 mm/s."))
-    often, delay = hourly(s), s.forecast.delay
-    when = text_in("fault-diagnosis", "never") if delay is None else text("after {dt:.2f} s", dt=DT * delay)
-    solved = often <= HOURLY * (1 + 1e-9) and delay is not None and DT * delay <= SOONEST
-    if solved:
-        return Verdict(True, text("{often:.2g} false alarms an hour; all six see it with 99 % {when}: as wanted.", often=often,
-                                  when=when))
-    return Verdict(False, text("{often:.2g} false alarms an hour; all six see it with 99 % {when}; wanted: at most {hourly:.0f} an "
-                               "hour, within {soonest:.0f} s.", often=often, when=when, hourly=HOURLY, soonest=SOONEST))
+    time, delay = between(s), s.forecast.delay
+    said = _said(time, delay)
+    if time >= HOUR and delay is not None and DT * delay <= SOONEST:
+        return Verdict(True, text("{said} Both as wanted.", said=said))
+    return Verdict(False, text("{said} Wanted: at least one hour, and at most {soonest:.0f} s.", said=said, soonest=SOONEST))
+
+
+def _said(time: float, delay: int | None) -> Text:
+    """The mean time between false alarms and when the fault is due."""
+    if delay is None:
+        return text("One false alarm every {time} on average; not all six members see the fault with 99 %.", time=duration(time))
+    return text("One false alarm every {time} on average; all six members see the fault with 99 % after {dt:.2f} s.", time=duration(time),
+                dt=DT * delay)
 
 
 def _weak(o: Outcome[Study]) -> Verdict:
@@ -79,12 +85,10 @@ def _ramp(o: Outcome[Study]) -> Verdict:
     s: Study = o.study
     if s.case.place != "HR" or s.case.kind != "drift" or s.case.size > MAX_DRIFT or s.case.stiffer:
         return Verdict(False, text("Let HR drift by at most 1 mm/s², with springs as the model has them."))
-    often, delay = hourly(s), s.forecast.delay
-    when = text_in("fault-diagnosis", "never") if delay is None else text("after {dt:.2f} s", dt=DT * delay)
-    if OFTEN[0] <= often <= OFTEN[1] and delay is not None and DT * delay <= DUE + 1e-9:
-        return Verdict(True, text("{often:.2f} false alarms an hour; all six see it with 99 % {when}.", often=often, when=when))
-    return Verdict(False, text("{often:.2f} false alarms an hour; all six see it with 99 % {when}; wanted: one an hour within 10 %, "
-                               "and {soonest:.2f} s at most.", often=often, when=when, soonest=DUE))
+    time, delay = between(s), s.forecast.delay
+    if HOUR / NEAR <= time <= HOUR * NEAR and delay is not None and DT * delay <= DUE + 1e-9:
+        return Verdict(True, _said(time, delay))
+    return Verdict(False, text("{said} Wanted: one hour within 10 %, and at most {soonest:.2f} s.", said=_said(time, delay), soonest=DUE))
 
 
 def _beside(o: Outcome[Study]) -> Verdict:
@@ -98,14 +102,14 @@ def _beside(o: Outcome[Study]) -> Verdict:
     ):
         return Verdict(False, text("Let u1 lose at most {half:.0f} % and {liar} fail as well, with the loop open and a known force of at "
                                    "most {most:.0f} N.", half=100 * MAX_LOST_SHARE, liar=LIAR, most=MAX_FORCE_N))
-    often, missing = hourly(s), s.case.force * d["loss"] / 100
+    time, missing = between(s), s.case.force * d["loss"] / 100
     least = float(least_beside(s.test, s.case.tone)[FAULT_PLACES.index("u1"), FAULT_PLACES.index(LIAR)])
     said = text("{missing:.2f} N are missing, and beside {liar} u1 is seen from {least:.2f} N on", missing=missing, liar=LIAR, least=least)
     if least > missing:
         return Verdict(False, text("{said}: that is more.", said=said))
-    if often > HOURLY * (1 + 1e-9) or s.test.window > MAX_DELAY_SAMPLES:
-        return Verdict(False, text("{said}, with {often:.2g} false alarms an hour and a window of {window} samples; wanted are at most "
-                                   "{hourly:.0f} and {longest}.", said=said, often=often, window=s.test.window, hourly=HOURLY,
+    if time < HOUR or s.test.window > MAX_DELAY_SAMPLES:
+        return Verdict(False, text("{said}, with one false alarm every {time} on average and a window of {window} samples. Wanted: at "
+                                   "least one hour, and at most {longest} samples.", said=said, time=duration(time), window=s.test.window,
                                    longest=MAX_DELAY_SAMPLES))
     return Verdict(True, text("{said}, whatever {liar} does.", said=said, liar=LIAR))
 
@@ -133,16 +137,16 @@ SWALLOWED = Typed("a*f/(a+L)", ("a", "L", "f"), slips=(
     ("L*f/(a+L)", text("That is how far the estimate is led astray; the residual is what is left of f."))))
 
 TASKS = (
-    Task("rare", _rare, {"place": "VL", "statistic": MEAN, "window": 100.0, "rate": 2e-5}),
+    Task("rare", _rare, {"place": "VL", "statistic": MEAN, "window": 100.0, "rate": 1.2e-5}),
     Task("weak", _weak, {"place": "u1", "loss": 50.0, "loop": KEEP_LOOP_OPEN, "tone": 1.4}),
     Task("unseen", _unseen, {"place": "u1", "loss": 100.0, "loop": KEEP_LOOP_OPEN, "force": 0.0}),
     Task("limp", _limp, {"place": "VR", "kind": "drift", "drift": 4.0, "loop": SWITCH_LOOP, "statistic": MEAN}),
     typed_task("swallowed", SWALLOWED),
-    Task("ramp", _ramp, {"place": "HR", "kind": "drift", "drift": 1.0, "statistic": MEAN, "window": 64.0, "rate": 5e-5}),
+    Task("ramp", _ramp, {"place": "HR", "kind": "drift", "drift": 1.0, "statistic": MEAN, "window": 64.0, "rate": 8.3e-6}),
     Task("framed", _framed, {"place2": "HR", "bias2": -3.0, "at2": 4.0}),
     Task(
         "beside",
         _beside,
-        {"place": "u1", "loss": 50.0, "place2": LIAR, "loop": KEEP_LOOP_OPEN, "tone": 1.2, "window": 75.0, "rate": 5.9e-5},
+        {"place": "u1", "loss": 50.0, "place2": LIAR, "loop": KEEP_LOOP_OPEN, "tone": 1.2, "window": 90.0, "rate": 8.4e-6},
     ),
 )

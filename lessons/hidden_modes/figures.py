@@ -97,7 +97,7 @@ def _bar(mode: Mode) -> str:
     """The PBH distance as a number, its share of the plant's size as a bar over six decades; a hidden mode has none."""
     if not mode.visible:
         return "0"
-    return format_number(mode.distance, ".3g") + " " + "▮" * max(1, round(6 + np.log10(mode.margin)))
+    return format_number(mode.distance, ".3g") + " " + "▮" * max(1, round(6 + np.log10(max(mode.margin, 1e-6))))
 
 
 def _pole(mode: Mode) -> str:
@@ -151,12 +151,14 @@ def blocks_of(case: Case) -> MatrixFigure:
     edges = tuple(k for k in accumulate(d.sizes) if 0 < k < n)
     shown = d.sizes[0]
     if d.sizes[1]:
-        block = text("the force reaches it, and its column in the row of y is empty")
+        block = text("The last block is the motion that the sensor does not see: the force reaches it, and its column in the row of y is "
+                     "empty.")
     elif d.sizes[2]:
-        block = text("the sensor sees it, and its row in the column of u is empty")
+        block = text("The last block is the motion that the force does not reach: the sensor sees it, and its row in the column of u is "
+                     "empty.")
     else:
         block = NO_WORDS
-    caption = (text("z₁ … {shown} are reached and seen. The last block is the hidden motion: {block}.",
+    caption = (text("z₁ … {shown} are reached and seen. {block}",
                     shown=symbol(f'z{shown}'), block=block) if block.id
                else text("One block: every state is reached and seen."))
     return MatrixFigure("decomposed", text("Kalman decomposition"), whole,

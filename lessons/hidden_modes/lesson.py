@@ -14,6 +14,7 @@ from .exams import EXAMS
 from .figures import all_figures
 from .knobs import KNOBS
 from .own import adapted
+from .path import PATH
 from .study import compute
 from .tasks import TASKS
 
@@ -23,4 +24,4 @@ LESSON = Lesson("hidden-modes", 6, KNOBS, compute, all_figures, answer=0, answer
                 again=SecondPrediction(("controller_all",), 3, {"controller_all": (-4 - 1j, -4 + 1j, -4.5 - 3j, -4.5 + 3j)},
                 ("centre", "state_parts", "input")),
     words=read_prose(Path(__file__).parent), key=("plant", "centre"), adapt=adapted,
-    derived=derived)
+    derived=derived, path=PATH)

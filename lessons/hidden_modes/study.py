@@ -7,6 +7,7 @@ import numpy as np
 from observer_lab.course.lesson import Board, Check, Design, Formula, Outcome
 from observer_lab.engine import Scenario, observer_gain, place, simulate
 from observer_lab.engine.design import Placement
+from observer_lab.engine.simulation import Run
 from observer_lab.text import Text, format_number, text
 
 from ..toolkit.boards import stage
@@ -44,7 +45,7 @@ def compute(design: Design) -> Outcome[Case]:
     return Outcome(
         design, {"K": control.gain, "L": observer.gain}, {"controller": control.poles, "observer": observer.poles},
         metrics, checks_of(case, metrics), run, _boards(design, case, observer), stage(model, run),
-        _formulas(case, control, observer), _live(case), case)
+        _formulas(case, control, observer), _live(case, run), case)
 
 
 def checks_of(case: Case, metrics: dict[str, float]) -> tuple[Check, ...]:
@@ -94,12 +95,30 @@ def _formulas(case: Case, control: Placement, observer: Placement) -> tuple[Form
     )
 
 
-def _live(case: Case) -> Text:
+def carries(case: Case, run: Run) -> bool:
+    """Whether the run holds the mode that cannot be moved: wᴴe, or wᴴx, at the start or after a kick, with w its left eigenvector.
+
+    e and x along an unseen or unreached mode keep to it whatever the gains: wᴴ A = λ wᴴ with C v = 0 for e, wᴴ B = 0 for x.
+    """
+    s, plant = run.scenario, case.model.plant
+    A = plant.A - s.L @ plant.C if case.unseen else plant.A
+    values, left = np.linalg.eig(A.conj().T)
+    along = left[:, [int(np.argmin(np.abs(values.conj() - pole))) for pole in case.unseen or case.unmoved]]
+    moved = [run.e[0] if case.unseen else run.x[0], *(jump for _, jump in s.impulses)]
+    return any(float(np.abs(along.conj().T @ v).max()) > 1e-9 * max(float(np.linalg.norm(v)), 1e-300) for v in moved)
+
+
+def _live(case: Case, run: Run) -> Text:
     bolts = case.unseen or case.unmoved
     if not bolts:
         return text("Nothing is bolted: the magnets make the plant as unstable as before, yet every pole can be "
                     "moved.")
     words, rate = pole_words(list(bolts)), format_number(max(p.real for p in bolts), ".3g")
+    if not carries(case, run):
+        return (text("The poles at {words} leave no trace in y, and no L moves them. This run starts without a part of e along them; "
+                     "any such part would follow e^({rate} t).", words=words, rate=rate) if case.unseen else
+                text("The poles at {words} are out of reach of u, and no K moves them. This run starts without a part of x along them; "
+                     "any such part would follow e^({rate} t).", words=words, rate=rate))
     if case.unseen:
         return text("The poles at {words} leave no trace in y. Whatever L is, part of e follows e^({rate} t).",
                     words=words, rate=rate)

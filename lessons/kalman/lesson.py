@@ -18,6 +18,7 @@ from .figures import all_figures
 from .job import JOB
 from .knobs import KNOBS
 from .own import adapted
+from .path import PATH
 from .study import compute
 from .tasks import TASKS
 
@@ -34,4 +35,4 @@ LESSON = Lesson(
     again=SecondPrediction(("q",), 0, {"q": 100.0}, ("nees", "nis", "tests"), numbers=True),
     words=read_prose(Path(__file__).parent), key=("q", "r", "p0"),
     aside=("force", "arithmetic", "line"), job=JOB, adapt=_adapted, code=code,
-    derived=derived)
+    derived=derived, path=PATH)

@@ -17,7 +17,7 @@ from .figures import GAIN_TAB, INNOVATION_TAB, STEP_TAB, TEST_TAB
 from .knobs import UPDATE
 from .own_study import UNTESTED_SAMPLES, Study
 from .p_values import chance, coloured
-from .study import holds
+from .study import bias_is_judged, holds
 
 MAX_TABLE_STATES = 10  # rows of the table of one step
 
@@ -144,7 +144,8 @@ def _tests(outcome: Outcome[Study]) -> TableFigure:
     rows = ((text("mean of NIS"), f"{study.test.nis.mean:.3g}", bands[0], verdict("nis")),
             (text("mean of NEES"), f"{study.settled.mean:.3g}", bands[1], verdict("nees")),
             (text("whiteness, p"), chance(study.test.whiteness.p_value), "≥ 0.017", verdict("white")),
-            (text("bias, p"), chance(study.test.bias_p_value), "≥ 0.017", verdict("centred")))
+            (text("bias, p"), chance(study.test.bias_p_value), "≥ 0.017", verdict("centred") if bias_is_judged(study.test) else
+         text("not judged: it assumes white innovations of covariance S")))
     return TableFigure("tests", text("tests of this record, once settled"),
                        (text_in("kalman", "test"), text("value"), text("band"), text("verdict")), rows,
                        tab=TEST_TAB, caption=text("Each test flags a right filter in a few records of a hundred."))

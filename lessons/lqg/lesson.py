@@ -18,6 +18,7 @@ from .exams import EXAMS
 from .figures import all_figures
 from .job import JOB
 from .knobs import knobs_for
+from .path import PATH
 from .study import compute_for
 from .tasks import TASKS
 
@@ -44,4 +45,4 @@ def on_model(model: Model) -> Lesson:
     return replace(build((case_of(model),)), tasks=())
 
 
-LESSON = replace(build((report_case(), doyle_case())), adapt=adapt, derived=derived)
+LESSON = replace(build((report_case(), doyle_case())), adapt=adapt, derived=derived, path=PATH)

@@ -15,6 +15,7 @@ from .exams import EXAMS
 from .figures import figures
 from .job import JOB
 from .knobs import KNOBS
+from .path import PATH
 from .study import compute
 from .tasks import TASKS
 
@@ -26,4 +27,4 @@ LESSON = Lesson(
     again=SecondPrediction(("delay",), 2, {"delay": 1}, ("spectrum", "state", "blocks")),
     words=read_prose(Path(__file__).parent), key=("a", "stretch", "loss", "delay"), aside=("noise", "order", "lost", "told"), job=JOB,
     code=code,
-    derived=derived)
+    derived=derived, path=PATH)

@@ -11,6 +11,7 @@ from observer_lab.engine import chi2_band
 from observer_lab.text import Text, same, squared_unit, text
 
 from ..toolkit.figures import TIME_TAB
+from ..toolkit.shares import percent
 from .study import Study
 
 SPEED_TAB, RUNS_TAB = text("Speed"), text("Many runs")
@@ -60,11 +61,11 @@ def _valley_words(outcome: Outcome[Study], i: int) -> Text:
         return text("σ = {now:.3g} {units}: this is the bottom.", now=now, units=SIGNAL_UNITS[i])
     total = study.ray.process[:, i] + study.ray.sensor[:, i]
     best = float(study.ray.speed[np.argmin(total)])
-    share = 100 * m["sensor_share"]
+    share = percent(m["sensor_share"])
     away, gain = float(np.log(m["speed"] / best)), 100 * (now / float(np.sqrt(total.min())) - 1)
     turned = claim(text("Slower would be better."), away, above=0.0, otherwise=claim(text("Faster would be better."), away, below=0.0))
     advice = claim(text("No other speed is half a per cent better; only another pattern is."), gain, below=0.5, otherwise=turned)
-    return text("σ = {now:.3g} {units}, {share:.0f} % of σ² from the sensor; the least is {least:.3g} {units}. "
+    return text("σ = {now:.3g} {units}, {share} % of σ² from the sensor; the least is {least:.3g} {units}. "
                 "{advice}",
                 now=now, units=SIGNAL_UNITS[i], share=share, least=least, advice=advice)
 

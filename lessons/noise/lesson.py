@@ -15,6 +15,7 @@ from .figures import all_figures
 from .job import JOB
 from .knobs import KNOBS
 from .own import adapted
+from .path import PATH
 from .study import compute
 from .tasks import TASKS
 
@@ -25,4 +26,4 @@ LESSON = Lesson(
     again=SecondPrediction(("v",), 2, {"v": 0.0064}, ("valley", "peaks", "shares"), numbers=True),
     words=read_prose(Path(__file__).parent), key=("speed", "w", "v"),
     job=JOB, adapt=adapted,
-    derived=derived)
+    derived=derived, path=PATH)

@@ -12,6 +12,7 @@ from observer_lab.plants import Model, Signal
 from observer_lab.text import squared_unit, text, text_in
 
 from ..toolkit.figures import TIME_TAB
+from ..toolkit.shares import percent
 from .figures import RUNS_TAB, SPEED_TAB, error_curves, variance_curves
 from .job import RUN_COUNT
 from .own_study import ASSUMED_NOISE_RATIOS, BELIEF, Study, watched_signal
@@ -47,7 +48,7 @@ def _valley(outcome: Outcome[Study], signal: Signal) -> PlaneFigure:
     here = (Point(2.2 if at is None else at, float(np.log10(max(m["rms"], 1e-150))), "estimate", "cross", text(
         "yours")),)
     low = float(np.floor(2 * total.min()) / 2 - 0.5)
-    sensor_share = 100 * (_rms(study.parts.sensor, signal) / _rms(study.parts.total, signal)) ** 2
+    sensor_share = percent((_rms(study.parts.sensor, signal) / _rms(study.parts.total, signal)) ** 2)
     return PlaneFigure("valley", text("error of {name} over belief", name=signal.name), (
         Curve(text("both noises"), total, "error", x=x),
         Curve(text("process noise"), process, "disturbance", "dash", 1.8, x),
@@ -55,7 +56,7 @@ def _valley(outcome: Outcome[Study], signal: Signal) -> PlaneFigure:
         (Point(0.0, float(total[len(x) // 2]), "reference", "circle", text("Kalman")), *here), "b",
         f"σ [{signal.unit}]",
         (-3.0, 3.0), (low, max(low + 2.0, float(total.max()) + 0.2)), tab=SPEED_TAB, powers="xy", caption=text(
-            "σ = {rms:.3g} {unit}, {sensor_share:.0f} % of σ² from the sensor; the least is {least_rms:.3g}.",
+            "σ = {rms:.3g} {unit}, {sensor_share} % of σ² from the sensor; the least is {least_rms:.3g}.",
             rms=m["rms"], unit=signal.unit, sensor_share=sensor_share, least_rms=m["least_rms"]))
 
 

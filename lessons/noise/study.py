@@ -21,6 +21,7 @@ from observer_lab.text import Text, text
 from ..toolkit.boards import listed
 from ..toolkit.knobs import kicks
 from ..toolkit.latex import matrix, number
+from ..toolkit.shares import percent
 from .knobs import BY_POLES, BY_SPEED, DT, HORIZON, IM_HIGH, MODEL, RE_HIGH, RE_LOW, SPRING_PLANT, VELOCITY
 
 OBSERVER_SPEEDS = np.logspace(-0.5, 2.5, 61)  # rad/s
@@ -151,13 +152,13 @@ def _formulas(L: np.ndarray, study: Study) -> tuple[Formula, ...]:
 
 
 def _live(design: Design, m: dict[str, float]) -> Text:
-    ratio, share = np.sqrt(m["variance_ratio"]), 100 * m["sensor_share"]
+    ratio, share = np.sqrt(m["variance_ratio"]), percent(m["sensor_share"])
     name = text("velocity") if design["watch"] == VELOCITY else text("position")
-    least = text("The {name} error is as small as any observer can make it: {share:.0f} % of its variance is "
+    least = text("The {name} error is as small as any observer can make it: {share} % of its variance is "
                  "sensor noise.",
                  name=name, share=share)
     return claim(least, ratio, below=1.005, otherwise=text(
-        "The {name} error is {ratio:.3g} times the least possible; {share:.0f} % of its variance is "
+        "The {name} error is {ratio:.3g} times the least possible; {share} % of its variance is "
         "sensor noise.", name=name, ratio=ratio, share=share))
 
 

@@ -16,7 +16,7 @@ from observer_lab.text import NO_WORDS, Text, joined, listed, same, text
 
 from ..toolkit.figures import TIME_TAB
 from .cases import EKF, FALL_CASE, KF, LENGTH, PENDULUM_CASE, PLATFORM, UKF, judged
-from .cramer_rao import words
+from .cramer_rao import is_kalman, words
 from .report_algorithms import NONE, REPORT_LINES, finding, linear_spreads
 from .runs import FILTERS, Study
 from .study import band_of, verdict
@@ -78,7 +78,7 @@ def _errors(outcome: Outcome[Study]) -> LineFigure:
                       caption=joined(text("Over {runs} runs. At the end the {who}'s errors are {last:.2g} times the σ "
                                           "that it claims in the run shown.",
                                           runs=s.runs, who=who.upper(), last=last),
-                                     words(who, s.bound, s.runs, s.fallen + s.lost[who], kicked)))
+                                     words(who, s.bound, s.runs, s.fallen + s.lost[who], kicked, is_kalman(outcome.design))))
 
 
 # --- consistency -------------------------------------------------------------------------------------------------------

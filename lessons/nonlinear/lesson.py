@@ -15,6 +15,7 @@ from .exams import EXAMS
 from .figures import figures
 from .job import JOB
 from .knobs import KNOBS
+from .path import PATH
 from .study import compute
 from .tasks import TASKS
 
@@ -26,4 +27,4 @@ LESSON = Lesson(
     again=SecondPrediction(("sensor",), 2, {"sensor": 0.1}, ("nees", "nis", "verdicts", "errors")),
     words=read_prose(Path(__file__).parent), key=("case", "filter", "size"),
     aside=("alpha", "beta", "kappa", "redraw", "line"), job=JOB, code=code,
-    derived=derived)
+    derived=derived, path=PATH)

@@ -123,7 +123,7 @@ def _halves(found: Study) -> LineFigure:
         "halves", text("half axes of the ellipsoid, start = 1"), s.t, curves,
         "σ(t) / σ(0)", log_y=True, window=(1e-3, 1.0),
         tab=CLOUD_TAB,
-        caption=text("Shrunk to a tenth: {known} of {n} axes. Of an axis that stays at 1 the noise lets nothing through.",
+        caption=text("Shrunk to a tenth: {known} of {n} axes. The readings say nothing about an axis that stays at 1.",
                      known=found.belief.known, n=n))
 
 

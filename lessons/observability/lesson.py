@@ -15,6 +15,7 @@ from .exams import EXAMS
 from .figures import figures
 from .knobs import KNOBS
 from .own import adapted
+from .path import PATH
 from .study import compute
 from .tasks import TASKS
 
@@ -25,4 +26,4 @@ LESSON = Lesson(
     again=SecondPrediction(("noise",), 0, {"noise": 0.003}, ("ellipses", "halves", "energy")),
     words=read_prose(Path(__file__).parent), key=("plant", "left", "right_on", "angle", "gap", "count"),
     aside=("tolerance", "reading", "noise"), adapt=adapted, code=code,
-    derived=derived)
+    derived=derived, path=PATH)

@@ -184,7 +184,8 @@ def _found(outcome: Outcome[Story]) -> TableFigure:
         rows.append((shown, str(found.observer.order), poles, f"{found.value:.6g}", tried))
     caption = (text("Not run yet: press the button “Run algorithm RLO”.")
                if search is None or not search.found else
-               text("✗ with the share of K that an observer of that order misses; then the order is raised."))
+               text("✗ with the share of K that an observer of that order misses at best, over all poles in the region; then the "
+                    "order is raised."))
     return TableFigure("found", text("algorithm RLO inside the region"), columns, tuple(rows),
                        caption=caption, tab=J_TAB)
 

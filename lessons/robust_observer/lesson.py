@@ -16,6 +16,7 @@ from .figures import all_figures
 from .job import JOB
 from .knobs import KNOBS
 from .own import adapted
+from .path import PATH
 from .study import compute
 from .tasks import TASKS
 
@@ -26,4 +27,4 @@ LESSON = Lesson("robust-observer", 15, KNOBS, compute, all_figures, answer=2, an
     words=read_prose(Path(__file__).parent), key=("example", "a1", "a2", "b1", "w12"),
     aside=("norm", "alpha", "second", "beta", "gamma", "region_low", "region_high", "remark", "line", "columns"), kick=False,
                 job=JOB, adapt=adapted, code=code,
-    derived=derived)
+    derived=derived, path=PATH)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from functools import lru_cache
 
 import numpy as np
@@ -14,6 +13,7 @@ from observer_lab.engine import EngineError
 from observer_lab.engine.observers import Existence, existence
 from observer_lab.text import Text, text, text_in
 
+from ..toolkit.latex import pole_words
 from .knobs import EXAMPLE_THREE
 from .own_loop import Story as OwnStory
 from .own_loop import wanted_of
@@ -21,7 +21,7 @@ from .own_plant import Here
 from .study import EXAMPLE_CASES, Story
 
 LADDER_POLES = (-4.0, -2.5, -6.0)  # poles of the orders that the board does not show
-Ladder = tuple[Existence, ...]
+Ladder = tuple[tuple[tuple[complex, ...], Existence], ...]  # the poles of each order and what they allow
 
 
 @lru_cache(maxsize=16)
@@ -35,8 +35,12 @@ def ladder(design: Design) -> Ladder:
     """Orders 0 (no observer: u = −My) to n, the design's own order with its own poles."""
     case = EXAMPLE_CASES[design["example"]]
     poles = design[case.poles]
-    return tuple(existence(case.example.plant, case.example.K, poles) if order == len(poles) else _beside(design["example"], order)
-                 for order in range(case.example.plant.n + 1))
+    return tuple(
+        (tuple(poles), existence(case.example.plant, case.example.K, poles))
+        if order == len(poles)
+        else (tuple(map(complex, LADDER_POLES[:order])), _beside(design["example"], order))
+        for order in range(case.example.plant.n + 1)
+    )
 
 
 @lru_cache(maxsize=16)
@@ -53,8 +57,8 @@ def own_ladder(here: Here, design: Design) -> Ladder:
     row = wanted_of(here, design)[1].tobytes()
     offered = [tuple(design[f"poles_{order}"]) for order, _ in here.starts]
     more = (*offered[-1], complex(2 * min(p.real for p in offered[-1])))
-    found = (_rung(here, row, poles) for poles in ((), *offered, more))
-    return tuple(rung for rung in found if rung is not None)
+    found = ((poles, _rung(here, row, poles)) for poles in ((), *offered, more))
+    return tuple((poles, rung) for poles, rung in found if rung is not None)
 
 
 def _means(rung: Existence) -> Text:
@@ -65,19 +69,20 @@ def _means(rung: Existence) -> Text:
     return text("N and M exist; {free} free in each row of K", free=rung.free)
 
 
-def table(rungs: Iterable[Existence], order: int, caption: Text, tab: Text) -> TableFigure:
+def table(rungs: Ladder, order: int, caption: Text, tab: Text) -> TableFigure:
     """The table of the conditions; the page's own order is marked."""
-    rows = tuple((f"▸ {r.order}" if r.order == order else str(r.order), str(r.rank), str(r.with_K),
-                  "0" if r.missed < 1e-9 else f"{100 * r.missed:.3g} %", f"{r.rows} − {r.rank} = {r.free}", _means(r)) for r in rungs)
+    rows = tuple((f"▸ {r.order}" if r.order == order else str(r.order), pole_words(poles) or "–", str(r.rank), str(r.with_K),
+                  "0" if r.missed < 1e-9 else f"{100 * r.missed:.3g} %", f"{r.rows} − {r.rank} = {r.free}", _means(r))
+                 for poles, r in rungs)
     return TableFigure("ranks", text("conditions (11)–(13), order by order"),
-                       (text("order"), text_in("robust-observer", "rank r*"), text("with K"), text("K missed by"),
+                       (text("order"), text("poles"), text_in("robust-observer", "rank r*"), text("with K"), text("K missed by"),
                         text("columns of M′"), text("what it says")), rows, caption=caption, tab=tab)
 
 
 def paper_ranks(outcome: Outcome[Story], tab: Text) -> TableFigure:
     """The conditions for the example on the page."""
     design, rungs = outcome.design, ladder(outcome.design)
-    here = next(r for r in rungs if r.order == len(outcome.poles["observer"]))
+    here = next(r for _, r in rungs if r.order == len(outcome.poles["observer"]))
     said = (text("T itself is T₀ and Q = I in (12): N = (K − M′C)T⁻¹ for every M′, and M = M′. Three rows of rank 2 leave one column.")
             if design["example"] == EXAMPLE_THREE else
             claim(text("The {rows} rows of [T; C] have rank {rank}, and with K no more: N and M exist and are fixed.",

@@ -20,6 +20,7 @@ from .exams import EXAMS
 from .figures import figures
 from .job import job_on
 from .knobs import knobs
+from .path import PATH
 from .study import compute
 from .tasks import TASKS
 
@@ -37,7 +38,7 @@ def build(model: Model) -> Lesson:
         place=COURSE_PLACES["sandbox"],
         again=SecondPrediction(("belief",), 1, {"belief": 1000.0}, ("nis", "gain", "lights")),
     words=read_prose(Path(__file__).parent), key=("method", "limited", "noisy"), aside=("sensor", "belief", "tolerance"), job=job_on(model),
-        adapt=adapted, universal=True, derived=partial(derived))
+        adapt=adapted, universal=True, derived=partial(derived), path=PATH)
 
 
 LESSON = build(own_model(plant_of(example("aircraft"))))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.special import chdtr, chdtrc
 
 from observer_lab.course.figures.claims import claim
 from observer_lab.course.figures.records import (
@@ -126,6 +127,13 @@ def valley(found: Noise | Refusal, belief: float) -> PlaneFigure:
                        (low, max(low + 2.0, float(total.max()) + 0.2)), tab=NOISE_TAB, caption=said, powers="xy")
 
 
+def as_far_out(found: Trial) -> float:
+    """The share of the records with this mean on average whose own mean lies as far out, on either side: their sum is near χ²."""
+    dof = found.test.dof * found.test.independent
+    total = found.test.mean * dof / found.expected
+    return float(2 * min(chdtr(dof, total), chdtrc(dof, total)))
+
+
 def nis_figure(found: Trial | Refusal, outputs: int) -> LineFigure:
     """NIS of a filter with this belief."""
     title = text("NIS of a filter with this belief")
@@ -137,7 +145,7 @@ def nis_figure(found: Trial | Refusal, outputs: int) -> LineFigure:
             "overconfident": text("above it, as with a filter that trusts its model too much"),
             "cautious": text("below it, as with a filter that doubts too much")}[test.verdict]
     if test.verdict != "consistent" and abs(found.expected / outputs - 1) < NIS_TOLERANCE:
-        said = text("outside it by chance, as one record in twenty is")
+        said = text("outside it by chance: with these beliefs {share:.2g} % of the records lie as far out", share=100 * as_far_out(found))
     return LineFigure("nis", title, found.t, (Curve(same("NIS"), np.maximum(found.values, 1e-4), "error", width=1.4),
                                               Curve(text("expected, {outputs}", outputs=outputs), np.full(n, float(outputs)),
                                                     "reference", "dash", 1.4),

@@ -15,6 +15,7 @@ from .figures import figures
 from .job import JOB, pick
 from .knobs import KNOBS
 from .own import adapted
+from .path import PATH
 from .study import compute
 from .tasks import TASKS
 
@@ -24,4 +25,4 @@ LESSON = Lesson(
     place=COURSE_PLACES["saturation"],
     again=SecondPrediction(("error0",), 1, {"error0": 0.0}, ("state1", "state0", "error", "input")),
     words=read_prose(Path(__file__).parent), key=("fed", "u_max", "error0"), job=JOB, pick=pick, adapt=adapted,
-    derived=derived)
+    derived=derived, path=PATH)

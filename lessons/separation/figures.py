@@ -14,6 +14,7 @@ from observer_lab.plants.signal_names import signal_name
 from observer_lab.text import Text, joined, text
 
 from ..toolkit.figures import ERROR_TAB, TIME_TAB, error_figure, input_figure, state_figures
+from ..toolkit.knobs import by_hand
 from .study import Setting, Study
 
 SPECTRUM_TAB = text("Poles")
@@ -75,8 +76,9 @@ def _spectrum(outcome: Outcome[Study]) -> PlaneFigure:
         "spectrum", text("spectrum of the whole loop"), (), points, "Re s", "Im s",
         (1.1 * max(low, -60.0), max(3.0, 1.1 * min(60.0, max(p.x for p in points)))),
         (-1.1 * min(high, 60.0), 1.1 * min(high, 60.0)), unstable=True, tab=SPECTRUM_TAB,
-        caption=joined(text("Crosses: chosen on the boards. Circles: poles of the {count}-state loop. Green dots: the "
-                            "compensator's own.", count=len(outcome.poles["loop"])), outcome.study.left_out()))
+        caption=joined(text("Crosses: chosen on the boards.") if by_hand(outcome.design) else text("Crosses: poles that the weights give."),
+                       text("Circles: poles of the {count}-state loop. Green dots: the compensator's own.",
+                            count=len(outcome.poles["loop"])), outcome.study.left_out()))
 
 
 def _blocks(study: Study, plant: Plant) -> MatrixFigure:

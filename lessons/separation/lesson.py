@@ -15,6 +15,7 @@ from .exams import EXAMS
 from .figures import figures
 from .knobs import KNOBS
 from .own import adapted
+from .path import PATH
 from .study import DECK_SETTING, compute
 from .tasks import TASKS
 
@@ -35,4 +36,5 @@ LESSON = Lesson(
     key=("stiffness_error", "delay", "noise"),
     adapt=adapted,
     derived=partial(derived, DECK_SETTING),
+    path=PATH,
 )

@@ -144,5 +144,6 @@ def _live(study: Study, meter: float) -> Text:
     union = study.left_out() if not study.whole else claim(one, loop.union_error, below=1e-6, otherwise=two)
     wall = claim(text("Separation meter: 0."), meter, below=1e-8, otherwise=text(
         "Separation meter: {meter:.2g}; the error no longer lives by itself.", meter=meter))
+    first = claim(text("The loop is unstable."), float(np.max(loop.poles.real)), above=0.0)
     stable = claim(text("The compensator by itself is unstable."), float(np.max(loop.compensator_poles.real)), above=0.0)
-    return joined(union, wall, stable)
+    return joined(first, union, wall, stable)

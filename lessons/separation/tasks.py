@@ -33,9 +33,9 @@ GENTLE = (-8.4 + 9.8j, -7 + 8.4j, -5.6 + 7j), (-9.75 + 6j, -8.25 + 5.25j, -6.75 
 def fast_observer(outcome: Outcome[Study]) -> Verdict:
     """The slowest observer pole at least three times as fast as the slowest controller pole."""
     m = outcome.metrics
-    ratio = m["slowest_observer"] / m["slowest_controller"]
     if m["slowest_controller"] >= 0 or m["slowest_observer"] >= 0:
         return Verdict(False, text("A pole is not in the left half plane."))
+    ratio = m["slowest_observer"] / m["slowest_controller"]
     if abs(ratio - 3) <= RATIO_TOLERANCE:
         return Verdict(True, text("The slowest observer pole is {ratio:.1f} times as fast as the slowest "
                                   "controller pole.",

@@ -11,13 +11,12 @@ from observer_lab.text import NO_WORDS, Text, joined, text
 
 from .controllers import CONTROLLER_NAMES, LQE, ORDER, SHORT_NAMES, SISO
 from .equal_effort import Equal
-from .score_tables import CELLS_CAPTION, HEADS, NOT_YET, cells
+from .score_tables import CELLS_CAPTION, HEADS, NOT_YET, TIED, best_words, cells
 from .simulation import loop_of
 from .study import Study
 
 EFFORT_TAB = text("Equal effort")
 CLIP_SIGMAS = 3.0  # standard deviations that a coil's limit should leave
-TIED = 0.05  # dB in RMS velocity: less is no lead
 
 
 def equal(outcome: Outcome[Study]) -> tuple[TableFigure, ...]:
@@ -33,7 +32,7 @@ def equal(outcome: Outcome[Study]) -> tuple[TableFigure, ...]:
                         (text("controller"), text("retuned"), text("velocity [µm/s]")), rows,
                         tab=EFFORT_TAB, caption=waiting if found is None else _said(found, m)),
             TableFigure("effort_db", text("suppression in dB, 0.5–3 Hz, at that effort"), (text("controller"), *HEADS), taken,
-                        tab=EFFORT_TAB, caption=waiting if found is None else _best(found)))
+                        tab=EFFORT_TAB, caption=waiting if found is None else best_words(found.band_db)))
 
 
 def _row(found: Equal, i: int) -> tuple[Text | str, ...]:
@@ -42,13 +41,6 @@ def _row(found: Equal, i: int) -> tuple[Text | str, ...]:
         return text("does not get there"), "–"
     made = text("gain × {dial:.3g}", dial=dial) if ORDER[i + 1] == SISO else text("V × {times:.3g}", times=1 / dial)
     return made, cells(found.rms[i], True, ".3g")
-
-
-def _best(found: Equal) -> Text:
-    """Who takes most out by area; the first in order where some tie."""
-    best = [1 + int(np.flatnonzero(found.band_db[:, j] >= np.nanmax(found.band_db[:, j]) - TIED)[0]) for j in range(3)]
-    return text("Best by area: {short} vertically, {short2} in rotation, {short3} horizontally.",
-                short=SHORT_NAMES[best[0]], short2=SHORT_NAMES[best[1]], short3=SHORT_NAMES[best[2]])
 
 
 def _said(found: Equal, m: Study) -> Text:
@@ -68,8 +60,14 @@ def _said(found: Equal, m: Study) -> Text:
     least, most = float(lead.min()), float(lead.max())
     apart = text("At this effort nobody leads in every channel: by RMS velocity the full LQG is {first:+.1f}, {second:+.1f} and "
                  "{third:+.1f} dB ahead of the SISO loops.", first=lead[0], second=lead[1], third=lead[2])
+    ahead = text("At this effort the full LQG moves less than the SISO loops or ties with them in every channel: by RMS velocity it is "
+                 "{first:+.1f}, {second:+.1f} and {third:+.1f} dB ahead.", first=lead[0], second=lead[1], third=lead[2])
+    behind = text("At this effort the SISO loops move less than the full LQG or tie with it in every channel: by RMS velocity it is "
+                  "{first:+.1f}, {second:+.1f} and {third:+.1f} dB ahead of them.", first=lead[0], second=lead[1], third=lead[2])
+    level = claim(text("At this effort full LQG and SISO loops tie in every channel, within {tied:.1g} dB.", tied=TIED),
+                  max(abs(least), abs(most)), below=TIED, otherwise=ahead if least > -TIED else behind if most < TIED else apart)
     who = claim(text("At this effort the full LQG moves less than the SISO loops in every channel, by {least:.1f} to {most:.1f} dB.",
                      least=least, most=most), least, above=TIED, otherwise=claim(
         text("At this effort the SISO loops move less than the full LQG in every channel, by {least:.1f} to {most:.1f} dB.",
-             least=-most, most=-least), most, below=-TIED, otherwise=apart))
+             least=-most, most=-least), most, below=-TIED, otherwise=level))
     return joined(head, who, over)

@@ -15,6 +15,7 @@ from .exams import EXAMS
 from .figures import figures
 from .job import JOB
 from .knobs import KNOBS
+from .path import PATH
 from .study import compute
 from .tasks import TASKS
 
@@ -25,4 +26,4 @@ LESSON = Lesson(
     again=SecondPrediction(("damping",), 1, {"damping": -90.0}, ("suppression", "sizes", "channel_rotation")),
     words=read_prose(Path(__file__).parent), key=("play", "sensor", "test"), aside=(
         "limited", "limit", "driver", "bandwidth", "adc", "drift", "friction", "stiffness", "damping", "placement"), job=JOB,
-    derived=derived, code=code)
+    derived=derived, path=PATH, code=code)

@@ -17,6 +17,7 @@ HEADS = (text_in("channel", "vertical"), text_in("channel", "rotation"), text_in
 CELL_SEPARATOR = "\N{NO-BREAK SPACE}·\N{NO-BREAK SPACE}"  # between the three numbers of one cell, which must not part at a line's end
 MIN_SHOWN_SPEED = 5e-4  # µm/s: less is nothing
 CELLS_CAPTION = text("Cells: vertical, rotation, horizontal.")
+TIED = 0.05  # dB: less is no lead
 
 
 def scored(outcome: Outcome[Study]) -> tuple[TableFigure, ...]:
@@ -41,23 +42,22 @@ def _suppression(outcome: Outcome[Study]) -> TableFigure:
     rows = tuple((CONTROLLER_NAMES[i], *(text("unstable") if not m.spectra[i].stable else
                               f"{m.peak_db[i, j]:.1f} / {m.band_db[i, j]:.1f}".replace("-", "−") for j in range(3))) for i in range(1, 5))
     stable = np.array([s.stable for s in m.spectra])
-    gains = np.where(stable[:, None], m.band_db, -np.inf)[1:]
-    best = [1 + int(np.flatnonzero(gains[:, j] >= gains[:, j].max() - 0.05)[0]) for j in range(3)]
-    return TableFigure(
-        "suppression",
-        text("suppression in dB, 0.5–3 Hz: of the highest peak / of the area"),
-        (text("controller"), *HEADS),
-        rows,
-        tab=SCORE_TAB,
-        caption=text(
-            "Best by area: {short} vertically, {short2} in rotation, {short3} horizontally.",
-            short=SHORT_NAMES[best[0]],
-            short2=SHORT_NAMES[best[1]],
-            short3=SHORT_NAMES[best[2]],
-        )
-        if stable[1:].any()
-        else text("Unstable in this world: {names}.", names=listed(SHORT_NAMES[1:])),
-    )
+    gains = np.where(stable[:, None], m.band_db, -np.inf)
+    return TableFigure("suppression", text("suppression in dB, 0.5–3 Hz: of the highest peak / of the area"),
+                       (text("controller"), *HEADS), rows, tab=SCORE_TAB,
+                       caption=best_words(gains[1:]) if stable[1:].any() else
+                       text("Unstable in this world: {names}.", names=listed(SHORT_NAMES[1:])))
+
+
+def best_words(gains: np.ndarray) -> Text:
+    """Which controllers reduce the area most in each channel (4, 3) in dB: those that tie, or none where none reduces it."""
+    def named(j: int) -> Text:
+        most = float(np.nanmax(gains[:, j]))
+        if most <= TIED:
+            return SHORT_NAMES[0]
+        return listed(SHORT_NAMES[1 + int(i)] for i in np.flatnonzero(gains[:, j] >= most - TIED))
+    return text("Best by area: {short} vertically, {short2} in rotation, {short3} horizontally.", short=named(0), short2=named(1),
+                short3=named(2))
 
 
 def _sizes(outcome: Outcome[Study]) -> TableFigure:

@@ -226,11 +226,10 @@ def _live(m: Study) -> Text:
     unstable = [name for name, s in zip(SHORT_NAMES, m.stable, strict=True) if not s]
     if unstable:
         return text("Unstable in this world: {names}.", names=listed(unstable))
-    best = [_best(m.rms[1:, j]) for j in range(3)]
-    return text("Least RMS velocity: {short} vertically, {short2} in rotation, {short3} horizontally.",
-                short=SHORT_NAMES[best[0]], short2=SHORT_NAMES[best[1]], short3=SHORT_NAMES[best[2]])
+    return text("Least RMS velocity: {short} vertically, {short2} in rotation, {short3} horizontally.", short=_best(m.rms[:, 0]),
+                short2=_best(m.rms[:, 1]), short3=_best(m.rms[:, 2]))
 
 
-def _best(rms: np.ndarray) -> int:
-    """The player with the least value; within 1 % the first in order counts, for they tie."""
-    return 1 + int(np.flatnonzero(rms <= 1.01 * rms.min())[0])
+def _best(rms: np.ndarray) -> Text:
+    """The players with the least value, "none" among them; those within 1 % tie."""
+    return listed(SHORT_NAMES[int(i)] for i in np.flatnonzero(rms <= 1.01 * rms.min()))

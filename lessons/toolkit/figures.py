@@ -58,7 +58,7 @@ def error_figure(run: Run, promised: np.ndarray | None = None) -> LineFigure:
     if promised is not None:
         curves.append(Curve(text("promised by A − LC"), np.linalg.norm(promised, axis=1), "reference",
                             "dash", 1.6))
-    caption = settled_words(settle_time(run.t, size), rate_of_error(run))
+    caption = no_error(run) or settled_words(settle_time(run.t, size), rate_of_error(run))
     return LineFigure("error", text("estimation error"), run.t, tuple(curves), "‖x − x̂‖", log_y=True,
                       caption=caption, tab=ERROR_TAB)
 
@@ -93,6 +93,15 @@ def _rate_of_loop(run: Run) -> float:
         return -np.inf
     A, B, C, D = plant.A, plant.B, plant.C, plant.D - model.D
     return _rate(np.block([[A, -B @ K], [L @ C, model.A - model.B @ K - L @ model.C - L @ D @ K]]), plant.dt)
+
+
+NOTHING = 1e-10  # of the largest state and estimate: an error below it is rounding
+
+
+def no_error(run: Run) -> Text | None:
+    """That the error is zero, where all of it is rounding; a share of its peak says nothing then."""
+    scale = max(float(np.abs(run.x).max()), float(np.abs(run.xhat).max()), 1e-300)
+    return text("The error is zero to rounding in the whole run.") if float(np.abs(run.e).max()) <= NOTHING * scale else None
 
 
 def settled_words(after: float | None, rate: float) -> Text:

@@ -24,6 +24,6 @@ def gain_words(symbol: str, M: np.ndarray) -> str:
 
 def pole_words(poles: Sequence[complex]) -> str:
     """Poles as words: −4 ± 5j, −2."""
-    near = [(p, 1e-6 * max(1.0, abs(p))) for p in poles]  # a double pole comes back split by the root of rounding
-    names = [f"{p.real:.3g}" if abs(p.imag) < tiny else f"{p.real:.3g} ± {p.imag:.3g}j" for p, tiny in near if p.imag >= -tiny]
+    near = [(p, 1e-6 * abs(p)) for p in poles]  # a double pole comes back split by the root of rounding
+    names = [f"{p.real:.3g}" if abs(p.imag) <= tiny else f"{p.real:.3g} ± {p.imag:.3g}j" for p, tiny in near if p.imag >= -tiny]
     return ", ".join(names).replace("-", "−")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from observer_lab.course.figures.claims import claim
@@ -37,12 +39,18 @@ def _core(outcome: Outcome[Study], run: Run, copy: Run) -> LineFigure:
     after = text("The observer knows the core within 1 K after {after:.2f} s.", after=m["known_after"])
     soon = text("The core error is below 1 K from {after:.2f} s to the end of this run, but it grows.", after=m["known_after"])
     known = (text("The observer does not know the core within 1 K at the end.") if m["known_after"] > HORIZON else
-             claim(after, m["slowest_observer"], below=0.0, otherwise=soon))
+             claim(_noisy(m) if m["core_sigma"] > 0 else after, m["slowest_observer"], below=0.0, otherwise=soon))
     copied = text("In the last tenth of the run the copy is off by up to {off:.2g} K.", off=m["copy_core_error"])
     return LineFigure("core", text("core temperature (nobody can measure it)"), run.t, (
         Curve(TRUE, run.x[:, 0]), Curve(COPY, copy.xhat[:len(run.t), 0], "second", "dot"),
         Curve(OBSERVER_LABEL, run.xhat[:, 0], "estimate", "dash")), "T₁ [K]", tab=TIME_TAB, window=(0.0, 50.0),
         caption=joined(known, copied))
+
+
+def _noisy(m: Mapping[str, float]) -> Text:
+    """With noise one record tells a time by chance: the standard deviation says how large the error stays."""
+    return text("Sensor noise alone gives the core error a standard deviation of {sigma:.2g} K. In this record the error stays below 1 K "
+                "from {after:.2f} s to the end.", sigma=m["core_sigma"], after=m["known_after"])
 
 
 def _case(outcome: Outcome[Study], run: Run, copy: Run) -> LineFigure:

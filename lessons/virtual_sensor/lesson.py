@@ -14,6 +14,7 @@ from .exams import EXAMS
 from .figures import figures
 from .knobs import KNOBS
 from .own import adapted
+from .path import PATH
 from .study import compute
 from .tasks import TASKS
 
@@ -23,4 +24,4 @@ LESSON = Lesson(
     place=COURSE_PLACES["virtual-sensor"],
     again=SecondPrediction(("observer_poles",), 1, {"observer_poles": (-3.2 - 1j, -3.2 + 1j)}, ("core", "error", "innovation")),
     words=read_prose(Path(__file__).parent), key=("plant", "trust", "guess_core"), aside=("power",), adapt=adapted,
-    derived=derived)
+    derived=derived, path=PATH)

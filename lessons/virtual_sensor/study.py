@@ -11,6 +11,7 @@ from observer_lab.course.figures.claims import claim
 from observer_lab.course.lesson import Board, Check, Design, Formula, Outcome
 from observer_lab.engine import Plant, Scenario, observer_gain, simulate
 from observer_lab.engine.simulation import Run
+from observer_lab.engine.systems import settled_covariance
 from observer_lab.plants import MODELS, chip
 from observer_lab.text import Text, joined, text
 
@@ -101,6 +102,7 @@ def compute(design: Design) -> Outcome[Study]:
     trusts, (low, high) = _trusts(belief, L_full), stable_trusts(belief, L_full)
     seen = Study(copy, trusts, _poles_of(belief.A - trusts[:, None, None] * (L_full @ belief.C)), (low, high))
     metrics = _metrics(run, copy) | {
+        "core_sigma": core_sigma(belief.A - L @ belief.C, L, design["noise"]),
         "slowest_observer": float(np.max(np.real(poles))), "slowest_copy": float(np.max(np.real(own))),
         "largest_gain": float(np.max(np.abs(L))), "least_trust": max(0.0, low)}
     return Outcome(
@@ -124,6 +126,15 @@ def _metrics(run: Run, copy: Run) -> dict[str, float]:
         "core_error": float(core[-tail:].max()), "copy_core_error": float(of_copy[-tail:].max()),
         "largest_copy_error": float(of_copy.max()), "case_error": float(np.abs(run.e[-tail:, 1]).max()),
         "known_after": HORIZON + DT if known is None else known, "largest_guess": float(np.max(np.abs(run.xhat[:, 0])))}
+
+
+def core_sigma(A: np.ndarray, L: np.ndarray, noise: float) -> float:
+    """Standard deviation in K of the core error that sensor noise alone leaves, ė = A e − L v; 0 without noise, ∞ if A is not stable."""
+    if noise == 0:
+        return 0.0
+    if np.max(np.real(np.linalg.eigvals(A))) >= 0:
+        return float("inf")
+    return float(np.sqrt(settled_covariance(A, noise * np.sqrt(DT) * L)[0, 0]))
 
 
 def _known_after(t: np.ndarray, error: np.ndarray) -> float | None:

@@ -10,9 +10,9 @@ from observer_lab.course.exercises.exam import Exam, ExamItem, SeededDraws, deci
 
 
 def _bound(lot: SeededDraws) -> ExamItem:
-    """g s/(s² + c s + k) is cut away: both its Hankel values are g/(2c), so the bound 2Σσ is 2g/c."""
+    """g s/(s² + c s + k) is cut away: both its Hankel values are g/(2c), so the bound with equal values counted once is 2σ = g/c."""
     g, c, k = float(lot.whole(2, 12)), lot.one((0.2, 0.4, 0.5, 0.8, 1.6, 2.5)), float(lot.whole(20, 89))
-    return ExamItem({"g": g, "c": c, "k": k}, 2 * g / c, {"sigma": g / (2 * c)})
+    return ExamItem({"g": g, "c": c, "k": k}, g / c, {"sigma": g / (2 * c)})
 
 
 def _balance(lot: SeededDraws) -> ExamItem | None:

@@ -8,7 +8,7 @@ from observer_lab.course.figures.claims import claim
 from observer_lab.course.figures.records import Curve, LineFigure, MatrixFigure, PlaneFigure, Point, TableFigure, over_frequency
 from observer_lab.course.lazy import FigureSet, tab_figures
 from observer_lab.course.lesson import Outcome
-from observer_lab.text import format_number, same, subscript, text, text_in
+from observer_lab.text import format_number, joined, same, subscript, text, text_in
 
 from .balanced_platform import STATE_COUNT, closed_forms, relative, sigmas
 from .body import share
@@ -111,8 +111,10 @@ def _error(outcome: Outcome[Study]) -> LineFigure:
     c, s = outcome.study.cut, outcome.study.system
     bound = max(c.bound, LOG_AXIS_FLOOR)
     said = (text("Nothing is cut: no error.") if c.order == STATE_COUNT else
-            text("Largest error {peak} at {where} Hz; the bound 2Σσ promises {bound}.",
-                 peak=show(c.peak, 4), where=show(c.where, 3), bound=show(c.bound, 4)))
+            joined(text("Largest error {peak} at {where} Hz. The bound 2Σσ over all values cut is {bound}.",
+                        peak=show(c.peak, 4), where=show(c.where, 3), bound=show(c.bound, 4)),
+                   text("The cut runs between two equal values, where equal values may not be counted once.") if c.sharp is None else
+                   text("With equal values counted once it is {sharp}.", sharp=show(c.sharp, 4))))
     size = np.sqrt(np.linalg.eigvalsh(s.response @ np.swapaxes(s.response.conj(), 1, 2))[:, -1])
     return over_frequency(
         "error", text("what the model leaves out: σ_max(G − G_r)"),

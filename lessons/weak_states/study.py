@@ -93,7 +93,7 @@ def _metrics(design: Design, study: Study, motion: Motion) -> dict[str, float]:
     reached, seen = study.ranks.at(design["tolerance"], design["measure"])
     found = {
         "rank_controllability": float(reached), "rank_observability": float(seen), "error": study.cut.peak,
-        "error_at": study.cut.where, "bound": study.cut.bound, "held": share(s, motion, study.cut.order),
+        "error_at": study.cut.where, "bound": study.cut.bound, "sharp": study.cut.sharp, "held": share(s, motion, study.cut.order),
         "frequency": motion.frequency, "growth": c.growth, "gap": c.gap, "extra": c.extra,
         **{f"sigma{k + 1}": float(v) for k, v in enumerate(s.hankel)},
     }

@@ -1,11 +1,12 @@
 """A server that is mistreated for minutes, on loopback, while one tab goes on working: what each fault costs that tab, and what is left.
 
-    python tests/benchmarks/soak.py [--connects 1000] [--cuts 60]
+    python tests/benchmarks/soak.py [--connects 1000] [--cuts 60] [--floods 400]
 
 The server is a process of its own whose opening lesson misbehaves at some values of a knob (tests/wire/sick.py) and whose files may
 hold no more than 2 kB, as on a full disk. One tab, the witness, moves a slider and waits for the answer, again and again, all the time.
-Tabs come and go, at every stage of opening; connections are reset in mid-drag; one sends and never reads; lessons raise, exit,
-loop, hoard memory and never come back; the disk is full; the clock is set; the server is killed and started again.
+Tabs come and go, at every stage of opening; connections are reset in mid-drag; strangers flood in every way; one sends and never
+reads; lessons raise, exit, loop, hoard memory and never come back; the disk is full; the clock is set; the server is killed and
+started again.
 
 Threads, sessions, resident memory and its blocks in use are sampled along the connects and cuts, after a collection; their slope
 is that of a straight line through all samples but the first fifth, with the 95 % interval of least squares. Verdict lines say
@@ -39,6 +40,7 @@ HERE = Path(__file__).parents[2]
 sys.path[:0] = [str(HERE), str(HERE / "tests" / "wire"), str(HERE / "tests" / "benchmarks")]
 
 from bench_many import Tab, enter, share  # type: ignore[import-not-found]
+from floods import FLOODS, flood_once  # type: ignore[import-not-found]
 from sick import BLOCKS as SLEEPS
 from sick import EXITS, HOARDS, LABEL, LOOPS, RAISES  # type: ignore[import-not-found]
 from ward import BLOCKED, FILES, Ward, connected  # type: ignore[import-not-found]
@@ -110,6 +112,12 @@ async def cut(ward: Ward) -> None:
     await asyncio.gather(*listeners, return_exceptions=True)
 
 
+async def flooded(ward: Ward, k: int) -> None:
+    """Flood in one of all ways until dropped, each time from another address behind a proxy."""
+    first, again = list(FLOODS.values())[k % len(FLOODS)]
+    await flood_once(ward.url, first, again, time.monotonic() + 5.0, f"198.51.{k // 250}.{k % 250 + 1}")
+
+
 async def never_reads(ward: Ward) -> tuple[float, float]:
     """Send and never read: seconds until it is dropped, and megabytes that it costs at most meanwhile."""
     listeners: list[asyncio.Task[None]] = []
@@ -179,7 +187,7 @@ async def sampled(ward: Ward, name: str, count: int, once: Callable[[int], Await
         verdicts.append((f"{name}: {what.split(' ')[0]} do not grow ({rise:+.3f} ± {half:.3f})", flat))
 
 
-async def soak(ward: Ward, folder: str, connects: int, cuts: int) -> Verdicts:
+async def soak(ward: Ward, folder: str, connects: int, cuts: int, floods: int) -> Verdicts:
     """Everything, one after another."""
     verdicts: Verdicts = []
     witness = Witness()
@@ -191,6 +199,10 @@ async def soak(ward: Ward, folder: str, connects: int, cuts: int) -> Verdicts:
     await sampled(ward, f"{connects} connects", connects, lambda k: come_and_go(ward, k), verdicts)
     witness.during = "cuts in mid-drag"
     await sampled(ward, f"{cuts} cuts in mid-drag", cuts, lambda _: cut(ward), verdicts)
+    witness.during = "floods"
+    await sampled(ward, f"{floods} floods", floods, lambda k: flooded(ward, k), verdicts)
+    usual, now = (share(witness.waits[during], 0.95) for during in ("nothing", "floods"))
+    verdicts.append((f"floods leave the witness within twice its quiet p95 ({now:.0f} ms for {usual:.0f} ms)", now <= 2 * usual))
     print("\n| fault | after [s] | what was said |\n|---|---|---|")
     for name, value, said in (("raises", RAISES, "division"), ("exits", EXITS, "SystemExit"), ("loops", LOOPS, "10 s"),
                               ("hoards memory", HOARDS, "memory"), ("never comes back", SLEEPS, "ended")):
@@ -220,7 +232,7 @@ async def soak(ward: Ward, folder: str, connects: int, cuts: int) -> Verdicts:
     print("\n| the witness meanwhile | answers | median [ms] | p95 [ms] |\n|---|---|---|---|")
     for during, waits in witness.waits.items():
         print(f"| {during} | {len(waits)} | {statistics.median(waits):.0f} | {share(waits, 0.95):.0f} |")
-    verdicts.append(("the witness was answered during every fault", len(witness.waits) == 11 and not witness.tab.notes))
+    verdicts.append(("the witness was answered during every fault", len(witness.waits) == 12 and not witness.tab.notes))
     await killed(ward, folder, witness, verdicts)
     return verdicts
 
@@ -272,11 +284,12 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--connects", type=int, default=1000)
     parser.add_argument("--cuts", type=int, default=60)
+    parser.add_argument("--floods", type=int, default=400)
     asked = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         ward = Ward(folder)
         try:
-            verdicts = asyncio.run(soak(ward, folder, asked.connects, asked.cuts))
+            verdicts = asyncio.run(soak(ward, folder, asked.connects, asked.cuts, asked.floods))
         finally:
             ward.stop()
     print()

@@ -38,7 +38,7 @@ def nginx(place: Path, lab: int, plain: int, tls: int) -> Iterator[None]:
     recipe = (HERE / "assets" / "deploy" / "nginx.conf").read_text()
     for ours, here in (("listen 80;", f"listen 127.0.0.1:{plain};"), ("listen 443 ssl;", f"listen 127.0.0.1:{tls} ssl;"),
                        ("127.0.0.1:8080", f"127.0.0.1:{lab}"), (f"/etc/letsencrypt/live/{NAME}", str(place)),
-                       ("https://$host$", f"https://$host:{tls}$")):
+                       ("https://$host$", f"https://$host:{tls}$"), ("/var/log/nginx", str(place))):
         assert recipe.count(ours) >= 1, ours
         recipe = recipe.replace(ours, here)
     (place / "lab.conf").write_text(recipe)
@@ -69,7 +69,7 @@ def walk_tls(walk: Walk, browser: Browser) -> None:
             sockets: list[str] = []
             page.on("websocket", lambda opened: sockets.append(opened.url))
             answer = page.request.get(f"http://127.0.0.1:{plain}/x?y=1", headers={"Host": NAME}, max_redirects=0)
-            walk.check("without TLS one is sent to it", (answer.status, answer.headers.get("location")) == (308, f"{address}x?y=1"),
+            walk.check("without TLS one is sent to it", (answer.status, answer.headers.get("location")) == (308, f"{address}x"),
                        answer.headers)
             page.goto(address)
             page.wait_for_url("**/?again")
@@ -79,6 +79,9 @@ def walk_tls(walk: Walk, browser: Browser) -> None:
             walk.check("with it the lab opens under its name, by TLS alone", sockets and all(
                 opened.startswith(f"wss://{NAME}:{tls}/") for opened in sockets), sockets)
             cookie = page.context.cookies()[0]
+            logs = "".join(path.read_text() for path in Path(folder).glob("observer-lab*.log"))
+            walk.check("no log of the proxy holds the token", "GET / " in logs and word not in logs, logs[-2000:])
+            walk.check("the token has left the address", word not in page.url, page.url)
             walk.check("the cookie stays on TLS", cookie.get("secure") and cookie.get("httpOnly"), cookie)
             tab.slide(KNOB, "ArrowRight", 4)
             value = tab.value(KNOB)

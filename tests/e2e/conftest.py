@@ -59,7 +59,8 @@ def serving(port: int = 0, *options: str, **surroundings: str) -> Iterator[str]:
     """`observer-lab serve` on a port, a free one if it is 0, while the context lasts; its address."""
     env = {**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "PYTHONUNBUFFERED": "1", **surroundings}
     with NamedTemporaryFile() as log, open(log.name, "ab") as writing:  # a pipe that nobody reads would stop who says much
-        process = subprocess.Popen([sys.executable, "-c", SERVE, "serve", "--port", str(port or _free_port()), *options],
+        process = subprocess.Popen([sys.executable, "-c", SERVE, "serve", "--port", str(port or _free_port()),
+                                    *(() if "--view" in options else ("--view", "lab")), *options],
                                    cwd=ROOT, env=env, stdout=writing, stderr=subprocess.STDOUT)
         LOGS.append(log.file)
         try:

@@ -138,7 +138,7 @@ def network(dplant: Plant) -> dict[str, dict[str, Any]]:
         "mean_bounds": {**model, "P0": I2, "loss": [0.1, 0.2], "steps": 5},
         "mean_lower_limit": {"A": dplant.A, "Q": I2, "loss": 0.1},
         "mean_square_growth": {"plant": dplant, "K": K, "loss": 0.1, "on_loss": "zero"},
-        "measured": {"P": I2, "C": C, "R": ONE},
+        "corrected_covariance": {"P": I2, "C": C, "R": ONE},
         "network_meter": {"run": run, "promised": n.promised_error(run)},
         "promised_error": {"run": run},
         "riccati_step": {"P": I2, **model, "heard": 1.0},

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import scipy.signal
 from call_parts import I2, ONE, A, B, C, ones, rhs, same, slope
 
 from observer_lab import engine
@@ -16,14 +17,10 @@ from observer_lab.engine import Plant, to_control, to_json, to_mat
 
 def systems(plant: Plant, dplant: Plant) -> dict[str, dict[str, Any]]:
     rng = np.random.default_rng(0)
-    file = io.BytesIO()
-    to_mat(plant, file)
-    path = Path(tempfile.mkdtemp()) / "plant.json"
-    path.write_text(to_json(plant), encoding="utf-8")
     square = {"A": A, "B": B, "C": C, "D": np.zeros((1, 1))}
     return {
         "Plant": {**square, "dt": 0.1, "state_names": ("a", "b"), "input_names": ("u",), "output_names": ("y",),
-                  "units": (("a", "m"),), "name": "p"},
+                  "units": (("a", "m"),), "name": "p", "notes": ("n",)},
         "Flow": {"rhs": rhs, "step": 0.1, "parts": 2, "slope": slope},
         "NonlinearPlant": {"n": 1, "m": 0, "p": 1, "rhs": rhs, "slope": slope, "output": same, "output_slope": ones, "name": "q"},
         "affine_scan": {"Phi": A, "forcing": np.zeros((30, 2)), "z0": np.ones(2), "steps": 30},
@@ -37,12 +34,8 @@ def systems(plant: Plant, dplant: Plant) -> dict[str, dict[str, Any]]:
         "continuous_of": {"plant": dplant},
         "discretise": {"plant": plant, "dt": 0.1},
         "each_column": {"one": lambda x, u: x},
-        "from_control": {"system": to_control(plant)},
-        "from_json": {"text": to_json(plant)},
-        "from_mat": {"source": file.getvalue()},
         "held_scan": {"Phi": np.eye(4) / 2, "Gamma": np.ones((4, 1)), "inputs": np.ones((30, 1)), "z0": np.ones(4)},
         "invariant_zeros": square,
-        "load_plant": {"path": path},
         "match_poles": {"a": [-1, -2], "b": [-2, -1]},
         "modal_coordinates": {"A": A, "B": B, "C": C},
         "move_pole": {"poles": [-1, -2], "index": 0, "to": -3 + 0j, "axis_snap": 0.1, "fixed": (1,)},
@@ -51,18 +44,34 @@ def systems(plant: Plant, dplant: Plant) -> dict[str, dict[str, Any]]:
         "pole_text": {"pole": -1 + 2j},
         "process_noise": {"M": A, "G": B, "W": ONE, "duration": 0.1, "steps": 5, "rng": rng},
         "psd": {"series": rng.standard_normal((64, 1)), "fs": 10.0, "segment": 16, "window": "hann"},
-        "read_matrix": {"name": "plant.json", "data": b'{"F": [[2.0]]}', "key": "F"},
-        "read_plant": {"name": "plant.json", "data": to_json(plant).encode()},
         "root": {"covariance": I2},
         "settled_covariance": {"A": A / 5, "G": B, "dt": 0.1},
         "slopes": {"f": rhs, "x": np.ones((1, 3)), "u": np.zeros((0, 1)), "name": "f", "rows": 1},
         "sorted_poles": {"A": A},
         "stable_poles": {"A": A, "dt": 0.1},
+        "is_stable": {"A": A, "dt": 0.1},
         "step_covariance": {"A": A, "intensity": I2, "duration": 0.1},
         "step_matrices": {"M": A, "duration": 0.1},
         "symmetric": {"matrix": A},
-        "to_control": {"plant": plant}, "to_json": {"plant": plant}, "to_mat": {"plant": plant, "path": io.BytesIO()},
         "transmission_zeros": {"plant": plant},
+    }
+
+
+def plant_files(plant: Plant) -> dict[str, dict[str, Any]]:
+    file = io.BytesIO()
+    to_mat(plant, file)
+    path = Path(tempfile.mkdtemp()) / "plant.json"
+    path.write_text(to_json(plant), encoding="utf-8")
+    return {
+        "from_control": {"system": to_control(plant)},
+        "from_json": {"text": to_json(plant)},
+        "from_mat": {"source": file.getvalue()},
+        "from_scipy": {"system": scipy.signal.lti(A, B, C, [[0.0]])},
+        "load_plant": {"path": path},
+        "read_content": {"name": "plant.json", "data": to_json(plant).encode()},
+        "read_plant": {"name": "plant.json", "data": to_json(plant).encode()},
+        "reduced_to": {"plant": plant, "most": 1},
+        "to_control": {"plant": plant}, "to_json": {"plant": plant}, "to_mat": {"plant": plant, "path": io.BytesIO()},
     }
 
 
@@ -110,4 +119,15 @@ def design(plant: Plant) -> dict[str, dict[str, Any]]:
         "shift_poles": {"A": A, "B": B, "K": engine.place(A, B, [-3, -4]).gain, "before": [-3, -4], "after": [-3, -5]},
         "starting_feedback": {"plant": plant, "eager": 2.0}, "starting_observer": {"plant": plant, "eager": 2.0},
         "typical_rate": {"plant": plant},
+    }
+
+
+def aliases(plant: Plant) -> dict[str, dict[str, Any]]:
+    regulate = {"A": A, "B": B, "Q": I2, "R": ONE, "S": np.zeros((2, 1))}
+    return {
+        **{name: {"plant": plant} for name in ("ctrb", "obsv", "hsvd", "poles", "zeros")},
+        "acker": {"A": A, "B": B, "poles": [-1, -2]}, "c2d": {"plant": plant, "Ts": 0.1},
+        "care": regulate, "dare": regulate, "lyap": {"A": A, "Q": I2}, "dlyap": {"A": A / 5, "Q": I2},
+        "gram": {"plant": plant, "type": "c"}, "ss": {"A": A, "B": B, "C": C, "D": np.zeros((1, 1)), "dt": 0.1},
+        "tf": {"num": [1.0], "den": [1.0, 2.0], "dt": 0.1},
     }

@@ -161,7 +161,7 @@ def findings(cases: list[tuple[str, str]]) -> Iterator[tuple[str, str, str, str]
 def _sensible(name: str, argument: str, kind: str) -> bool:
     return ((argument in MISSING and kind in ("a NaN in it", "a masked entry", "NaN"))
             or (argument in COMPLEX and kind == "an imaginary part in it")
-            or (argument in ("u_max", "omega") and kind == "an infinity in it")
+            or (argument in ("u_max", "omega", "lower", "upper") and kind == "an infinity in it")
             or (bool({argument, f"{name} {argument}"} & ASTRAY) and kind in ("a NaN in it", "an infinity in it", "a masked entry"))
             or (argument.endswith("_names") and kind == "array of text"))
 

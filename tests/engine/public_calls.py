@@ -14,12 +14,14 @@ from typing import Any
 import calls_of_estimates as estimates
 import calls_of_loops as loops
 import calls_of_plants as plants
+import calls_of_records as records
 from call_parts import A, B, C
 
 from observer_lab.engine import Plant
 from observer_lab.engine.systems import discretise
 
-ROOMS = ("systems", "structure", "design", "feedback", "simulation", "filters", "observers", "sampled", "network")
+ROOMS = ("systems", "structure", "design", "feedback", "simulation", "filters", "observers", "sampled", "network", "plant_files",
+         "identification", "aliases")
 ANSWERS = frozenset({
     "systems.Balance", "structure.Canonisation", "structure.Controllability", "structure.CoprimeFactors", "structure.Dominance",
     "structure.Gramians", "structure.KalmanDecomposition", "structure.Mixing", "structure.Mode", "structure.Observability",
@@ -28,13 +30,16 @@ ANSWERS = frozenset({
     "feedback.LoopMargins", "feedback.Lqg", "feedback.MultiMargins", "feedback.NoisyLoop", "feedback.Recovered",
     "feedback.Sensitivity", "feedback.TransferFunction", "filters.Correction", "filters.Corrections", "filters.ErrorParts",
     "filters.FilterTrial", "filters.InnovationTest", "filters.Ladder", "filters.RootBelief", "filters.Sample", "filters.Schedule",
-    "filters.SquaredError", "filters.Track", "filters.Whiteness", "observers.Attempt", "observers.BilinearForm",
+    "filters.SquaredError", "filters.Track", "filters.Whiteness", "filters.HorizonTrack",
+    "filters.ParticleTrack", "filters.RobustGain", "filters.Smoothed", "observers.Attempt", "observers.BilinearForm",
     "observers.BilinearObserver", "observers.BilinearRun", "observers.Decoupling", "observers.Existence", "observers.FaultBank",
     "observers.FunctionalObserver", "observers.FunctionalRun", "observers.Perturbations", "observers.ResidualGenerator",
     "observers.RobustObserver", "observers.UnknownInputObserver", "sampled.MechanicsResponse", "sampled.MonteCarlo",
     "sampled.ResponseMeasures", "sampled.SampledController", "sampled.SampledLoop", "sampled.SampledLqg", "sampled.SampledRun",
     "sampled.Trial", "network.CriticalLoss", "network.NetworkRun", "simulation.GearedRun", "simulation.RecoveryMap", "simulation.Run",
-    "structure.Coupling", "systems.Spectrum",
+    "plant_files.Content", "structure.Coupling", "systems.Spectrum",
+    "identification.FilteredRecord", "identification.FittedFilter", "identification.RecordFit",
+    "identification.Smoothed", "identification.Subspace", "identification.Trend",
 })
 NO_CALLS = frozenset({  # kinds of error, names of types, words, and kinds of filter that others are made of
     "systems.EngineError", "systems.PoleError", "systems.RiccatiError", "systems.ShapeError", "systems.Map", "systems.Poles",
@@ -57,9 +62,11 @@ def calls() -> dict[str, dict[str, Any]]:
 def _tables() -> dict[str, dict[str, dict[str, Any]]]:
     plant = Plant(A, B, C)
     dplant = discretise(plant, 0.1)
-    return {"systems": plants.systems(plant, dplant), "structure": plants.structure(plant), "design": plants.design(plant),
+    return {"systems": plants.systems(plant, dplant), "plant_files": plants.plant_files(plant),
+            "structure": plants.structure(plant), "design": plants.design(plant),
             "feedback": loops.feedback(plant), "simulation": loops.simulation(plant), "filters": estimates.filters(plant, dplant),
-            "observers": estimates.observers(plant), "sampled": loops.sampled(plant), "network": loops.network(dplant)}
+            "observers": estimates.observers(plant), "sampled": loops.sampled(plant), "network": loops.network(dplant),
+            "identification": records.identification(dplant), "aliases": plants.aliases(plant)}
 
 
 def the_call(name: str) -> Callable[..., Any]:

@@ -43,7 +43,7 @@ def targets(statement: ast.stmt) -> Iterator[str]:
 
 
 def defined(engine: Iterable[Module]) -> Defined:
-    """What the modules of the engine define at their top, doors of rooms aside."""
+    """What the modules of the engine define at their top, by name."""
     out: Defined = {}
     for module in engine:
         for statement in module.tree.body:
@@ -73,7 +73,10 @@ def reached(definitions: Defined, roots: set[str]) -> set[str]:
 def idle(engine: list[Module], others: list[Module]) -> list[str]:
     """Names that nothing reaches: of functions, classes and tables at the top, and of public methods of classes."""
     definitions = defined(engine)
-    roots = {name for name, nodes in definitions.items() if any(map(promised, nodes))}.union(*(used(m.tree) for m in others))
+    run = [node for module in engine for node in module.tree.body if isinstance(node, ast.Expr) and isinstance(node.value, ast.Call)]
+    roots = {name for name, nodes in definitions.items() if any(map(promised, nodes)) or name.startswith("__")}.union(
+        *(used(m.tree) for m in others),
+        *map(used, run))
     alive = reached(definitions, roots)
     spoken = roots.union(*(used(node) for name in alive for node in definitions[name]))
     methods = [(f"{name}.{part.name}", part) for name in alive for node in definitions[name] if isinstance(node, ast.ClassDef)

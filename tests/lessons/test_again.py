@@ -79,6 +79,7 @@ SAYS: dict[str, Callable[[Metrics, Metrics], int]] = {
     "sandbox": lambda a, b: among(b["nis_mean"] < 0.01, near(b["nis_mean"], a["nis_mean"] / 4, 0.05), b["nis_mean"] > 2),
     "arm": lambda a, b: among(abs(b["load_error"]) > 0.01, b["angle_belief"] > 0.01, b["angle_error"] < 0.1,
                               abs(b["load_error"]) < 1e-3 and b["angle_error"] > 3),
+    "record": lambda a, b: among(b["mean_nis"] > b["nis_high"], near(b["mean_nis"], a["mean_nis"], 0.1), b["mean_nis"] < 0.5),
 }
 QUIETER, SIX, DOYLE = {"sensor": 0.1}, {"order": 6}, {"case": "doyle"}
 # lesson, knobs (None: the trial), metric, and how it is printed
@@ -114,6 +115,7 @@ PRINTED: tuple[tuple[str, dict[str, Any] | None, str, str], ...] = (
     ("network", {}, "loop_radius", "0.41"), ("network", None, "loop_radius", "0.95"), ("network", {"delay": 2}, "loop_radius", "1.14"),
     ("network", {"delay": 1, "told": "ahead"}, "loop_radius", "0.41"),
     ("sandbox", {}, "nis_mean", "1.66"), ("sandbox", None, "nis_mean", "0.41"), ("sandbox", {"belief": 0.001}, "nis_mean", "9.1"),
+    ("record", {}, "mean_nis", "0.88"), ("record", None, "mean_nis", "0.26"),
     ("arm", None, "load_belief", "1.50"), ("arm", None, "angle_error", "7.1"), ("arm", None, "found_after", "0.42"),
     ("arm", {"load_state": False}, "angle_error", "15.5"), ("arm", {"load_state": False}, "angle_belief", "3.0"),
 )
@@ -157,7 +159,7 @@ def test_a_run_gives_the_right_option(name: str) -> None:
 
 def test_the_right_letters_are_spread_evenly() -> None:
     found = Counter(LETTERS[lesson.again.answer] for lesson in LESSONS.values() if lesson.again is not None)
-    assert all(found[letter] == len(LESSONS) // 4 for letter in "ABCD"), found
+    assert all(found[letter] - len(LESSONS) // 4 in (0, 1) for letter in "ABCD"), found
 
 
 @each("name, values, metric, printed", PRINTED)

@@ -11,6 +11,7 @@ from observer_lab.lessons.fault_diagnosis.diagnosis import ALARM_HOLD_SAMPLES, E
 from observer_lab.lessons.fault_diagnosis.lesson import LESSON
 from observer_lab.lessons.fault_diagnosis.many_runs import residuals_of
 from observer_lab.lessons.fault_diagnosis.observer_bank import DT, FAULT_PLACES, SAMPLE_COUNT, gain, guard, model, truth
+from observer_lab.lessons.fault_diagnosis.run_length import rate_for
 from observer_lab.lessons.fault_diagnosis.runs import (
     DRIFT_FAULT,
     KEEP_LOOP_OPEN,
@@ -312,13 +313,13 @@ def test_tasks_hold_for_any_noise(task):
 def test_a_slow_drift_is_seen_soonest_through_a_window_of_its_own():
     """The numbers of the task, at one false alarm an hour: a valley over the window, and the sum of squares above it."""
     def due(window, statistic=MEAN):
-        rate = window * DT / (7 * 3600)
+        rate = rate_for(statistic, int(window), 3600.0)
         o = outcome(place="HR", kind=DRIFT_FAULT, drift=1.0, statistic=statistic, window=window, rate=rate)
         return round(o.metrics["expected_delay"], 2)
-    assert [due(n) for n in (25.0, 64.0, 150.0)] == [2.44, 2.04, 2.34]
-    assert min(due(n, "energy") for n in (60.0, 75.0, 90.0)) == 2.98
+    assert [due(n) for n in (25.0, 64.0, 150.0)] == [2.54, 2.1, 2.4]
+    assert min(due(n, "energy") for n in (60.0, 75.0, 90.0)) == 3.08
     task = next(t for t in LESSON.tasks if t.id == "ramp")
-    tried = [(50.0, 4e-5), (55.0, 4.4e-5), (64.0, 5.7e-5), (64.0, 4.4e-5), (75.0, 6e-5)]
+    tried = [(45.0, 5.7e-6), (60.0, 7.7e-6), (64.0, 9.5e-6), (64.0, 7e-6), (75.0, 9.6e-6)]
     found = [outcome(place="HR", kind=DRIFT_FAULT, drift=1.0, statistic=MEAN, window=window, rate=rate) for window, rate in tried]
     assert [task.check(o).solved for o in found] == [False, True, False, False, True]
 

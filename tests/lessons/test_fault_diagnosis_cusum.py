@@ -12,6 +12,7 @@ from observer_lab.lessons.fault_diagnosis.cusum import cusum, run_length, thresh
 from observer_lab.lessons.fault_diagnosis.diagnosis import MEAN, Rule
 from observer_lab.lessons.fault_diagnosis.lesson import LESSON
 from observer_lab.lessons.fault_diagnosis.observer_bank import FAULT_PLACES, guard
+from observer_lab.lessons.fault_diagnosis.run_length import member_run
 from observer_lab.lessons.fault_diagnosis.runs import Case, draw, simulate
 
 RECORDS = 14
@@ -44,7 +45,7 @@ def test_the_sum_is_its_recursion(rule: Rule) -> None:
     for k, r in enumerate(record.residuals):
         g = np.maximum(0.0, g + (np.asarray(r) ** 2).sum(axis=1) - guard().bank.dof - found.slack)
         np.testing.assert_allclose(found.values[k] * found.threshold, g, atol=1e-8)
-    assert found.mean == rule.window / rule.rate and found.slack > 0 and found.threshold > 0
+    assert found.mean == member_run(rule) and found.slack > 0 and found.threshold > 0
 
 
 def test_large_faults_are_seen_sooner_by_the_sum_and_small_ones_by_the_window() -> None:

@@ -272,6 +272,11 @@ def enough(v: Letters) -> float:
     return float(brentq(lambda m: k * r + (n - m - r) + k * (n - m - r) - m, -50.0, 50.0))
 
 
+def back(v: Letters) -> float:
+    """P and R from both equations at once: P + R = s and a P = k s."""
+    return float(np.linalg.solve([[1.0, 1.0], [v["a"], 0.0]], [v["s"], v["k"] * v["s"]])[1])
+
+
 COMPUTED: Mapping[tuple[str, str], Callable[[Letters], float]] = {
     ("virtual-sensor", "match"): match, ("error-dynamics", "unknown-push"): unknown_push,
     ("observability", "blind-angle"): blind_angle, ("observability", "toll"): toll, ("separation", "spring"): spring,
@@ -287,6 +292,7 @@ COMPUTED: Mapping[tuple[str, str], Callable[[Letters], float]] = {
     ("robust-observer", "wrong-sensor"): wrong_sensor, ("robust-observer", "no-say"): no_say,
     ("bilinear-observer", "blind-input"): blind_input, ("bilinear-observer", "enough"): enough,
     ("arm", "cancel"): cancel, ("arm", "injection"): injection, ("arm", "seen"): seen,
+    ("record", "back"): back,
 }
 COUNTED = {("robust-observer", "remark-3"), ("robust-observer", "sizes")}  # ratios and numbers of rows, which the lesson's sizes show
 PENCILS = {(lesson.id, task.id): task for lesson in LESSONS.values() for task in lesson.tasks

@@ -71,6 +71,11 @@ PRINTED: tuple[tuple[str, str, dict[str, Any], str, str], ...] = (
     ("network", "B", {}, "growth", "0.43"),
     ("network", "B", {}, "lower", "0.90"),
     ("network", "B", {}, "upper", "1.59"),
+    ("record", "A", {}, "suggested", "2"),
+    ("record", "C", {}, "edge", "0.34"),
+    ("record", "C", {}, "suggested", "2"),
+    ("record", "D", {}, "last_value", "0.93"),
+    ("record", "D", {}, "edge", "0.34"),
     ("arm", "C", {}, "load_belief", "1.50"),
     ("arm", "D", {}, "slowest_observer", "−12"),
 )

@@ -74,7 +74,7 @@ def test_every_wanted_row_of_an_example_meets_both_conditions(name: str) -> None
             tried += 1
             assert max(conditions(outcome)) < 1e-9
             ranks = next(f.rows for f in lesson.figures(outcome) if f.id == "ranks")  # the page's own order is one of those that exist
-            assert [row[1] == row[2] for row in ranks if str(row[0]).startswith("▸")] == [True] and str(ranks[-1][4])[-1] != "0"
+            assert [row[2] == row[3] for row in ranks if str(row[0]).startswith("▸")] == [True] and str(ranks[-1][5])[-1] != "0"
             assert all(c.holds for c in outcome.checks if c.id in ("dynamics", "output"))
             np.testing.assert_allclose(np.sort_complex(np.linalg.eigvals(outcome.gains["F"])),
                                        np.sort_complex(outcome.poles["observer"]), rtol=1e-6)

@@ -12,7 +12,7 @@ from scipy.linalg import solve_discrete_are
 from observer_lab.course.figures.records import TableFigure
 from observer_lab.course.lesson import Lesson, Outcome
 from observer_lab.engine import Plant, closed_loop, controllability, hankel_singular_values, loop_margins, observability
-from observer_lab.engine.filters.filter_trial import simulate_filter
+from observer_lab.engine.filters.linear.filter_trial import simulate_filter
 from observer_lab.lessons.sandbox.analyses import ASSUMED_NOISE_RATIOS, RECORD_SAMPLES, UNTESTED_SAMPLES, Refusal, noises, trial
 from observer_lab.lessons.sandbox.lesson import LESSON
 from observer_lab.plants.examples import EXAMPLES, example

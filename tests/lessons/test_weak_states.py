@@ -143,6 +143,7 @@ def test_ten_to_eight_is_half_the_bound_at_thirty_hertz():
     assert m["error"] == pytest.approx(1.771e-4, abs=1e-7) and m["error_at"] == pytest.approx(30.2, abs=0.05)
     assert m["bound"] == pytest.approx(3.541e-4, abs=1e-7)
     assert m["error"] == pytest.approx(m["sigma9"] + m["sigma10"], rel=1e-3)
+    assert m["sharp"] == pytest.approx(2 * m["sigma9"], rel=1e-12) and m["error"] == pytest.approx(m["sharp"], rel=1e-4)
 
 
 def test_the_wider_gap_lies_after_six():

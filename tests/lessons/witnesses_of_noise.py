@@ -109,6 +109,19 @@ def _bound(shown: Shown, words: Text) -> None:
     assert value(words, "peak") <= value(words, "bound") * (1 + 1e-3) + 1e-8, "the error exceeds the bound"
 
 
+def _sharp_bound(shown: Shown, words: Text) -> None:
+    """The error keeps to it, and it is the sum over pairs of the larger value or of both."""
+    study = shown.outcome.study
+    assert study.cut.peak <= value(words, "sharp") * (1 + 2e-3) + 1e-8, "the error exceeds the sharp bound"
+    values, r = study.system.hankel, study.cut.order
+    assert values[r::2].sum() * 2 * (1 - 0.05) - 1e-5 <= value(words, "sharp") <= 2 * values[r:].sum() * (1 + 0.05) + 1e-5
+
+
+def _between_equal_values(shown: Shown, words: Text) -> None:
+    values, r = shown.outcome.study.system.hankel, shown.outcome.study.cut.order
+    assert values[r - 1] - values[r] < 2e-3 * values[r], "the values differ"
+
+
 # --- decoupling --------------------------------------------------------------------------------------------------------
 def _drifts(shown: Shown, words: Text) -> None:
     """The printed controller's poles in fifty digits."""
@@ -189,8 +202,21 @@ def _near_the_bound(shown: Shown, words: Text) -> None:
     signal, curves = case.watched[judged(case)], {c.name("en"): c.y for c in figure.curves}
     low, high, late = curves["Cramér–Rao bound"], curves[str(shown["filter"]).upper()], slice(len(s.t) // 2, None)
     near(float(low[-1]), abs(signal.scale) * float(np.sqrt(signal.weights @ _least(e, F[:-1], H) @ signal.weights)), 1e-3)
-    times = float(np.sqrt(np.mean((high[late] / low[late]) ** 2)))
-    assert value(words, "left") >= 100 * (1 - 1 / times) - 1, f"{times:.3g} times the bound"
+    left = 100 * (1 - float(np.mean((high[late] / low[late]) ** 2)) ** -0.5)
+    said = dict(words.values)
+    assert "left" not in said or value(words, "left") >= left - 1, f"{left:.3g} %"
+    assert "gap" not in said or value(words, "gap") <= left + 1, f"{left:.3g} %"
+
+
+def _is_kalman(shown: Shown, words: Text) -> None:
+    """The filter gives what the Kalman filter gives, on a plant whose slopes are the same everywhere."""
+    d, s, rng = shown.outcome.design, shown.outcome.study, np.random.default_rng([int(shown["seed"]), 14])
+    _, e = experiment_of(d, s.runs, len(s.t), rng)
+    for k in simulate_filters(e, rng):
+        own, best = (k.corrections[name].beliefs.mean for name in (str(shown["filter"]), "kf"))
+        assert np.abs(own - best).max() <= 1e-6 * max(float(np.abs(best).max()), 1e-9), "not the Kalman filter"
+        A, B = (slopes(lambda x, u: e.flow(x, u), x, np.broadcast_to(k.u, (len(k.u), s.runs)))[1] for x in (k.x, k.x * 3 + 1e-3))
+        assert np.abs(A - B).max() <= 1e-9 * np.abs(A).max(), "the plant is not linear"
 
 
 def _nees(shown: Shown, words: Text) -> None:
@@ -244,12 +270,16 @@ WITNESSES: Mapping[str, Witness] = {
     "On the plant made linear: Algorithm 3 believes a σ {more:.1f} % above the Kalman filter's and really errs {worse:.1f} % more.":
         _as_printed_in_algorithm_3,
     "As far as {runs} runs tell, no filter could err {left:.2g} % less than the {who}.": _near_the_bound,
+    "A better filter than the {who} may exist: the bound lies at least {gap:.0f} % below its error.": _near_the_bound,
+    "The plant is linear, so the {who} is the Kalman filter: no filter has a smaller mean square error.": _is_kalman,
     "Within 1 % after {after:.2f} s. No reading has any part in this.": _within_a_percent,
     "No test flags this filter.": _right_about_itself,
     "Flagged by chance: each test flags a right filter in a few records of a hundred.": _right_about_itself,
     "Recovery costs more here and brings the loop no farther from −1 at this input.": _no_farther,
     "Leaving the states out costs nothing that one could measure.": _costs_nothing,
-    "Largest error {peak} at {where} Hz; the bound 2Σσ promises {bound}.": _bound,
+    "Largest error {peak} at {where} Hz. The bound 2Σσ over all values cut is {bound}.": _bound,
+    "With equal values counted once it is {sharp}.": _sharp_bound,
+    "The cut runs between two equal values, where equal values may not be counted once.": _between_equal_values,
     "C_v keeps a pole at {drift} rad/s.": _drifts,
     "Both agree with the report to 3 dB.": _as_printed,
     "Closing pitch has made the loop unstable: rightmost pole {right} rad/s.": _made_unstable,

@@ -115,8 +115,8 @@ def _squares(shown: Shown, words: Text) -> None:
 
 WITNESSES: Mapping[str, Witness] = {
     "P − P_min has no negative eigenvalue: no combination of errors is smaller than the Kalman filter's.": _none_smaller,
-    "The {name} error is as small as any observer can make it: {share:.0f} % of its variance is sensor noise.": _as_small,
-    "The {name} error is {ratio:.3g} times the least possible; {share:.0f} % of its variance is sensor noise.": _times,
+    "The {name} error is as small as any observer can make it: {share} % of its variance is sensor noise.": _as_small,
+    "The {name} error is {ratio:.3g} times the least possible; {share} % of its variance is sensor noise.": _times,
     "Slower would be better.": _other_speed(0.95),
     "Faster would be better.": _other_speed(1.05),
     "No other speed is half a per cent better; only another pattern is.": _other_speed(),

@@ -10,13 +10,14 @@ from laws import each
 
 from observer_lab.course.exercises.exam import Exam, ExamItem
 from observer_lab.course.lesson import Verdict
-from observer_lab.session.commands.commands import OpenState
+from observer_lab.session.commands.commands import OpenState, ShowSolution
 from observer_lab.session.commands.exams import AnotherVariant, AnswerExam, SetKey, WithholdResults
 from observer_lab.session.handlers.exams import SEALED, last_answer, present_item, present_verdict
+from observer_lab.session.handlers.tasks import NO_SOLUTIONS
 from observer_lab.session.session import Session
 from observer_lab.session.state.saved_state import SavedState
 from observer_lab.session.state.token import write_token
-from observer_lab.session.state.view import MOST_ANSWERS
+from observer_lab.session.state.view import MOST_ANSWERS, TaskState
 
 
 def exam_of(tab: Tab) -> Exam:
@@ -149,6 +150,8 @@ def test_a_sealed_tab_cannot_practise_whatever_is_opened_or_asked() -> None:
     open_tab = keyed("me")
     tab.do(OpenState(write_token(open_tab.picture.lesson, SavedState(open_tab.picture.design))))
     assert tab.picture.state.withheld and verdict(tab) is None
+    tab.do(ShowSolution("low"))
+    assert tab.view.scolded()[-1] == NO_SOLUTIONS and not tab.picture.state.tasks.get("low", TaskState()).solution
     back = Session(tab.lessons, FakeView(), "toy", sealed=True)
     back.restore(open_tab.view.kept)  # a tab that practised elsewhere
     back.open()

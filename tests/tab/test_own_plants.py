@@ -12,7 +12,7 @@ from fakes import FakeView, Tab, toy
 
 from observer_lab.course.knobs import KnobError, Number
 from observer_lab.course.lesson import Design, Lesson, Outcome
-from observer_lab.engine import Plant, to_json
+from observer_lab.engine import Plant, from_json, to_json
 from observer_lab.plants import Model
 from observer_lab.plants.examples import DATA, EXAMPLES, example
 from observer_lab.plants.own_plant import canonical_text
@@ -175,7 +175,9 @@ def test_a_refused_file_costs_one_sentence_and_the_last_picture_stays(file: tupl
     assert said("en").strip() and said("zh").strip() and "\n" not in said("en")
     assert tab.picture.design == good.design and tab.picture.lesson is good.lesson
     assert tab.picture.outcome is good.outcome
-    assert tab.picture.state.plant == good.state.plant
+    kept = canonical_text(from_json(file[1].decode())) if file in HOSTILE[-2:] else good.state.plant  # for the lessons that take it
+    assert tab.picture.state.plant == kept
+    assert ("kept for the lessons" in said("en")) == (file in HOSTILE[-2:])
     tab.set(gain=4.0)
     assert tab.shown.design["gain"] == 4.0 and tab.shown.design.plant == good.design.plant
 
@@ -243,3 +245,12 @@ def test_a_new_plant_stands_at_the_start_of_its_run_on_the_stage_too() -> None:
     tab.do(UploadPlant(*file_of(SMALL)))
     assert tab.shown.state.t == 0.0 and not tab.shown.state.playing
     assert tab.view.of("pose")[-1] == 0.0
+
+
+@pytest.mark.parametrize("odd", [{"A": [[1e300]]}, {"B": [[-1e300]]}, {"dt": 1e308}, {"A": [[-1e31]], "C": [[1e300]]}], ids=str)
+def test_numbers_beyond_reach_cost_one_sentence_and_no_traceback(odd: dict[str, object], caplog: pytest.LogCaptureFixture) -> None:
+    tab = tab_of()
+    tab.do(UploadPlant("mine.json", json.dumps({"A": [[-1.0]], "B": [[1.0]], "C": [[1.0]], **odd}).encode()))
+    (said,) = tab.view.scolded()
+    assert "10³⁰" in said("en") and "10³⁰" in said("zh")
+    assert not [record for record in caplog.records if record.exc_info]

@@ -166,14 +166,14 @@ class WireTab(WirePage):
 
     def __init__(self, url: str, origin: str | None = None, protocol: str | None = None, kept: str | None = None,
                  camera: bool = True, hosts: Sequence[str] = (), answers: bool = True, canvas: tuple[int, int] = (1280, 720),
-                 plays: bool = False, word: str = "") -> None:
+                 plays: bool = False, word: str = "", path: str = "") -> None:
         super().__init__(kept, answers, plays)
         self.messages: list[dict[str, Any]] = []  # everything received
         self._questions = 0
         self.url = url
         place = urlsplit(url)
         name, *more = hosts or (place.netloc,)
-        self._socket = connect(f"ws://{name}", origin=Origin(origin) if origin else None,
+        self._socket = connect(f"ws://{name}{path}", origin=Origin(origin) if origin else None,
                                sock=socket.create_connection((place.hostname, place.port), timeout=PATIENCE),
                                subprotocols=[Subprotocol(protocol or f"viser-v{version('viser')}")],
                                additional_headers=[*(("Host", host) for host in more),

@@ -33,11 +33,11 @@ OWN = {"ViewerCameraMessage", "GuiUpdateMessage", "CommandTriggerMessage", "Scen
 NEEDLESS = SHARED - OWN - {"ShareUrlDisconnect", "ShareUrlRequest"}
 
 
-def answer(server: LabServer, path: str = "/", *hosts: str, **fields: str) -> http.client.HTTPResponse:
+def answer(server: LabServer, path: str = "/", *hosts: str, method: str = "GET", **fields: str) -> http.client.HTTPResponse:
     """The answer to a plain request with just these fields."""
     place = urlsplit(server.url)
     connection = http.client.HTTPConnection(place.hostname or "", place.port, timeout=10)
-    connection.putrequest("GET", path, skip_host=True, skip_accept_encoding=True)
+    connection.putrequest(method, path, skip_host=True, skip_accept_encoding=True)
     for host in hosts or (place.netloc,):
         connection.putheader("Host", host)
     for name, value in fields.items():
@@ -117,6 +117,47 @@ def test_the_page_comes_packed_or_plain_and_once(server: LabServer) -> None:
 @pytest.mark.parametrize("path", ["/etc/passwd", "/../../etc/passwd", "/%2e%2e/%2e%2e/etc/passwd", "//", "/index.html/", "/assets"])
 def test_there_is_no_other_file(server: LabServer, path: str) -> None:
     assert answer(server, path).status == 404
+
+
+def raw_answer(server: LabServer, data: bytes) -> bytes:
+    """All that comes back for these bytes."""
+    place = urlsplit(server.url)
+    with socket.create_connection((place.hostname, place.port), timeout=10) as stranger:
+        stranger.sendall(data)
+        return b"".join(iter(lambda: stranger.recv(65536), b""))
+
+
+def test_health_checks_of_proxies_are_answered(server: LabServer) -> None:
+    """HEAD and GET, HTTP/1.1 and 1.0, with a Host and without one where that is allowed."""
+    for path in ("/", "/health"):
+        head, page = answer(server, path, method="HEAD"), answer(server, path)
+        assert head.status == page.status == 200 and head.read() == b"" and page.read()
+        assert head.headers["Content-Type"] == page.headers["Content-Type"]
+        if path == "/":
+            assert head.headers["Content-Length"] == page.headers["Content-Length"]
+    host = urlsplit(server.url).netloc.encode()
+    for request in (b"GET /health HTTP/1.0\r\n\r\n",
+                    b"HEAD /health HTTP/1.0\r\n\r\n", b"GET /health HTTP/1.1\r\nHost: " + host + b"\r\n\r\n"):
+        assert raw_answer(server, request).startswith(b"HTTP/1.1 200 OK\r\n")
+
+
+@pytest.mark.parametrize("method", ["POST", "PUT", "DELETE", "OPTIONS", "TRACE", "PATCH"])
+def test_other_methods_are_told_which_are_allowed(server: LabServer, method: str) -> None:
+    refused = answer(server, "/health", method=method)
+    assert refused.status == 405 and refused.headers["Allow"] == "GET, HEAD" and refused.read()
+
+
+def test_a_head_that_is_too_large_or_none_is_told_so(server: LabServer) -> None:
+    assert raw_answer(server, b"GET / HTTP/1.1\r\nCookie: " + b"x" * 9000 + b"\r\n\r\n").startswith(b"HTTP/1.1 431 ")
+    assert raw_answer(server, b"hello there\r\n\r\n").startswith(b"HTTP/1.1 400 ")
+
+
+def test_a_websocket_stands_at_the_path_of_the_page_alone(server: LabServer) -> None:
+    for path in ("/health", "/anything", "/index.html/"):
+        with pytest.raises(InvalidStatus) as refused:
+            WireTab(server.url, path=path)
+        assert refused.value.response.status_code == 404
+    WireTab(server.url, path="/?s=1", camera=False).close()
 
 
 def test_a_message_beyond_the_largest_ends_its_connection_alone(enter: Enter, server: LabServer) -> None:

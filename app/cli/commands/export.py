@@ -29,6 +29,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(options: argparse.Namespace) -> int:
     """Compute the design and write the file; prints its name."""
+    from ...course.knobs import KnobError
     from ...engine import EngineError
     from ...export.data.data import json_text, save_csv
     from ...export.files import SCRIPTS, DownloadContent, FileError, sheet_file
@@ -61,7 +62,7 @@ def execute(options: argparse.Namespace) -> int:
             write_whole_file(name, lambda path: save_bytes(file.content, path))
         else:
             write_whole_file(name, lambda path: save_page(lesson.figures(outcome), path, look.language, token))
-    except EngineError as problem:
+    except (EngineError, KnobError) as problem:
         raise CommandError(f"This design cannot be computed: {problem}") from problem
     except (FileError, ScriptError) as problem:
         raise CommandError(str(problem)) from problem

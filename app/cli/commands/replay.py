@@ -25,6 +25,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(options: argparse.Namespace) -> int:
     """Compute the design and write the page; prints its name."""
+    from ...course.knobs import KnobError
     from ...engine import EngineError
     from ...export.files import FileError
     from ...page.replay.replay import replay
@@ -45,7 +46,7 @@ def execute(options: argparse.Namespace) -> int:
         state = State(language=look.language, dark=options.dark, camera=look.camera)
         page = replay(Picture(lesson, design, outcome, tuple(lesson.figures(outcome)), state, True),
                       write_token(origin, replace(look, design=design)))
-    except EngineError as problem:
+    except (EngineError, KnobError) as problem:
         raise CommandError(f"This design cannot be computed: {problem}") from problem
     except FileError as problem:
         raise CommandError(str(problem)) from problem

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import argparse
-from dataclasses import replace
+from dataclasses import asdict, replace
 
 from ..options import PLANT_HELP, STATE_HELP, CommandError, add_json, add_language
+from ..records import COLUMNS_HELP, DATA_HELP
 
 HELP = "compute a lesson without a browser"
 
@@ -17,15 +18,19 @@ def arguments(parser: argparse.ArgumentParser) -> None:
                         help="set a knob; may be repeated, and comes after --state")
     parser.add_argument("--state", metavar="TOKEN|FILE", help=STATE_HELP)
     parser.add_argument("--plant", metavar="FILE", help=PLANT_HELP)
+    parser.add_argument("--data", metavar="FILE", help=DATA_HELP)
+    parser.add_argument("--columns", metavar="LIST", help=COLUMNS_HELP)
     parser.add_argument("--final", action="store_true", help="do the lesson's long computation too, if it has one")
     parser.add_argument("--figure", metavar="FILE", help="draw all figures on one page: .png, .svg or .pdf")
     parser.add_argument("--csv", metavar="FILE", help="write the data of all figures")
-    add_language(parser, "figures")
+    add_language(parser, "figures and sentences")
     add_json(parser)
 
 
 def execute(options: argparse.Namespace) -> int:
-    """Compute a design, write what was asked for, print the run; 1 if one of the lesson's checks does not hold."""
+    """Compute a design, write what was asked for, print the run; 1 if one of the lesson's checks fails."""
+    from ...course.knobs import KnobError
+    from ...course.sentences import sentences
     from ...engine import EngineError
     from ...export.data.data import run_record, save_csv
     from ...session.state.token import write_token
@@ -33,20 +38,30 @@ def execute(options: argparse.Namespace) -> int:
     from ..inputs import find_lesson, fit_lesson, read_design, read_view
     from ..outputs import save_page, write_whole_file
     from ..printing import print_json, print_run
+    from ..records import design_with, lesson_with
 
     origin = find_lesson(options.lesson)
-    design = read_design(origin, options.plant, options.state, options.changes)
     look = read_view(options.state, options.lang)
-    lesson, token = fit_lesson(origin, design.plant), write_token(origin, replace(look, design=design))
+    if options.data is None:
+        design = read_design(origin, options.plant, options.state, options.changes)
+        lesson, token = fit_lesson(origin, design.plant), write_token(origin, replace(look, design=design))
+    else:
+        if options.plant is not None or options.state is not None:
+            raise CommandError("Give --data without --plant and --state: the record brings its own model.")
+        lesson = lesson_with(origin, options.data, options.columns)
+        design, token = design_with(lesson, options.changes), ""  # no token can carry a record
     try:
         outcome = outcome_of(lesson, design, options.final)
         figures = lesson.figures(outcome)
-    except EngineError as problem:
+    except (EngineError, KnobError) as problem:
         raise CommandError(f"This design cannot be computed: {problem}") from problem
     if options.figure is not None:
         write_whole_file(options.figure, lambda path: save_page(figures, path, look.language, token))
     if options.csv is not None:
         write_whole_file(options.csv, lambda path: save_csv(figures, path, token))
     record = run_record(design, outcome)
-    print_json(record) if options.json else print_run(lesson, record)
-    return 0 if all(check.holds for check in outcome.checks) else 1
+    if options.json:
+        print_json({**record, "sentences": [asdict(each) for each in sentences(lesson, outcome, look.language)]})
+    else:
+        print_run(lesson, record)
+    return 0 if all(check.holds or check.informative for check in outcome.checks) else 1

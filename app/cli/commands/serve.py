@@ -12,8 +12,11 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
+from ...course.scenes import MODES, Mode
 from ...text.languages import languages
+from ..file_limit import allow_many_files
 from ..options import PLANT_HELP, STATE_HELP, CommandError, error_cause, host_name, whole_number
+from ..records import COLUMNS_HELP, DATA_HELP, RECORD, lesson_with
 
 if TYPE_CHECKING:
     from ...page.access.shared_counters import WorkerSlot
@@ -47,12 +50,16 @@ class ServeRequest:
     public: bool = False
     log_json: bool = False
     data_dir: str | None = None
+    frames: tuple[str, ...] = ()
     state: str | None = None
     exam: bool = False
     workers: int = 1
     exact: bool = False
+    mode: Mode = "guide"
     timeout: float = 90.0
     token: str | None = field(default=None, repr=False)
+    data: str | None = None
+    columns: str | None = None
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -72,13 +79,18 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--token", metavar="WORD|auto", help="let nobody in who does not know this word; auto draws one (or in the "
                                                              "environment, OBSERVER_LAB_TOKEN, where it is not printed)")
     parser.add_argument("--lesson", metavar="ID", help="lesson that a page opens on")
+    parser.add_argument("--view", choices=MODES, default="guide", help="how a page shows its lesson (default %(default)s)")
     parser.add_argument("--lang", choices=languages(), default="en", help="language that a page opens in")
     parser.add_argument("--plant", metavar="FILE", help=PLANT_HELP)
+    parser.add_argument("--data", metavar="FILE", help=DATA_HELP)
+    parser.add_argument("--columns", metavar="LIST", help=COLUMNS_HELP)
     parser.add_argument("--state", metavar="TOKEN|FILE", help=STATE_HELP)
     parser.add_argument("--exam", action="store_true", help="note answers to exams and tell nothing of them; no tab can practise")
     parser.add_argument("--public", action="store_true", help="yes, listen on an address that other machines can reach")
     parser.add_argument("--allow-host", action="append", default=[], type=host_name, metavar="NAME", dest="names",
                         help="a name that people reach this server by, as that of a proxy; may be repeated")
+    parser.add_argument("--embed-in", action="append", default=[], type=host_name, metavar="NAME", dest="frames",
+                        help="a site that may show the page inside its own, over TLS; may be repeated (default: none may)")
     parser.add_argument("--log-json", action="store_true", help="write the log as lines of JSON")
     parser.add_argument("--data-dir", metavar="FOLDER", help="folder for what is kept: the log, in files that rotate")
     parser.add_argument("--max-sessions", type=count, default=200, metavar="N",
@@ -89,8 +101,9 @@ def execute(options: argparse.Namespace) -> int:
     """Serve until interrupted."""
     return serve(ServeRequest(options.host, options.port, options.lesson, options.lang, options.max_sessions,
                               options.plant, tuple(options.names), options.public, options.log_json, options.data_dir,
-                              options.state, options.exam, options.workers, options.exact_port, options.worker_timeout,
-                              options.token))
+                              tuple(options.frames), options.state, options.exam, options.workers, options.exact_port,
+                              options.view, options.worker_timeout,
+                              options.token, options.data, options.columns))
 
 
 class Ending:
@@ -129,28 +142,42 @@ def serve(request: ServeRequest) -> int:
 
 
 def _serve(request: ServeRequest, end: Ending) -> None:
-    from observer_lab.lessons import LESSONS, OPENING
+    from observer_lab.lessons import FIRST, LESSONS, OPENING
 
     from ...engine.kernels import prepare_kernels
     from ...session.state.token import write_token
     from ..inputs import find_lesson, fit_lesson, read_plant, read_saved_state
 
     _keep_log(request)
+    allow_many_files()
     plant = "" if request.plant is None else read_plant(request.plant)
+    if request.data is not None and (request.plant or request.state):
+        raise CommandError("Give --data without --plant and --state: the record brings its own model.")
     if request.state is not None and (request.lesson or request.plant):
         raise CommandError("Give --state without --lesson and --plant: a state brings its own.")
     saved = None if request.state is None else read_saved_state(request.state)
-    lesson = saved.design.lesson if saved else request.lesson or (SANDBOX if plant and SANDBOX in LESSONS else OPENING)
-    opening = find_lesson(lesson)
+    first = SANDBOX if plant and SANDBOX in LESSONS else OPENING if request.mode == "lab" else FIRST
+    lesson = saved.design.lesson if saved else request.lesson or first
+    opening = find_lesson(RECORD if request.data is not None and request.lesson is None else lesson)
+    lessons = LESSONS
+    if request.data is not None:
+        lessons = {**LESSONS, RECORD: lesson_with(find_lesson(RECORD), request.data, request.columns)}
+        opening = lessons[opening.id]
     state = "" if saved is None else write_token(opening, replace(saved, notes=()))
-    fit_lesson(opening, saved.design.plant if saved else plant)
+    try:
+        fit_lesson(opening, saved.design.plant if saved else plant)
+    except CommandError as problem:
+        if saved:
+            raise
+        print(f"observer-lab: lesson {opening.id} does not take this plant: {problem} The other lessons have it.", file=sys.stderr)
     listener, access, url, printed = _door(request)
     from ...page.access.shared_counters import SharedCounters, WorkerSlot
     from ...page.screen.server import LabServer  # viser is loaded only here
 
     def server(listener: socket.socket, seat: WorkerSlot) -> LabServer:
-        return LabServer(LESSONS, request.host, 0, opening.id, request.language, plant=plant, names=request.names, state=state,
-                         insists=bool(request.lesson or plant), sealed=request.exam, access=access, listener=listener, seat=seat)
+        return LabServer(lessons, request.host, 0, opening.id, request.language, plant=plant, names=request.names, state=state,
+                         insists=bool(request.lesson or plant or request.data), sealed=request.exam, access=access,
+                         frames=request.frames, listener=listener, seat=seat, mode=request.mode)
 
     def tell() -> None:
         log.info("serving %s", url)

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import argparse
+import ipaddress
 import json
 import os
 import sys
 import urllib.error
 import urllib.request
-from urllib.parse import parse_qs
+from urllib.parse import parse_qs, urlsplit
 
 from ..options import CommandError, add_json, error_cause
 
@@ -31,10 +32,11 @@ def execute(options: argparse.Namespace) -> int:
     from ...page.access.tokens import FIELD, VARIABLE
 
     url, _, asked = options.url.partition("?")
+    _check(url)
     word = next(iter(parse_qs(asked).get(FIELD, [])), os.environ.get(VARIABLE, ""))
     question = urllib.request.Request(url.rstrip("/") + "/health", headers={"Authorization": f"Bearer {word}"} if word else {})
     try:
-        with urllib.request.urlopen(question, timeout=ANSWER_TIMEOUT_S) as answer:
+        with _opener(url).open(question, timeout=ANSWER_TIMEOUT_S) as answer:
             health = json.loads(answer.read(MAX_ANSWER_BYTES))
         line = "Observer Lab {version}: {tabs} of {most_tabs} tabs open, up {seconds:.0f} s".format(**health)
         line += "".join(map(_of_worker, health.get("workers", ())))
@@ -47,6 +49,26 @@ def execute(options: argparse.Namespace) -> int:
         return 1
     print(json.dumps(health) if options.json else line)
     return 0
+
+
+def _check(url: str) -> None:
+    """Raises CommandError where the address cannot be one."""
+    try:
+        sound = bool(urlsplit(url).hostname) and url.isascii() and url.isprintable() and " " not in url and urlsplit(url).port != 0
+    except ValueError:
+        sound = False
+    if not sound:
+        raise CommandError(f"{url[:80]} is no address; give it as http://HOST:PORT.")
+
+
+def _opener(url: str) -> urllib.request.OpenerDirector:
+    """What opens an address: directly on this machine, through the proxy of the environment elsewhere."""
+    host = urlsplit(url).hostname or ""
+    try:
+        here = host == "localhost" or host.endswith(".localhost") or ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        here = False
+    return urllib.request.build_opener(urllib.request.ProxyHandler({})) if here else urllib.request.build_opener()
 
 
 def _of_worker(figures: dict[str, object]) -> str:

@@ -36,7 +36,7 @@ class Digits:
     def asked(self) -> Text:
         """The sentence under the statement."""
         if self.kind == "whole":
-            return text("The answer is a whole number.")
+            return text("The answer is exactly a whole number: do not round on the way.")
         if self.kind == "significant":
             return text("Give {count} significant figures.", count=self.count)
         if self.count == 0:

@@ -1,33 +1,11 @@
 """Compute gains: pole placement, Riccati equations, LQR, LQE, Diophantine equations."""
 
-from .diophantine import Diophantine
-from .door import (
-    diagonal_controller,
-    diophantine,
-    dlqe,
-    dlqr,
-    in_natural_units,
-    loop_shaped,
-    lqe,
-    lqr,
-    negated,
-    observer_gain,
-    place,
-    polynomial_roots,
-    rational,
-    realise,
-    series,
-    shift_observer,
-    shift_poles,
-    starting_feedback,
-    starting_observer,
-    sylvester,
-    typical_rate,
-)
-from .optimal import DiscreteFilter, Optimal
-from .placement import Placement
-from .siso import LoopShape
-from .starting_gains import StartingGain
+from ..systems.gates.room_gates import with_gates
+from .diophantine import Diophantine, diophantine, sylvester
+from .optimal import DiscreteFilter, Optimal, dlqe, dlqr, lqe, lqr
+from .placement import Placement, observer_gain, place
+from .siso import LoopShape, diagonal_controller, loop_shaped, negated, polynomial_roots, rational, realise, series
+from .starting_gains import StartingGain, in_natural_units, shift_observer, shift_poles, starting_feedback, starting_observer, typical_rate
 
 __all__ = [
     "Diophantine",
@@ -58,3 +36,5 @@ __all__ = [
     "sylvester",
     "typical_rate",
 ]
+
+with_gates(globals())

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ..systems.errors import EngineError, PoleError, ShapeError, phrase
+from ..systems.gates.argument_checks import count, takes, vector
 from ..systems.plant import Plant
+from ..systems.records import record
 from .siso import coefficients, negated, polynomial_roots, rational
 
 __all__ = ["Diophantine", "diophantine", "sylvester"]
@@ -15,7 +15,7 @@ __all__ = ["Diophantine", "diophantine", "sylvester"]
 WORST = 1e13  # condition of the scaled Sylvester matrix beyond which A and B count as having a common factor
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class Diophantine:
     """The solution of A E + B F = Φ, coefficients from the highest power down; E and Φ are as monic as A makes them.
 
@@ -51,6 +51,7 @@ class Diophantine:
         return negated(rational(self.F, self.E))
 
 
+@takes(A=vector(), B=vector(), degree=count(0, 2000))
 def sylvester(A: object, B: object, degree: int) -> np.ndarray:
     """M with M (e; f) = coefficients of A E + B F, square (degree + 1): deg E = degree − n, deg F = n − 1, n = deg A."""
     a, b = (np.atleast_1d(np.asarray(p, dtype=float)) for p in (A, B))
@@ -67,6 +68,7 @@ def sylvester(A: object, B: object, degree: int) -> np.ndarray:
     return M
 
 
+@takes(A=vector(), B=vector(), desired=vector())
 def diophantine(A: object, B: object, desired: object) -> Diophantine:
     """E and F of least degree with A E + B F = Φ: the closed loop of B/A and u = −(F/E) y has exactly Φ's roots.
 
@@ -132,7 +134,7 @@ def _shared(a: np.ndarray, b: np.ndarray) -> str:
         return phrase("unknown")
     gap = np.abs(poles[:, None] - zeros[None]) / np.maximum(np.abs(poles)[:, None], 1e-12)
     p = poles[np.unravel_index(gap.argmin(), gap.shape)[0]]
-    return f"{p.real:.4g}" if abs(p.imag) < 1e-9 * max(1.0, abs(p)) else f"{p.real:.4g} ± {abs(p.imag):.4g}j"
+    return f"{p.real:.4g}" if abs(p.imag) <= 1e-9 * abs(p) else f"{p.real:.4g} ± {abs(p.imag):.4g}j"
 
 
 def _residual(a: np.ndarray, b: np.ndarray, E: np.ndarray, F: np.ndarray, phi: np.ndarray) -> float:

@@ -2,17 +2,24 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Iterator
+from dataclasses import field, replace
 from functools import cached_property
 
 import numpy as np
 
-from ..systems.arrays import as_definite, as_matrix, as_weight, correlations, frozen, symmetric
+from ..plotting import with_plot
+from ..systems.arrays import as_checked, as_definite, as_weight, correlations, frozen, is_definite, symmetric
 from ..systems.balance import MIN_RATE
 from ..systems.errors import EngineError, RiccatiError, ShapeError, phrase
+from ..systems.gates.argument_checks import matrix, takes
 from ..systems.pole_sets import Poles, pole_text, sorted_poles
+from ..systems.records import record
+from ..systems.stability import all_stable
+from .gain_record import ActsAsGain
 from .riccati import RiccatiProblem, in_balanced_units, solve_continuous, solve_discrete
 from .riccati_residual import Equation
+from .singular_weight import solve_singular
 
 __all__ = ["DiscreteFilter", "Optimal", "dlqe", "dlqr", "lqe", "lqr"]
 
@@ -20,9 +27,9 @@ PSD_TOLERANCE = 1e-10
 RESIDUAL_LIMIT = 1e-6
 
 
-@dataclass(frozen=True, eq=False)
-class Optimal:
-    """An optimal gain with its certificate.
+@record()
+class Optimal(ActsAsGain):
+    """An optimal gain with its certificate; unpacks as `K, S, poles = lqr(…)` and acts as its gain.
 
     gain: K (m×n) or L (n×p). solution: S or P (n×n), symmetric. poles: closed-loop eigenvalues, sorted by (real, imag).
     """
@@ -32,6 +39,15 @@ class Optimal:
     poles: Poles
     _equation: Equation = field(repr=False)
 
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "poles", with_plot(self.poles))
+
+    def __iter__(self) -> Iterator[np.ndarray]:
+        return iter((self.gain, self.solution, self.poles))
+
+    def __getitem__(self, place: int) -> np.ndarray:
+        return (self.gain, self.solution, self.poles)[place]
+
     @cached_property
     def residual(self) -> float:
         """Frobenius norm of the Riccati residual of the solution as it stands, nothing rounded on the way, relative to the
@@ -39,7 +55,7 @@ class Optimal:
         return self._equation.residual()
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class DiscreteFilter(Optimal):
     """The steady Kalman filter in discrete time: gain is the predictor gain L = A·M, filter_gain is M.
 
@@ -56,6 +72,7 @@ class DiscreteFilter(Optimal):
         return self.gain
 
 
+@takes("continuous", A=matrix(), B=matrix(), Q=matrix(), R=matrix(), N=matrix())
 def lqr(A: object, B: object, Q: object, R: object, *, N: object | None = None) -> Optimal:
     """K = R⁻¹(BᵀS + Nᵀ) minimising ∫ xᵀQx + 2xᵀNu + uᵀRu dt for ẋ = Ax + Bu, u = −Kx.
 
@@ -70,18 +87,21 @@ def lqr(A: object, B: object, Q: object, R: object, *, N: object | None = None) 
     return _solved(problem, 0.0, _CONTROL)
 
 
+@takes("sampled", A=matrix(), B=matrix(), Q=matrix(), R=matrix(), N=matrix())
 def dlqr(A: object, B: object, Q: object, R: object, *, N: object | None = None) -> Optimal:
     """K = (R + BᵀSB)⁻¹(BᵀSA + Nᵀ) minimising Σ xᵀQx + 2xᵀNu + uᵀRu for x⁺ = Ax + Bu, u = −Kx.
 
-    S solves S = AᵀSA − (AᵀSB + N)(R + BᵀSB)⁻¹(BᵀSA + Nᵀ) + Q; A may be singular. Shapes and errors as `lqr`.
+    S solves S = AᵀSA − (AᵀSB + N)(R + BᵀSB)⁻¹(BᵀSA + Nᵀ) + Q; A may be singular, and R where R + BᵀSB is
+    not. Shapes and errors as `lqr`.
 
     >>> np.round(dlqr([[1]], [[1]], [[1]], [[1]]).gain, 4)
     array([[0.618]])
     """
-    problem = _regulator(A, B, Q, R, N)
+    problem = _regulator(A, B, Q, R, N, as_weight)
     return _solved(problem, 1.0, _CONTROL)
 
 
+@takes("continuous", A=matrix(), G=matrix(), C=matrix(), W=matrix(), V=matrix())
 def lqe(A: object, G: object, C: object, W: object, V: object) -> Optimal:
     """L = PCᵀV⁻¹ of the Kalman–Bucy filter for ẋ = Ax + Gw, y = Cx + v, white w, v of intensities W, V.
 
@@ -96,15 +116,17 @@ def lqe(A: object, G: object, C: object, W: object, V: object) -> Optimal:
     return Optimal(frozen(dual.gain.T), dual.solution, dual.poles, replace(dual._equation, noise=noise))
 
 
+@takes("sampled", A=matrix(), G=matrix(), C=matrix(), W=matrix(), V=matrix())
 def dlqe(A: object, G: object, C: object, W: object, V: object) -> DiscreteFilter:
     """Steady Kalman filter of x⁺ = Ax + Gw, y = Cx + v with covariances W, V: both the gain L = A·M and M.
 
-    P = APAᵀ − APCᵀ(CPCᵀ + V)⁻¹CPAᵀ + GWGᵀ and M = PCᵀ(CPCᵀ + V)⁻¹. Shapes and errors as `lqe`.
+    P = APAᵀ − APCᵀ(CPCᵀ + V)⁻¹CPAᵀ + GWGᵀ and M = PCᵀ(CPCᵀ + V)⁻¹. V may be singular (sensors without
+    noise) where CPCᵀ + V is not. Shapes and errors as `lqe`.
 
     >>> np.round(dlqe([[1]], [[1]], [[1]], [[1]], [[1]]).gain, 4)
     array([[0.618]])
     """
-    problem, noise = _estimator(A, G, C, W, V)
+    problem, noise = _estimator(A, G, C, W, V, as_weight)
     dual = _solved(problem, 1.0, _ESTIMATION)
     P, C_, V_ = dual.solution, problem.B.T, problem.R
     M = np.linalg.solve(C_ @ P @ C_.T + V_, C_ @ P).T
@@ -115,37 +137,40 @@ def dlqe(A: object, G: object, C: object, W: object, V: object) -> DiscreteFilte
     )
 
 
-@dataclass(frozen=True)
+@record(eq=True)
 class _Words:
     hidden: str  # what an unstable mode must not be
     blind: str  # what a mode on the boundary must not be
     weight: str
     gain: str
+    second: str
 
 
-_CONTROL = _Words(phrase("uncontrollable"), phrase("the weight Q does not see it"), "Q", "K")
-_ESTIMATION = _Words(phrase("unobservable"), phrase("the noise w does not excite it"), "W", "L")
+_CONTROL = _Words(phrase("uncontrollable"), phrase("the weight Q does not see it"), "Q", "K", "R")
+_ESTIMATION = _Words(phrase("unobservable"), phrase("the noise w does not excite it"), "W", "L", "V")
 
 
-def _regulator(A: object, B: object, Q: object, R: object, N: object | None) -> RiccatiProblem:
-    A, B = as_matrix(A, "A"), as_matrix(B, "B")
+def _regulator(A: object, B: object, Q: object, R: object, N: object | None,
+               weight: Callable[[object, str, int], np.ndarray] = as_definite) -> RiccatiProblem:
+    A, B = as_checked(A), as_checked(B)
     n = _square(A, "A")
     if B.shape[0] != n:
         raise ShapeError("B must have {n} rows, as A has; it is {rows}×{columns}.",
                          n=n, rows=B.shape[0], columns=B.shape[1])
     m = B.shape[1]
-    Q, R = as_weight(Q, "Q", n), as_definite(R, "R", m)
-    cross = np.zeros((n, m)) if N is None else as_matrix(N, "N")
+    Q, R = as_weight(Q, "Q", n), weight(R, "R", m)
+    cross = np.zeros((n, m)) if N is None else as_checked(N)
     if cross.shape != (n, m):
         raise ShapeError("N must be {n}×{m}; it is {rows}×{columns}.",
                          n=n, m=m, rows=cross.shape[0], columns=cross.shape[1])
-    if np.any(cross):
+    if np.any(cross) and is_definite(R):
         _not_too_much(Q, R, cross)
     return RiccatiProblem(A, B, Q, R, cross)
 
 
-def _estimator(A: object, G: object, C: object, W: object, V: object) -> tuple[RiccatiProblem, tuple[np.ndarray, np.ndarray]]:
-    A, G, C = as_matrix(A, "A"), as_matrix(G, "G"), as_matrix(C, "C")
+def _estimator(A: object, G: object, C: object, W: object, V: object,
+               weight: Callable[[object, str, int], np.ndarray] = as_definite) -> tuple[RiccatiProblem, tuple[np.ndarray, np.ndarray]]:
+    A, G, C = as_checked(A), as_checked(G), as_checked(C)
     n = _square(A, "A")
     if G.shape[0] != n:
         raise ShapeError("G must have {n} rows, as A has; it is {rows}×{columns}.",
@@ -153,7 +178,7 @@ def _estimator(A: object, G: object, C: object, W: object, V: object) -> tuple[R
     if C.shape[1] != n:
         raise ShapeError("C must have {n} columns, as A has; it is {rows}×{columns}.",
                          n=n, rows=C.shape[0], columns=C.shape[1])
-    W, V = as_weight(W, "W", G.shape[1]), as_definite(V, "V", C.shape[0])
+    W, V = as_weight(W, "W", G.shape[1]), weight(V, "V", C.shape[0])
     noise = G @ W @ G.T
     return RiccatiProblem(A.T, C.T, symmetric(noise), V, np.zeros((n, C.shape[0]))), (G, W)
 
@@ -175,6 +200,13 @@ def _not_too_much(Q: np.ndarray, R: np.ndarray, N: np.ndarray) -> None:
 
 def _solved(problem: RiccatiProblem, boundary: float, words: _Words) -> Optimal:
     """Solve, and check that the gain stabilises; `boundary` is 0 in continuous and 1 in discrete time."""
+    if boundary and not is_definite(problem.R):
+        found = solve_singular(problem)
+        poles = sorted_poles(problem.A - problem.B @ found[1]) if found else np.ones(1)
+        if found is None or found[2] > RESIDUAL_LIMIT or not all_stable(poles, dt=1.0):
+            raise RiccatiError("With a singular {weight} no stabilising {gain} was found; make {weight} positive definite.",
+                               weight=words.second, gain=words.gain)
+        return Optimal(frozen(found[1]), frozen(found[0]), frozen(poles), Equation(problem, found[0], True))
     try:
         S, K, residual = (solve_discrete if boundary else solve_continuous)(problem)
     except RiccatiError as failure:

@@ -6,7 +6,6 @@ import math
 import warnings
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import (
@@ -19,6 +18,7 @@ from scipy.linalg.lapack import dgees, dtrsyl  # pyright: ignore[reportAttribute
 from ..systems.arrays import symmetric
 from ..systems.balance import state_scale
 from ..systems.errors import RiccatiError
+from ..systems.records import record
 
 __all__ = ["RiccatiProblem", "continuous_residual", "discrete_residual", "solve_continuous", "solve_discrete"]
 
@@ -31,7 +31,7 @@ SAME_POLE_RTOL = 1e-3  # relative difference of two poles that are the same
 FAIR_RESIDUAL = 1e-13  # above it the equation is solved once more, from another beginning
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class RiccatiProblem:
     """The data of min ∫ xᵀQx + 2xᵀNu + uᵀRu (or the sum, in discrete time) along ẋ = Ax + Bu."""
 
@@ -222,7 +222,7 @@ def in_balanced_units(problem: RiccatiProblem) -> tuple[RiccatiProblem, np.ndarr
     What pins the scales beside A are how strongly an input of unit cost drives a state, and what a state costs.
     """
     A, B, Q, R, N = problem.A, problem.B, problem.Q, problem.R, problem.N
-    inputs = 2.0 ** -np.round(np.log2(np.diag(R)) / 2)
+    inputs = 2.0 ** -np.round(np.log2(np.where(np.diag(R) > 0, np.diag(R), 1.0)) / 2)
     driven = np.sqrt(np.square(B * inputs).sum(axis=1))[:, None]
     x = state_scale(A, driven, np.sqrt(np.maximum(np.diag(Q), 0.0))[None])
     return RiccatiProblem(A * x / x[:, None], B * inputs / x[:, None], Q * x * x[:, None], R * inputs * inputs[:, None],
@@ -237,7 +237,7 @@ def unit_scale(problem: RiccatiProblem) -> tuple[RiccatiProblem, float, float]:
     """
     A, B, Q, R, N = problem.A, problem.B, problem.Q, problem.R, problem.N
     q, r, b = map(_size, (Q, R, B))
-    half_r = 2 * round(np.log2(r) / 2)  # an even power, so that its root is exact too
+    half_r = 2 * round(np.log2(r if r > 0 else q if q > 0 else 1.0) / 2)  # an even power, so that its root is exact too
     ratio = np.log2(q) - half_r if q > 0 else 0.0
     log_b = int(np.clip(round(ratio / 4 - (np.log2(b) if b > 0 else 0.0) / 2), -250, 250))
     input_scale, cost = 2.0**log_b, 2.0 ** (half_r + 2 * log_b)

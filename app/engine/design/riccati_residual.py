@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ..systems.fixed_point import fixed, product
+from ..systems.records import record
 from .riccati import RiccatiProblem, in_balanced_units, unit_scale
 
 __all__ = ["Equation"]
@@ -14,7 +13,7 @@ __all__ = ["Equation"]
 BITS = 320
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class Equation:
     """A Riccati equation with what it was solved for; `noise` = (G, W) where Q is G W Gᵀ, of which Q has the rounded value."""
 

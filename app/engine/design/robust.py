@@ -9,12 +9,11 @@ All in real arithmetic: the pair x, x̄ stands in X as √2 Re x, √2 Im x, whi
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from scipy.linalg import get_lapack_funcs
 
 from ..systems.pole_sets import Poles
+from ..systems.records import record
 from .eigenstructure import eigenvector_spaces, input_factors
 
 __all__ = ["place_robustly"]
@@ -53,7 +52,7 @@ def place_robustly(A: np.ndarray, B: np.ndarray, poles: Poles) -> tuple[np.ndarr
     return B_inverse @ (A - closed), float(singular[0] / singular[-1])
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class _Frame:
     """Admissible spaces: k bases S (k×n×r), their adjoints, and how many of the k poles are real (they come first).
 

@@ -3,18 +3,34 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import block_diag
 
-from ..systems.argument_checks import count, number, optional, pair, passed
+from ..systems.arrays import as_checked
 from ..systems.errors import EngineError, ShapeError, phrase
 from ..systems.exact_roots import exact_roots
+from ..systems.gates.argument_checks import (
+    FINITE,
+    NAME,
+    POLES,
+    count,
+    instance,
+    items,
+    matrix,
+    number,
+    optional,
+    pair,
+    passed,
+    takes,
+    vector,
+)
+from ..systems.gates.plant_gate import PLANT
 from ..systems.plant import Plant, as_matrix
 from ..systems.pole_sets import Poles, match_poles
-from ..systems.repeated_roots import merge_repeated_roots
+from ..systems.records import record
 from ..systems.spectrum import frequency_response
+from .repeated_roots import merge_repeated_roots
 
 __all__ = ["LoopShape", "diagonal_controller", "loop_shaped", "negated", "polynomial_roots", "rational",
            "realise", "series"]
@@ -22,7 +38,7 @@ __all__ = ["LoopShape", "diagonal_controller", "loop_shaped", "negated", "polyno
 PARTIAL_FRACTION_RTOL = 1e-10  # relative error of partial fractions beyond which sections in a row are used
 
 
-@dataclass(frozen=True)
+@record(eq=True)
 class LoopShape:
     """C(s) = gain · (s + z)/(s + p) · (s/z' + 1)/(s/p' + 1) · 1/(s/ω_r + 1)^order, all corners in rad/s.
 
@@ -42,6 +58,7 @@ class LoopShape:
         passed(self, gain=number(), lag=corners, lead=corners, roll_off=optional(number()), order=count(1, 6))
 
 
+@takes(shape=instance(LoopShape))
 def loop_shaped(shape: LoopShape) -> Plant:
     """The controller of a `LoopShape`. Raises EngineError for corners that are not positive and finite (only the
     pole of the lag may be 0), or an order outside 1 … 6."""
@@ -81,6 +98,7 @@ def coefficients(value: object, name: str) -> np.ndarray:
     return np.trim_zeros(p[0], "f")
 
 
+@takes(polynomial=vector())
 def polynomial_roots(polynomial: object) -> Poles:
     """Roots of a polynomial, coefficients from the highest power down, complex ones in exact pairs, sorted by (real, imag).
 
@@ -97,6 +115,7 @@ def polynomial_roots(polynomial: object) -> Poles:
     return np.sort_complex(np.concatenate([zeros, merge_repeated_roots(whole, exact_roots(whole, near).values)]))
 
 
+@takes(numerator=vector(), denominator=vector())
 def rational(numerator: object, denominator: object) -> Plant:
     """The SISO plant N(s)/D(s), coefficients from the highest power down, realised by its roots (`realise`).
 
@@ -110,6 +129,7 @@ def rational(numerator: object, denominator: object) -> Plant:
     return realise(polynomial_roots(num), polynomial_roots(den), float(num[0] / den[0]))
 
 
+@takes(zeros=POLES, poles=POLES, gain=FINITE)
 def realise(zeros: Sequence[complex] | np.ndarray, poles: Sequence[complex] | np.ndarray, gain: float) -> Plant:
     """The SISO plant gain · ∏(s − zᵢ)/∏(s − pᵢ): partial fractions in real blocks, or sections in a row where poles
     (nearly) coincide. Either keeps every pole as it is given, however far apart they lie.
@@ -205,6 +225,7 @@ def _section(num: np.ndarray, den: np.ndarray) -> Plant:
     return Plant(scale * A, B, rest[::-1][None], np.full((1, 1), top[0]))
 
 
+@takes(last=PLANT, first=PLANT)
 def series(last: Plant, first: Plant) -> Plant:
     """The plant last · first: what `first` gives out goes into `last`. Raises ShapeError where they do not fit."""
     if last.m != first.p or last.dt != first.dt:
@@ -215,18 +236,20 @@ def series(last: Plant, first: Plant) -> Plant:
     return Plant(A, np.vstack([first.B, last.B @ D1]), np.hstack([D2 @ first.C, last.C]), D2 @ D1, first.dt)
 
 
+@takes(plant=PLANT)
 def negated(plant: Plant) -> Plant:
     """−G: outputs with their sign turned."""
     return Plant(plant.A, plant.B, -plant.C, -np.asarray(plant.D), plant.dt, plant.state_names, plant.input_names,
                  plant.output_names, plant.units, plant.name)
 
 
+@takes(channels=items(optional(PLANT), 1000), outputs=matrix(), inputs=matrix(), name=NAME)
 def diagonal_controller(channels: Sequence[Plant | None], outputs: object, inputs: object, *, name: str = "") -> Plant:
     """u = T_u diag(C₁, …, C_k) T_y y: SISO controllers, signs included, between virtual outputs and virtual inputs.
 
     `outputs` is T_y (k×p), `inputs` T_u (m×k); None leaves a channel open. Raises ShapeError where they do not fit.
     """
-    T_y, T_u = as_matrix(outputs, "T_y"), as_matrix(inputs, "T_u")
+    T_y, T_u = as_checked(outputs), as_checked(inputs)
     k = len(channels)
     if T_y.shape[0] != k or T_u.shape[1] != k:
         raise ShapeError("{k} channels need a T_y of {k} rows and a T_u of {k} columns; they are {rows}×{columns} "

@@ -7,7 +7,6 @@ precision. So the start is a Riccati gain, and only what was dragged is placed, 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import schur
@@ -17,8 +16,11 @@ from ..structure.decomposition import reachable_subspace
 from ..systems.arrays import frozen
 from ..systems.balance import natural_scale, plain_scale
 from ..systems.errors import EngineError, PoleError
+from ..systems.gates.argument_checks import POLES, POSITIVE, matrix, takes
+from ..systems.gates.plant_gate import PLANT
 from ..systems.plant import Plant
 from ..systems.pole_sets import Poles
+from ..systems.records import record
 from .optimal import dlqr, lqr
 from .placement import place
 
@@ -27,7 +29,7 @@ __all__ = ["StartingGain", "in_natural_units", "shift_observer", "shift_poles", 
 TOLERANCES = (None, 1e-7, 1e-4, 1e-2)  # of the staircase: what cannot be steered at one is left alone at the next
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class StartingGain:
     """A gain (K m×n or L n×p), the poles it gives (n,), and which of them no gain moves.
 
@@ -44,6 +46,7 @@ class StartingGain:
         return np.sort_complex(np.concatenate([self.moved, self.bolted]))
 
 
+@takes(plant=PLANT)
 def typical_rate(plant: Plant) -> float:
     """The lower median of the speeds |λ| (|log λ|/dt if sampled) of the modes that move, in rad/s; 1 if none does."""
     with np.errstate(divide="ignore"):
@@ -52,6 +55,7 @@ def typical_rate(plant: Plant) -> float:
     return float(speeds[(len(speeds) - 1) // 2]) if speeds.size else 1.0 if not plant.dt else 0.1 / plant.dt
 
 
+@takes(plant=PLANT)
 def in_natural_units(plant: Plant) -> Plant:
     """The plant with balanced states, and inputs and outputs as strong as the typical rate (as one where it is sampled).
 
@@ -65,6 +69,7 @@ def in_natural_units(plant: Plant) -> Plant:
                  np.zeros((plant.p, plant.m)), plant.dt, name=plant.name)
 
 
+@takes(plant=PLANT, eager=POSITIVE)
 def starting_feedback(plant: Plant, *, eager: float = 1.0) -> StartingGain:
     """K (m×n) of the regulator with Q = eager·I, R = I once units and the typical rate are divided out.
 
@@ -92,6 +97,7 @@ def starting_feedback(plant: Plant, *, eager: float = 1.0) -> StartingGain:
     return _start(plant, np.zeros((plant.m, plant.n)), plant.poles)
 
 
+@takes(plant=PLANT, eager=POSITIVE)
 def starting_observer(plant: Plant, *, eager: float = 25.0) -> StartingGain:
     """L (n×p), by duality; `eager` makes the observer quicker than the controller."""
     dual = starting_feedback(plant.dual(), eager=eager)
@@ -114,6 +120,7 @@ def _start(plant: Plant, K: np.ndarray, bolted: np.ndarray) -> StartingGain:
     return StartingGain(frozen(K), frozen(np.sort_complex(np.delete(poles, fixed))), frozen(np.sort_complex(bolted)))
 
 
+@takes(A=matrix("n n"), B=matrix("n m"), K=matrix("m n"), before=POLES, after=POLES)
 def shift_poles(A: np.ndarray, B: np.ndarray, K: np.ndarray, before: Sequence[complex], after: Sequence[complex]) -> np.ndarray:
     """K (m×n) plus what moves the poles `before` of A − BK to `after`; all other poles and their eigenvectors stay.
 
@@ -145,6 +152,7 @@ def shift_poles(A: np.ndarray, B: np.ndarray, K: np.ndarray, before: Sequence[co
     return K + (F @ Y.T) / scale
 
 
+@takes(A=matrix("n n"), C=matrix("p n"), L=matrix("n p"), before=POLES, after=POLES)
 def shift_observer(A: np.ndarray, C: np.ndarray, L: np.ndarray, before: Sequence[complex], after: Sequence[complex]) -> np.ndarray:
     """L (n×p) plus what moves the poles `before` of A − LC to `after`: `shift_poles` of the dual."""
     return shift_poles(A.T, C.T, L.T, before, after).T
@@ -153,8 +161,9 @@ def shift_observer(A: np.ndarray, C: np.ndarray, L: np.ndarray, before: Sequence
 def _changed(before: Sequence[complex], after: Sequence[complex]) -> tuple[np.ndarray, np.ndarray]:
     """The two lists without what they share."""
     old, new = list(np.asarray(before, dtype=complex)), []
+    typical = 1e-12 * float(np.abs(old).max(initial=0.0))
     for pole in np.asarray(after, dtype=complex):
-        same = next((i for i, p in enumerate(old) if abs(p - pole) <= 1e-9 * max(1.0, abs(pole))), None)
+        same = next((i for i, p in enumerate(old) if abs(p - pole) <= 1e-9 * abs(pole) + typical), None)
         if same is None:
             new.append(pole)
         else:

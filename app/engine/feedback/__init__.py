@@ -1,24 +1,12 @@
 """Analyse the closed loop: compensators, sensitivity, margins, spectra, LQG, LTR."""
 
-from .door import (
-    ClosedLoop,
-    Lqg,
-    Sensitivity,
-    TransferFunction,
-    closed_loop,
-    compensator,
-    loop_margins,
-    lqg,
-    noisy_loop,
-    recover,
-    recover_at_output,
-    sensitivity,
-    state_feedback_margins,
-    to_tf,
-)
-from .loop_spectrum import NoisyLoop
-from .ltr import Recovered
-from .margins import ChannelMargins, DiskMargin, LoopMargins, MultiMargins
+from ..systems.gates.room_gates import with_gates
+from .compensator import ClosedLoop, TransferFunction, closed_loop, compensator, to_tf
+from .loop_spectrum import NoisyLoop, noisy_loop
+from .lqg import Lqg, lqg
+from .ltr import Recovered, recover, recover_at_output
+from .margins import ChannelMargins, DiskMargin, LoopMargins, MultiMargins, loop_margins, state_feedback_margins
+from .sensitivity import Sensitivity, sensitivity
 
 __all__ = [
     "ChannelMargins",
@@ -42,3 +30,5 @@ __all__ = [
     "state_feedback_margins",
     "to_tf",
 ]
+
+with_gates(globals())

@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ..systems.arrays import frozen
 from ..systems.balance import balance
 from ..systems.errors import ShapeError
+from ..systems.gates.argument_checks import matrix, optional, takes
+from ..systems.gates.plant_gate import PLANT
 from ..systems.plant import Plant, as_matrix
-from ..systems.pole_sets import Poles, all_stable, match_poles, sorted_poles
+from ..systems.pole_sets import Poles, match_poles, sorted_poles
+from ..systems.records import record
+from ..systems.stability import is_stable
 
 __all__ = ["ClosedLoop", "TransferFunction", "closed_loop", "compensator", "to_tf"]
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class TransferFunction:
     """H(s) = num[i][j](s) / den(s) from input j to output i; coefficients from the highest power down.
 
@@ -32,7 +34,7 @@ class TransferFunction:
         return (self.num @ powers) / (self.den @ powers)
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class ClosedLoop:
     """Plant, observer and feedback of the estimate as one system of 2n states.
 
@@ -58,6 +60,7 @@ class ClosedLoop:
     stable: bool
 
 
+@takes(plant=PLANT, K=matrix(), L=matrix())
 def compensator(plant: Plant, K: object, L: object) -> Plant:
     """The compensator from y to u: x̂̇ = (A − BK − LC + LDK) x̂ + L y, u = −K x̂.
 
@@ -73,6 +76,7 @@ def compensator(plant: Plant, K: object, L: object) -> Plant:
     return Plant(A, L, -K, np.zeros((plant.m, plant.p)), plant.dt, names, plant.output_names, plant.input_names, name=title)
 
 
+@takes(plant=PLANT, K=matrix(), L=matrix(), model=optional(PLANT))
 def closed_loop(plant: Plant, K: object, L: object, *, model: Plant | None = None) -> ClosedLoop:
     """The 2n-state loop of a plant and the compensator built on `model` (None: on the plant itself).
 
@@ -108,11 +112,12 @@ def closed_loop(plant: Plant, K: object, L: object, *, model: Plant | None = Non
         polynomial_error=_polynomial_error(A_xxhat, (regulated, observed), largest),
         compensator=built,
         compensator_poles=edge,
-        compensator_stable=all_stable(edge, dt=plant.dt),
-        stable=all_stable(poles, dt=plant.dt),
+        compensator_stable=is_stable(built.A, dt=plant.dt),
+        stable=is_stable(A_xe, dt=plant.dt),
     )
 
 
+@takes(plant=PLANT)
 def to_tf(plant: Plant) -> TransferFunction:
     """Transfer function H(s) = C(sI − A)⁻¹B + D of a plant or a compensator, as polynomials.
 

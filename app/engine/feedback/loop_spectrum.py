@@ -2,26 +2,29 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
 from scipy.linalg import block_diag
 
-from ..systems.argument_checks import SECONDS, SERIES, array, gated, matrix, number, optional
-from ..systems.arrays import as_covariance, frozen
+from ..systems.arrays import as_checked, as_covariance, frozen
 from ..systems.errors import EngineError, ShapeError
+from ..systems.gates.argument_checks import SECONDS, SERIES, array, covariance, gated, matrix, number, optional, takes
+from ..systems.gates.plant_gate import PLANT
 from ..systems.lyapunov import settled_covariance
 from ..systems.noise import root, step_covariance
 from ..systems.plant import Plant, as_matrix
-from ..systems.pole_sets import Poles, all_stable, sorted_poles
+from ..systems.pole_sets import Poles, sorted_poles
+from ..systems.records import record
 from ..systems.recursions import step_matrices
 from ..systems.spectrum import modal_coordinates, response_at
+from ..systems.stability import is_stable
 
 __all__ = ["NoisyLoop", "noisy_loop"]
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class NoisyLoop:
     """ż = A z + B d, (y, u) = C z + D d with d = (w, v) white of intensity `noise`; y without the sensors' noise v.
 
@@ -44,10 +47,10 @@ class NoisyLoop:
         """Poles of the loop, sorted by (real, imag)."""
         return sorted_poles(self.A)
 
-    @property
+    @cached_property
     def stable(self) -> bool:
-        """Whether every pole is stable; only then are there variances."""
-        return all_stable(self.poles, dt=self.dt)
+        """Whether every pole is stable by more than rounding; only then are there variances."""
+        return is_stable(self.A, dt=self.dt)
 
     @gated(T=matrix())
     def outputs(self, T: object | None = None) -> np.ndarray:
@@ -195,6 +198,7 @@ class NoisyLoop:
         return rows
 
 
+@takes(plant=PLANT, controller=optional(PLANT), G=matrix("n q"), W=covariance("q"), V=covariance("p"))
 def noisy_loop(plant: Plant, controller: Plant | None, G: object, W: object, *, V: object = 0.0) -> NoisyLoop:
     """The loop ẋ = A x + B u + G w, y = C x + D u with a controller u = Kc(s)(y + v), sign included; None: u = 0.
 
@@ -205,7 +209,7 @@ def noisy_loop(plant: Plant, controller: Plant | None, G: object, W: object, *, 
     >>> noisy_loop(plant, compensator(plant, [[1]], [[2]]), [[1]], [[1]], V=[[1]]).stable
     True
     """
-    G = as_matrix(G, "G")
+    G = as_checked(G)
     n, m, p = plant.n, plant.m, plant.p
     if G.shape[0] != n:
         raise ShapeError("G must have {n} rows, one for each state; it has {rows}.", n=n, rows=G.shape[0])

@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ..design.optimal import Optimal, lqe, lqr
-from ..systems.arrays import as_covariance
+from ..systems.arrays import as_checked, as_covariance
 from ..systems.errors import EngineError, ShapeError
-from ..systems.plant import Plant, as_matrix
+from ..systems.gates.argument_checks import covariance, matrix, takes
+from ..systems.gates.plant_gate import PLANT
+from ..systems.plant import Plant
+from ..systems.records import record
 from .compensator import compensator
 
 __all__ = ["Lqg", "lqg"]
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class Lqg:
     """An LQG design. K (m×n), L (n×p), controller from y to u with its sign, u = −K x̂.
 
@@ -38,6 +39,7 @@ class Lqg:
         return self.known_state + self.estimation
 
 
+@takes(plant=PLANT, Q=covariance("n"), R=covariance("m"), W=covariance(), V=covariance("p"), G=matrix())
 def lqg(plant: Plant, Q: object, R: object, W: object, V: object, *, G: object | None = None) -> Lqg:
     """u = −K x̂ minimising the average of xᵀQx + uᵀRu for ẋ = A x + B u + G w, y = C x + D u + v.
 
@@ -51,12 +53,12 @@ def lqg(plant: Plant, Q: object, R: object, W: object, V: object, *, G: object |
     """
     if plant.dt:
         raise EngineError("This is for a continuous plant; design a sampled loop with sampled_lqg.")
-    G = plant.B if G is None else as_matrix(G, "G")
+    G = plant.B if G is None else as_checked(G)
     if G.shape[0] != plant.n:
         raise ShapeError("G must have {n} rows, one for each state; it has {rows}.", n=plant.n, rows=G.shape[0])
-    R, W = as_covariance(R, "R", plant.m), as_covariance(W, "W", G.shape[1])
+    R, W = as_checked(R), as_covariance(W, "W", G.shape[1])
     regulator = lqr(plant.A, plant.B, Q, R)
-    estimator = lqe(plant.A, G, plant.C, W, as_covariance(V, "V", plant.p))
+    estimator = lqe(plant.A, G, plant.C, W, as_checked(V))
     K, L = regulator.gain, estimator.gain
     return Lqg(K, L, compensator(plant, K, L), regulator, estimator,
                float(np.trace(regulator.solution @ G @ W @ G.T)), float(np.trace(estimator.solution @ K.T @ R @ K)))

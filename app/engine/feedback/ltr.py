@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ..design.optimal import lqe, lqr
-from ..systems.arrays import as_covariance, symmetric
+from ..systems.arrays import as_checked, as_covariance, symmetric
 from ..systems.errors import EngineError, ShapeError
-from ..systems.plant import Plant, as_matrix
+from ..systems.gates.argument_checks import covariance, matrix, number, takes
+from ..systems.gates.plant_gate import PLANT
+from ..systems.plant import Plant
+from ..systems.records import record
 from ..systems.zeros import transmission_zeros
 from .compensator import compensator
 from .margins import LoopMargins, loop_margins, state_feedback_margins
@@ -18,7 +19,7 @@ from .sensitivity import Sensitivity, sensitivity
 __all__ = ["Recovered", "recover", "recover_at_output"]
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class Recovered:
     """One step of recovery, with the knob q.
 
@@ -37,6 +38,7 @@ class Recovered:
     minimum_phase: bool | None
 
 
+@takes(plant=PLANT, K=matrix(), W=covariance(), V=covariance("p"), q=number(0, 1_000_000_000_000.0), G=matrix())
 def recover(plant: Plant, K: object, W: object, V: object, q: float, *, G: object | None = None) -> Recovered:
     """Recovery at the plant's input: the filter is told of noise G W Gᵀ + q² B Bᵀ, so L Kc P → K (sI − A)⁻¹ B.
 
@@ -46,17 +48,18 @@ def recover(plant: Plant, K: object, W: object, V: object, q: float, *, G: objec
     >>> recover(Plant([[-1]], [[1]], [[1]]), [[1]], [[1]], [[1]], 100.0).minimum_phase
     True
     """
-    K = as_matrix(K, "K")
+    K = as_checked(K)
     _check(plant, q)
-    G = plant.B if G is None else as_matrix(G, "G")
+    G = plant.B if G is None else as_checked(G)
     if G.shape[0] != plant.n:
         raise ShapeError("G must have {n} rows, one for each state; it has {rows}.", n=plant.n, rows=G.shape[0])
     noise = G @ as_covariance(W, "W", G.shape[1]) @ G.T + q**2 * plant.B @ plant.B.T
-    L = lqe(plant.A, np.eye(plant.n), plant.C, symmetric(noise), as_covariance(V, "V", plant.p)).gain
+    L = lqe(plant.A, np.eye(plant.n), plant.C, symmetric(noise), as_checked(V)).gain
     aim = sensitivity(_whole(plant), -K)
     return _recovered(plant, K, L, q, aim, state_feedback_margins(plant, K), slice(0, plant.m))
 
 
+@takes(plant=PLANT, L=matrix(), Q=covariance("n"), R=covariance("m"), q=number(0, 1_000_000_000_000.0))
 def recover_at_output(plant: Plant, L: object, Q: object, R: object, q: float) -> Recovered:
     """Recovery at the plant's output, the dual: the regulator is told of Q + q² Cᵀ C, so P Kc → −C (sI − A)⁻¹ L.
 
@@ -65,10 +68,10 @@ def recover_at_output(plant: Plant, L: object, Q: object, R: object, q: float) -
     >>> recover_at_output(Plant([[-1]], [[1]], [[1]]), [[1]], [[1]], [[1]], 100.0).gap < 0.05
     True
     """
-    L = as_matrix(L, "L")
+    L = as_checked(L)
     _check(plant, q)
-    weight = as_covariance(Q, "Q", plant.n) + q**2 * plant.C.T @ plant.C
-    K = lqr(plant.A, plant.B, symmetric(weight), as_covariance(R, "R", plant.m)).gain
+    weight = as_checked(Q) + q**2 * plant.C.T @ plant.C
+    K = lqr(plant.A, plant.B, symmetric(weight), as_checked(R)).gain
     fed = Plant(plant.A, L, plant.C)
     target = loop_margins(fed, -np.eye(plant.p))
     aim = sensitivity(fed, -np.eye(plant.p))

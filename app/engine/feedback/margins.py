@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
+from ..systems.gates.argument_checks import matrix, takes
+from ..systems.gates.plant_gate import CONTROLLER, PLANT
 from ..systems.plant import Plant
+from ..systems.records import record
 from .refine import Response, highest, zeros_of
 from .sensitivity import Sensitivity, sensitivity
 
@@ -18,7 +20,7 @@ UNEVEN = 1e60  # how unequal squared rows and columns may be before balancing st
 ENDLESS = 1e6  # a gain factor that counts as infinite, its inverse as none; S is known to about 1e-9
 
 
-@dataclass(frozen=True)
+@record(eq=True)
 class DiskMargin:
     """The balanced disk margin α = 2 / max‖S − T‖ (for many channels max over ω of the structured norm).
 
@@ -41,7 +43,7 @@ class DiskMargin:
         return float(2 * np.arctan(self.alpha / 2))
 
 
-@dataclass(frozen=True)
+@record(eq=True)
 class ChannelMargins:
     """Margins of the loop cut at one signal, all other loops closed, with the loop gain ℓ of 1 + ℓ = 1/S_ii.
 
@@ -67,7 +69,7 @@ class ChannelMargins:
         return 1 / self.sensitivity_peak
 
 
-@dataclass(frozen=True)
+@record(eq=True)
 class MultiMargins:
     """Margins against perturbations of several channels at once, independent of each other.
 
@@ -82,7 +84,7 @@ class MultiMargins:
     peak_frequency: float
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class LoopMargins:
     """Margins of a loop: of each plant input and output, of all inputs, of all outputs, and of both together.
 
@@ -141,6 +143,7 @@ class LoopMargins:
         return _together(self.loop, slice(0, len(self.names)))
 
 
+@takes(plant=PLANT, controller=CONTROLLER)
 def loop_margins(plant: Plant, controller: Plant | object) -> LoopMargins:
     """Margins of the loop of a plant and a controller u = Kc(s) y, its sign included as `compensator` gives it.
 
@@ -154,6 +157,7 @@ def loop_margins(plant: Plant, controller: Plant | object) -> LoopMargins:
     return LoopMargins(sensitivity(plant, controller), plant.input_names + plant.output_names)
 
 
+@takes(plant=PLANT, K=matrix())
 def state_feedback_margins(plant: Plant, K: object) -> LoopMargins:
     """Margins of u = −K x, the whole state measured; the outputs are then the states."""
     seen = Plant(plant.A, plant.B, np.eye(plant.n), np.zeros((plant.n, plant.m)), plant.dt, plant.state_names, plant.input_names,

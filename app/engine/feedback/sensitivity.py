@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
-from ..systems.argument_checks import array, count, gated
 from ..systems.errors import EngineError, ShapeError, phrase
+from ..systems.gates.argument_checks import array, count, gated, takes
+from ..systems.gates.plant_gate import CONTROLLER, PLANT
 from ..systems.plant import Plant, as_matrix
-from ..systems.pole_sets import Poles, all_stable, sorted_poles
+from ..systems.pole_sets import Poles, sorted_poles
+from ..systems.records import record
 from ..systems.spectrum import frequency_response, modal_coordinates
+from ..systems.stability import is_stable
 
 __all__ = ["Sensitivity", "sensitivity"]
 
@@ -21,7 +23,7 @@ AROUND = 31  # points around the frequency of each pole
 EXTRA_DECADES = 2.0  # that the sweep reaches beyond the slowest and the fastest pole
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class Sensitivity:
     """S(s) = C (sI − A)⁻¹ B + D from disturbances at the cuts (plant inputs, then outputs) to the signals behind them.
 
@@ -43,10 +45,10 @@ class Sensitivity:
         """Poles of the closed loop, sorted by (real, imag)."""
         return sorted_poles(self.A)
 
-    @property
+    @cached_property
     def stable(self) -> bool:
-        """Whether the closed loop is stable; where S is infinite at some frequency, rounding alone put its poles on the left."""
-        return all_stable(self.poles, dt=self.dt) and bool(np.isfinite(self.values).all())
+        """Whether the closed loop is stable by more than rounding, so that S is finite at every frequency."""
+        return is_stable(self.A, dt=self.dt) and bool(np.isfinite(self.values).all())
 
     @cached_property
     def omega(self) -> np.ndarray:
@@ -132,6 +134,7 @@ class Sensitivity:
         return self.at(self.omega)
 
 
+@takes(plant=PLANT, controller=CONTROLLER)
 def sensitivity(plant: Plant, controller: Plant | object) -> Sensitivity:
     """The loop of a plant P and a controller u = Kc(s) y, sign included, as `compensator` gives it; or a gain u = F y.
 

@@ -1,44 +1,29 @@
 """Run Kalman filters, linear and nonlinear, one or many at once, and test their consistency."""
 
-from .adc import AdcNoise
+from ..systems.gates.room_gates import with_gates
 from .belief import Belief, Beliefs, Correction, Corrections, RootBelief
-from .consistency import InnovationTest, Whiteness
-from .door import (
-    as_record,
-    chi2_band,
-    correct,
-    error_parts,
-    errors_squared,
-    growing_error,
-    independent_errors,
-    innovation_test,
-    joseph,
-    means_along,
-    nees,
-    nis,
-    noise_ladder,
-    posterior_bound,
-    posterior_covariances,
-    predict,
-    short_form,
-    sigma_weights,
-    simulate_filter,
-    simulate_filters,
-    slopes_along,
-    whiteness,
-    with_coloured_noise,
-)
-from .experiment import Experiment, Sample, Steering
-from .extended import ExtendedKalmanFilter, LinearisedFilter
-from .filter_trial import FilterTrial
-from .kalman import KalmanFilter
-from .linear_filter import LinearFilter
-from .nonlinear import NonlinearFilter
-from .square_root import SquareRootFilter
-from .squared_error import SquaredError
-from .track import Schedule, Track
-from .trade_off import ErrorParts, Ladder
-from .unscented import PrintedUnscentedFilter, UnscentedKalmanFilter
+from .consistency.innovation_tests import InnovationTest, Whiteness, innovation_test, whiteness
+from .consistency.squared_error import SquaredError, chi2_band, independent_errors, nees, nis
+from .linear.adc import AdcNoise, with_coloured_noise
+from .linear.filter_trial import FilterTrial, simulate_filter
+from .linear.h_infinity import RobustGain, h_infinity
+from .linear.kalman import KalmanFilter, correct, joseph, predict, short_form
+from .linear.linear_filter import LinearFilter
+from .linear.square_root import SquareRootFilter
+from .linear.trade_off import ErrorParts, Ladder, error_parts, growing_error, noise_ladder
+from .linear.two_forms import posterior_covariances
+from .nonlinear.bound import posterior_bound
+from .nonlinear.experiment import Experiment, Sample, Steering
+from .nonlinear.extended import ExtendedKalmanFilter, LinearisedFilter
+from .nonlinear.many_runs import errors_squared, simulate_filters
+from .nonlinear.nonlinear_filter import NonlinearFilter
+from .nonlinear.particle import ParticleFilter, ParticleTrack
+from .nonlinear.sigma_points import sigma_weights
+from .nonlinear.slopes import slopes_along
+from .nonlinear.unscented import PrintedUnscentedFilter, UnscentedKalmanFilter
+from .smoothing.moving_horizon import HorizonTrack, moving_horizon
+from .smoothing.rts import Smoothed, smooth
+from .track import Schedule, Track, as_record, means_along
 
 __all__ = [
     "AdcNoise",
@@ -50,16 +35,21 @@ __all__ = [
     "Experiment",
     "ExtendedKalmanFilter",
     "FilterTrial",
+    "HorizonTrack",
     "InnovationTest",
     "KalmanFilter",
     "Ladder",
     "LinearFilter",
     "LinearisedFilter",
     "NonlinearFilter",
+    "ParticleFilter",
+    "ParticleTrack",
     "PrintedUnscentedFilter",
+    "RobustGain",
     "RootBelief",
     "Sample",
     "Schedule",
+    "Smoothed",
     "SquareRootFilter",
     "SquaredError",
     "Steering",
@@ -72,10 +62,12 @@ __all__ = [
     "error_parts",
     "errors_squared",
     "growing_error",
+    "h_infinity",
     "independent_errors",
     "innovation_test",
     "joseph",
     "means_along",
+    "moving_horizon",
     "nees",
     "nis",
     "noise_ladder",
@@ -87,6 +79,9 @@ __all__ = [
     "simulate_filter",
     "simulate_filters",
     "slopes_along",
+    "smooth",
     "whiteness",
     "with_coloured_noise",
 ]
+
+with_gates(globals())

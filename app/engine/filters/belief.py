@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
-from ..systems.argument_checks import count, vector
 from ..systems.arrays import as_covariance, as_numbers, frozen
 from ..systems.errors import EngineError, ShapeError, phrase
+from ..systems.gates.argument_checks import Gate, count, vector
+from ..systems.gates.given import described
+from ..systems.records import record
 
-__all__ = ["Belief", "Beliefs", "Correction", "Corrections", "RootBelief"]
+__all__ = ["BELIEF", "Belief", "Beliefs", "Correction", "Corrections", "RootBelief"]
 
 
 def _told(value: object, name: str) -> np.ndarray:
     return as_numbers(value, name, missing=True, infinite=True)
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class Belief:
     """A Gaussian belief about the state: mean x̂ (n,), covariance P (n×n) of x − x̂; read-only arrays.
 
@@ -48,7 +48,7 @@ class Belief:
         return np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class RootBelief(Belief):
     """A belief that carries a root U (n×n) of its covariance, P = U Uᵀ, which keeps twice as many digits."""
 
@@ -60,7 +60,7 @@ class RootBelief(Belief):
         return cls(mean, root @ root.T, root)
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class Correction:
     """One measurement update: belief after it, innovation ν = y − ŷ (p,), its covariance S (p×p), gain M (n×p)."""
 
@@ -77,7 +77,7 @@ class Correction:
         return float(nu @ np.linalg.solve(self.S[np.ix_(seen, seen)], nu)) if seen.any() else 0.0
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class Beliefs:
     """A Gaussian belief in each of N runs: means (n, N), covariances (N, n, n) or (1, n, n) where all share one.
 
@@ -103,7 +103,7 @@ class Beliefs:
         return cls(np.repeat(middle[:, None], runs, axis=1), np.repeat(P[None], runs, axis=0))
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class Corrections:
     """One measurement taken in by every run: beliefs after it, innovations (p, N), their covariances S, gains M.
 
@@ -114,3 +114,15 @@ class Corrections:
     innovation: np.ndarray
     S: np.ndarray
     gain: np.ndarray
+
+
+def _belief(value: object, name: str, sizes: dict[str, int]) -> Belief:
+    if isinstance(value, Belief):
+        return value
+    if isinstance(value, tuple | list) and len(value) == 2 and np.ndim(value[1]) in (0, 2):
+        mean = as_numbers(value[0], name).reshape(-1)
+        return Belief(mean, as_covariance(value[1], phrase("The covariance"), mean.size))
+    raise EngineError("{name} must be a {kind}; {given} was given.", name=name, kind="Belief", given=described(value))
+
+
+BELIEF: Gate = _belief  # a belief, or its (mean, covariance)

@@ -2,21 +2,27 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..kernels import as_kernel_array, compiled_kernel
 from ..kernels.recursion import mean_steps
+from ..plotting import plot_estimates
 from ..systems.arrays import as_numbers
 from ..systems.errors import ShapeError
+from ..systems.gates.argument_checks import MOST_NUMBERS, NAME, RECORD, array, count, instance, matrix, optional, takes, vector
+from ..systems.records import record
 from ..systems.recursions import affine_scan
 from .belief import Belief
+
+if TYPE_CHECKING:
+    from ..plotting import Axes
 
 __all__ = ["Schedule", "Track", "as_record", "means_along"]
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class Schedule:
     """Covariances and gains of `steps` time steps; the s stored entries cover them all, the last one repeating.
 
@@ -41,7 +47,7 @@ class Schedule:
         return np.minimum(np.arange(self.steps), len(self.gains) - 1)
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class Track:
     """A record filtered: row k holds what is known at sample k.
 
@@ -89,12 +95,17 @@ class Track:
         """Filter gain M of each sample, (n_t, n, p)."""
         return self.schedule.gains[self.schedule.index]
 
+    def plot(self, *, dt: float = 0.0) -> list[Axes]:
+        """The means with two standard deviations to either side, a panel each state, over samples, or seconds if dt is given."""
+        return plot_estimates(self.means, self.variances, dt=dt)
+
     @property
     def last(self) -> Belief:
         """The belief after the last sample."""
         return Belief(self.means[-1], self.schedule.posterior[-1])
 
 
+@takes(value=optional(RECORD), name=NAME, columns=count(), rows=optional(count(0, MOST_NUMBERS)))
 def as_record(value: object, name: str, columns: int, *, rows: int | None = None) -> np.ndarray:
     """A time-first array (n_t, columns); a vector is one column, None is zeros of `rows` rows. NaN stays.
 
@@ -111,6 +122,8 @@ def as_record(value: object, name: str, columns: int, *, rows: int | None = None
     return array
 
 
+@takes(A=matrix("n n"), C=matrix("p n"), schedule=instance(Schedule), start=vector("n"), known=array("k p", missing=True),
+       push=optional(array("k n")))
 def means_along(A: np.ndarray, C: np.ndarray, schedule: Schedule, start: np.ndarray, known: np.ndarray,
                 push: np.ndarray | None) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Predicted means, means and innovations for measurements `known` = y − D u (n_t, p) and `push` = B u (n_t, n) or None.

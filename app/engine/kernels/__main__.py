@@ -1,4 +1,4 @@
-"""Compile all kernels into the user's cache: `python -m app.engine.kernels`."""
+"""Compile all kernels into the user's cache: `python -m observer_lab.engine.kernels`."""
 
 from __future__ import annotations
 

@@ -172,12 +172,12 @@ def prepare_kernels() -> threading.Thread:
 def _prepare() -> None:
     if os.environ.get(KERNELS_VARIABLE) == "off" or importlib.util.find_spec("numba") is None:
         return
-    folder = cache_folder()
-    if folder is not None and not (folder / DONE).exists():
-        with _alone(folder):
-            if not (folder / DONE).exists():
-                _compile_beside()
     try:
+        folder = cache_folder()
+        if folder is not None and not (folder / DONE).exists():
+            with _alone(folder):
+                if not (folder / DONE).exists():
+                    _compile_beside()
         SHELF.fill()
     except Exception as problem:  # whatever a compiler of another version may say: all goes on the plain way
         log.warning("no kernels, so that some runs take longer: %s", problem)
@@ -211,9 +211,9 @@ def cache_folder() -> Path | None:
     else:
         home = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
     here = Path(__file__).resolve().parent
-    mark = hashlib.sha256(f"{here} {version('numba')}".encode())
+    mark = hashlib.sha256(os.fsencode(here) + version("numba").encode())
     for source in sorted(here.glob("*.py")):
-        mark.update(f"{source.name} {source.stat().st_mtime_ns}".encode() + source.read_bytes())
+        mark.update(os.fsencode(source.name) + str(source.stat().st_mtime_ns).encode() + source.read_bytes())
     folder = home / "observer-lab" / f"kernels-{mark.hexdigest()[:16]}"
     try:
         folder.mkdir(parents=True, exist_ok=True)

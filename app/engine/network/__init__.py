@@ -1,32 +1,28 @@
 """Analyse filters and loops over packets that can be lost or late."""
 
-from .door import (
+from ..systems.gates.room_gates import with_gates
+from .intermittent import (
+    CriticalLoss,
     critical_loss,
-    delayed_loop,
     intermittent_covariances,
     intermittent_steps,
     lossy_growth,
     mare,
     mean_bounds,
     mean_lower_limit,
-    mean_square_growth,
-    measured,
-    network_meter,
-    newest_packet_age,
-    promised_error,
-    riccati_step,
-    simulate_network,
     spectral_radius,
 )
-from .intermittent import CriticalLoss
-from .network_simulation import NetworkRun, NetworkScenario
-from .packets import Link
+from .lossy_steps import corrected_covariance, riccati_step
+from .network_loop import delayed_loop, mean_square_growth
+from .network_simulation import NetworkRun, NetworkScenario, network_meter, promised_error, simulate_network
+from .packets import Link, newest_packet_age
 
 __all__ = [
     "CriticalLoss",
     "Link",
     "NetworkRun",
     "NetworkScenario",
+    "corrected_covariance",
     "critical_loss",
     "delayed_loop",
     "intermittent_covariances",
@@ -36,7 +32,6 @@ __all__ = [
     "mean_bounds",
     "mean_lower_limit",
     "mean_square_growth",
-    "measured",
     "network_meter",
     "newest_packet_age",
     "promised_error",
@@ -44,3 +39,5 @@ __all__ = [
     "simulate_network",
     "spectral_radius",
 ]
+
+with_gates(globals())

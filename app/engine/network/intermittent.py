@@ -10,17 +10,17 @@ the measurement of sample k.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import schur
 
-from ..systems.argument_checks import SHARE, gated
-from ..systems.arrays import as_covariance, symmetric
+from ..systems.arrays import as_checked, as_covariance, symmetric
 from ..systems.errors import EngineError, RiccatiError, ShapeError
+from ..systems.gates.argument_checks import SHARE, array, count, covariance, gated, matrix, takes
 from ..systems.lyapunov import settled_covariance
 from ..systems.noise import root
 from ..systems.plant import as_matrix
+from ..systems.records import record
 from .lossy_steps import corrected_covariance, riccati_path, riccati_step
 
 __all__ = ["CriticalLoss", "critical_loss", "intermittent_covariances", "intermittent_steps", "lossy_growth", "mare",
@@ -32,7 +32,7 @@ MAX_STEPS = 20_000
 HOPELESS = 1e100  # times Q
 
 
-@dataclass(frozen=True)
+@record(eq=True)
 class CriticalLoss:
     """What share of the measurements may be lost.
 
@@ -57,6 +57,7 @@ class CriticalLoss:
 
 
 # --- along a record --------------------------------------------------------------------------------------------------
+@takes(A=matrix(), C=matrix(), Q=covariance(), R=covariance(), P0=covariance(), heard=array())
 def intermittent_steps(A: object, C: object, Q: object, R: object, P0: object, heard: object) -> Iterator[np.ndarray]:
     """P[k|k−1] for k = 0 … N, each (…, n, n), of records `heard` (…, N; bool) that share one start P0 (n×n).
 
@@ -73,6 +74,7 @@ def intermittent_steps(A: object, C: object, Q: object, R: object, P0: object, h
         yield P
 
 
+@takes(A=matrix(), C=matrix(), Q=covariance(), R=covariance(), P0=covariance(), heard=array())
 def intermittent_covariances(A: object, C: object, Q: object, R: object, P0: object, heard: object) -> np.ndarray:
     """P[k|k−1] of each record, (…, N + 1, n, n); see `intermittent_steps`.
 
@@ -83,6 +85,7 @@ def intermittent_covariances(A: object, C: object, Q: object, R: object, P0: obj
 
 
 # --- the mean --------------------------------------------------------------------------------------------------------
+@takes(A=matrix(), C=matrix(), Q=covariance(), R=covariance(), P0=covariance(), loss=array(), steps=count(0, 100_000))
 def mean_bounds(A: object, C: object, Q: object, R: object, P0: object, loss: object,
                 steps: int) -> tuple[np.ndarray, np.ndarray]:
     """Lower and upper bound of the mean E P[k|k−1], k = 0 … steps, each (…, steps + 1, n, n), for losses `loss` (…).
@@ -102,18 +105,20 @@ def mean_bounds(A: object, C: object, Q: object, R: object, P0: object, loss: ob
     return lower, upper
 
 
+@takes(A=matrix("n n"), Q=covariance("n"), loss=SHARE)
 def mean_lower_limit(A: object, Q: object, loss: float) -> np.ndarray:
     """S = loss A S Aᵀ + Q, n×n: below the mean covariance after many steps. Raises RiccatiError where there is none."""
-    A = as_matrix(A, "A")
+    A = as_checked(A)
     if A.shape[0] != A.shape[1]:
         raise ShapeError("A must be square; it is {rows}×{columns}.", rows=A.shape[0], columns=A.shape[1])
     p = float(_probability(loss))
     if p * spectral_radius(A) ** 2 >= 1:
         raise RiccatiError("More packets are lost than the critical share, so the mean covariance has no limit; "
                            "lose fewer packets.")
-    return symmetric(settled_covariance(np.sqrt(p) * A, root(as_covariance(Q, "Q", len(A))), dt=1.0))
+    return symmetric(settled_covariance(np.sqrt(p) * A, root(as_checked(Q)), dt=1.0))
 
 
+@takes(A=matrix(), C=matrix(), Q=covariance(), R=covariance(), loss=SHARE)
 def mare(A: object, C: object, Q: object, R: object, loss: float) -> np.ndarray:
     """X = g(X) = A X Aᵀ + Q − (1 − loss) A X Cᵀ(C X Cᵀ + R)⁻¹ C X Aᵀ, n×n: above the mean covariance after many steps.
 
@@ -163,6 +168,7 @@ def _newton(X: np.ndarray, A: np.ndarray, C: np.ndarray, Q: np.ndarray, R: np.nd
 
 
 # --- how much may be lost ----------------------------------------------------------------------------------------------
+@takes(A=matrix(), C=matrix())
 def critical_loss(A: object, C: object) -> CriticalLoss:
     """The critical loss of (A, C), or bounds of it.
 
@@ -209,6 +215,7 @@ def _degenerate(A: np.ndarray, C: np.ndarray) -> bool:
     return any(_rank(C @ shapes[:, group]) < group.sum() for group in alike)
 
 
+@takes(A=matrix(), C=matrix(), loss=SHARE, steps=count(1, 100_000))
 def lossy_growth(A: object, C: object, loss: float, *, steps: int = 4000) -> float:
     """Growth a step of X ↦ A X Aᵀ − (1 − loss) A X Cᵀ(C X Cᵀ)⁺ C X Aᵀ, what noise no longer matters to.
 
@@ -230,6 +237,7 @@ def lossy_growth(A: object, C: object, loss: float, *, steps: int = 4000) -> flo
     return growth
 
 
+@takes(matrix=matrix("n n"))
 def spectral_radius(matrix: np.ndarray) -> float:
     """max|λ|."""
     return float(np.abs(np.linalg.eigvals(matrix)).max(initial=0.0))

@@ -8,10 +8,12 @@ from ..kernels import as_kernel_array, compiled_kernel
 from ..kernels.intermittent import lossy_covariance_steps
 from ..systems.arrays import symmetric
 from ..systems.errors import EngineError
+from ..systems.gates.argument_checks import array, matrix, takes
 
 __all__ = ["corrected_covariance", "riccati_path", "riccati_step"]
 
 
+@takes(P=array("… n n"), C=matrix("p n"), R=matrix("p p"))
 def corrected_covariance(P: np.ndarray, C: np.ndarray, R: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Covariances after a measurement in Joseph's form (…, n, n), and the filter gains M = P Cᵀ(C P Cᵀ + R)⁻¹ (…, n, p)."""
     CP = C @ P
@@ -26,6 +28,7 @@ def corrected_covariance(P: np.ndarray, C: np.ndarray, R: np.ndarray) -> tuple[n
     return keep @ P @ np.swapaxes(keep, -1, -2) + M @ R @ np.swapaxes(M, -1, -2), M
 
 
+@takes(P=array("… n n"), A=matrix("n n"), C=matrix("p n"), Q=matrix("n n"), R=matrix("p p"), heard=array())
 def riccati_step(P: np.ndarray, A: np.ndarray, C: np.ndarray, Q: np.ndarray, R: np.ndarray, heard: object) -> np.ndarray:
     """P⁺ = A ((1 − h) P + h P|y) Aᵀ + Q for covariances P (…, n, n), P|y being that after the measurement.
 

@@ -6,12 +6,16 @@ from typing import Literal
 
 import numpy as np
 
+from ..systems.arrays import as_checked
 from ..systems.errors import EngineError, ShapeError
-from ..systems.plant import Plant, as_matrix
+from ..systems.gates.argument_checks import SHARE, choice, count, matrix, takes
+from ..systems.gates.plant_gate import PLANT
+from ..systems.plant import Plant
 
 __all__ = ["delayed_loop", "mean_square_growth"]
 
 
+@takes(plant=PLANT, K=matrix(), M=matrix(), delay=count(0, 1000), told=choice("asked", "applied"), ahead=count(0, 1000))
 def delayed_loop(plant: Plant, K: np.ndarray, M: np.ndarray, delay: int, *,
                  told: Literal["asked", "applied"] = "applied",
                  ahead: int = 0) -> np.ndarray:
@@ -21,7 +25,8 @@ def delayed_loop(plant: Plant, K: np.ndarray, M: np.ndarray, delay: int, *,
     (x, u) into e, is zero where the observer is told the applied input; F is (2n + delay m) square. Raises ShapeError,
     EngineError.
     """
-    A, B, C, K, M = plant.A, plant.B, plant.C, as_matrix(K, "K"), as_matrix(M, "M")
+    _require_packets(plant)
+    A, B, C, K, M = plant.A, plant.B, plant.C, as_checked(K), as_checked(M)
     n, m = B.shape
     if K.shape != (m, n) or M.shape != (n, plant.p):
         raise ShapeError("K must be {m}×{n} and M {n}×{p}; they are {k_shape} and {m_shape}.",
@@ -52,12 +57,14 @@ def delayed_loop(plant: Plant, K: np.ndarray, M: np.ndarray, delay: int, *,
     return F
 
 
+@takes(plant=PLANT, K=matrix("m n"), loss=SHARE, on_loss=choice("hold", "zero"))
 def mean_square_growth(plant: Plant, K: np.ndarray, loss: float, on_loss: Literal["hold", "zero"]) -> float:
     """Growth of E‖x‖² a sample under u = −K x when each input is lost with probability `loss`: below 1 it dies out.
 
     The spectral radius of X ↦ (1 − loss) F X Fᵀ + loss G X Gᵀ, F and G being the loop with and without the packet,
     (x, last input) where inputs are held. Raises EngineError.
     """
+    _require_packets(plant)
     if not 0 <= loss <= 1:
         raise EngineError("A loss is a probability: choose it within 0 … 1.")
     if on_loss not in ("hold", "zero"):
@@ -70,6 +77,11 @@ def mean_square_growth(plant: Plant, K: np.ndarray, loss: float, on_loss: Litera
         F = np.block([[A - B @ K, np.zeros((n, m))], [-K, np.zeros((m, m))]])
         G = np.block([[A, B], [np.zeros((m, n)), np.eye(m)]])
     return float(np.abs(np.linalg.eigvals((1 - loss) * _on_symmetric(F) + loss * _on_symmetric(G))).max())
+
+
+def _require_packets(plant: Plant) -> None:
+    if not plant.dt or np.any(plant.D):
+        raise EngineError("A loop over packets needs a sampled plant (dt > 0) without direct feedthrough D.")
 
 
 def _on_symmetric(F: np.ndarray) -> np.ndarray:

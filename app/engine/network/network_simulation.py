@@ -5,16 +5,18 @@ x[k+1] = A x + B a + w, y = C x + v; u = −K x̂ with x̂ = x̂[k | all that ar
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any, Literal
 
 import numpy as np
 
-from ..systems.argument_checks import SEED, choice, count, covariance, instance, matrix, optional, passed
 from ..systems.arrays import as_covariance, symmetric
 from ..systems.errors import EngineError, ShapeError
+from ..systems.gates.argument_checks import SEED, array, choice, count, covariance, instance, matrix, optional, passed, takes
+from ..systems.gates.plant_gate import PLANT
 from ..systems.noise import root
 from ..systems.plant import Plant, as_matrix
+from ..systems.records import record
 from .lossy_steps import corrected_covariance, riccati_path
 from .packets import LOST_PACKET, Link, newest_packet_age
 
@@ -24,7 +26,7 @@ STATE_ROUNDING = 1e-12
 DIVERGENCE_FACTOR = 1e9  # times the larger of 1 and the size of the start
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class NetworkScenario:
     """One run of the loop over two links, N = `steps` samples.
 
@@ -59,7 +61,7 @@ class NetworkScenario:
     seed: int = 0
 
     def __post_init__(self) -> None:
-        passed(self, plant=instance(Plant), K=matrix(), Q=covariance("n"), R=covariance("p"), P0=covariance("n"), x0=matrix(),
+        passed(self, plant=PLANT, K=matrix(), Q=covariance("n"), R=covariance("p"), P0=covariance("n"), x0=matrix(),
                steps=count(1, 1_000_000, beside="n n"), sensor=instance(Link), actuator=instance(Link), on_loss=choice("hold", "zero"),
                told=choice("asked", "applied"), order=choice("stamped", "arrival"), ahead=count(), jumps=optional(matrix()), seed=SEED)
         plant = self.plant
@@ -81,7 +83,7 @@ class NetworkScenario:
             object.__setattr__(self, name, value)
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class FilterPlan:
     """What a filter does at each k: it starts `window` samples back and takes in `heard[k, i]` with gain `gains[k, i]`.
 
@@ -95,7 +97,7 @@ class FilterPlan:
     P: np.ndarray
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class Draw:
     """What the seed gives: x(0) − x̂(0) (n,), w with the jumps (N, n), v (N, p), samples of arrival (N,) on both links."""
 
@@ -106,7 +108,7 @@ class Draw:
     acted: np.ndarray
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class NetworkRun:
     """A run; arrays are time-first over N samples (fewer where it diverged).
 
@@ -137,6 +139,7 @@ class NetworkRun:
     draw: Draw
 
 
+@takes(s=instance(NetworkScenario))
 def simulate_network(s: NetworkScenario) -> NetworkRun:
     """Run the loop. Ends early, `diverged_at` set, where a state passes 1e9 times its start (or 1).
 
@@ -160,6 +163,7 @@ def simulate_network(s: NetworkScenario) -> NetworkRun:
                       None if count == s.steps else float(count * s.plant.dt), plan, d)
 
 
+@takes(run=instance(NetworkRun))
 def promised_error(run: NetworkRun) -> np.ndarray:
     """e (N, n) of an observer that is told the applied input and reads time stamps, on this run's noise and packets.
 
@@ -171,6 +175,7 @@ def promised_error(run: NetworkRun) -> np.ndarray:
     return -np.array([watch.at(k) for k in range(len(run.t))])
 
 
+@takes(run=instance(NetworkRun), promised=optional(array("k n")))
 def network_meter(run: NetworkRun, *, promised: np.ndarray | None = None) -> float:
     """How far e leaves the promise: max‖e − e_promised‖/max‖e_promised‖ over the run; 0 to rounding if separation holds.
 

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
-from ..systems.argument_checks import GENERATOR, SHARE, count, gated, passed
 from ..systems.errors import EngineError, ShapeError
+from ..systems.gates.argument_checks import GENERATOR, SHARE, WHOLE, count, gated, passed, takes
+from ..systems.records import record
 
 __all__ = ["Link"]
 
@@ -15,7 +14,7 @@ LOST_PACKET = -1
 LATEST = 64  # samples a packet may be late
 
 
-@dataclass(frozen=True)
+@record(eq=True)
 class Link:
     """What happens to packets: each is lost with probability `loss`, and arrives `delay` + 0 … `jitter` samples late.
 
@@ -51,6 +50,7 @@ class Link:
         return np.where(chance < self.loss, LOST_PACKET, arrivals)
 
 
+@takes(arrivals=WHOLE)
 def newest_packet_age(arrivals: np.ndarray) -> np.ndarray:
     """How many samples old the newest packet is that has arrived by each sample (N,); k + 1 where none has."""
     if arrivals.ndim != 1:

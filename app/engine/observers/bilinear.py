@@ -8,8 +8,6 @@ All equation numbers: "Synthesis of functional observers for bilinear plants", A
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ..structure.canonise import Canonisation, canonise
@@ -17,13 +15,14 @@ from ..structure.decomposition import reachable_subspace
 from ..systems.errors import EngineError, ShapeError
 from ..systems.plant import as_matrix
 from ..systems.pole_sets import Poles
+from ..systems.records import record
 
 __all__ = ["BilinearForm", "BilinearObserver", "BilinearPlant", "Three", "forms_of"]
 
 Three = tuple[np.ndarray, np.ndarray, np.ndarray]
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class BilinearPlant:
     """ẋ = A x + B u + Σ uⱼ Fⱼ x, y = C x with k inputs (1).
 
@@ -98,7 +97,7 @@ def _freeze(record: object) -> None:
             value.setflags(write=False)
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class BilinearForm:
     """An observer that can be run: ż = A z + Y y + B u + Σ uⱼ Uⱼ y + R ẏ, ĝ = G_y y + G_z z.
 
@@ -117,7 +116,7 @@ class BilinearForm:
         _freeze(self)
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class BilinearObserver:
     """Every matrix of the eight steps, and what came of them.
 

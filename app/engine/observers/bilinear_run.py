@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from ..systems.arrays import as_checked
 from ..systems.errors import EngineError, ShapeError
+from ..systems.gates.argument_checks import FUNCTION, SECONDS, instance, matrix, optional, takes
 from ..systems.plant import as_matrix
+from ..systems.records import record
 from .bilinear import BilinearForm, BilinearPlant
 
 __all__ = ["BilinearRun", "simulate_bilinear"]
@@ -25,7 +27,7 @@ CHUNK_STEPS = 2048
 DIVERGENCE_LIMIT = 1e12
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class BilinearRun:
     """Time-first: t (n_t,), u (n_t,) or of k inputs (n_t, k), x (n_t, n), z (n_t, q), y (n_t, m), g, estimate and error (n_t, r).
 
@@ -44,6 +46,8 @@ class BilinearRun:
     diverged_at: float | None
 
 
+@takes(plant=instance(BilinearPlant), form=instance(BilinearForm), K=matrix(), u=FUNCTION, x0=matrix(), z0=matrix(),
+       horizon=SECONDS, dt=SECONDS, noise=optional(matrix()))
 def simulate_bilinear(
     plant: BilinearPlant, form: BilinearForm, K: np.ndarray, u: Callable[[np.ndarray], Any], x0: object, z0: object,
     *, horizon: float = 1.0, dt: float = 0.002, noise: object = None
@@ -66,7 +70,7 @@ def simulate_bilinear(
     if x0.size != plant.n or z0.size != form.A.shape[0]:
         raise ShapeError("x0 must have {n} entries and z0 {rows}; they have {x0_size} and {z0_size}.",
                          n=plant.n, rows=form.A.shape[0], x0_size=x0.size, z0_size=z0.size)
-    K = as_matrix(K, "K")
+    K = as_checked(K)
     if K.shape[1] != plant.n:
         raise ShapeError("K must have {n} columns, one for each state; it has {columns}.",
                          n=plant.n, columns=K.shape[1])

@@ -6,7 +6,7 @@ All equation numbers: "Synthesis of functional observers for bilinear plants", A
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,11 +14,13 @@ from numpy.typing import ArrayLike
 from ..design.placement import place
 from ..structure.canonise import Canonisation, canonise, canonise_right, singular_values
 from ..structure.decomposition import reachable_subspace
-from ..systems.arrays import frozen
+from ..systems.arrays import as_checked, frozen
 from ..systems.balance import natural_scale
 from ..systems.errors import EngineError, PoleError, ShapeError
+from ..systems.gates.argument_checks import POLES, matrix, takes
 from ..systems.plant import as_matrix
 from ..systems.pole_sets import Poles, check_poles, sorted_poles
+from ..systems.records import record
 from .bilinear import BilinearObserver, BilinearPlant, Three, forms_of
 
 __all__ = ["bilinear_functional_observer"]
@@ -26,7 +28,7 @@ __all__ = ["bilinear_functional_observer"]
 CONDITION_RTOL = 1e-9  # a solvability condition counts as met below this, relative to its terms
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class _Units:
     """Powers of two: states (n,), outputs (m,), rows of K (r,), the rate of A and the inputs (k,) that make uⱼ Fⱼ as fast."""
 
@@ -95,7 +97,7 @@ def _units(plant: BilinearPlant, K: np.ndarray) -> _Units:
                   two([rate / f if f > 0 else 1.0 for f in F]))
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class _Coordinates:
     C: Canonisation
     K1: np.ndarray
@@ -118,6 +120,7 @@ def _coordinates(plant: BilinearPlant, K: np.ndarray) -> _Coordinates:
     return _Coordinates(c, K1, c1, (c.summary, c.zero_right @ c1.unit_right, c.zero_right @ c1.zero_right))
 
 
+@takes(A=matrix(), B=matrix(), F=matrix(), C=matrix(), K=matrix(), pole=POLES)
 def bilinear_functional_observer(
     A: object, B: object, F: object, C: object, K: object, pole: complex | Iterable[complex]
 ) -> BilinearObserver:
@@ -134,7 +137,7 @@ def bilinear_functional_observer(
     True
     """
     plant = BilinearPlant(*(as_matrix(M, k) for M, k in ((A, "A"), (B, "B"), (F, "F"), (C, "C"))))
-    wanted = as_matrix(K, "K")
+    wanted = as_checked(K)
     if wanted.shape[1] != plant.n:
         raise ShapeError("K must have {n} columns, one for each state; it has {columns}.",
                          n=plant.n, columns=wanted.shape[1])

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from ..structure.coprime import coprime_factors
 from ..systems.balance import UNLIKE, balance
+from ..systems.gates.argument_checks import POLES, matrix, takes
+from ..systems.gates.plant_gate import PLANT
 from ..systems.plant import Plant
 from ..systems.pole_sets import check_poles
+from ..systems.records import record
 from .directions import choose_directions, seen_rows, upper_half_poles
 from .functional import check_functional, like_units, real_rows
 
@@ -19,7 +21,7 @@ __all__ = ["Existence", "existence"]
 RANK_RTOL = 1e-9  # a direction counts from here on, in rows of unit length
 
 
-@dataclass(frozen=True)
+@record(eq=True)
 class Existence:
     """The conditions for one set of poles: `rows` q + p of [T; C], their `rank` r*, the rank `with_K`, the share of ‖K‖ `missed`."""
 
@@ -40,6 +42,7 @@ class Existence:
         return self.rows - self.rank
 
 
+@takes(plant=PLANT, K=matrix(), poles=POLES)
 def existence(plant: Plant, K: object, poles: Any) -> Existence:
     """Whether K (r×n) = N T + M C can be solved with observer poles (q,), and with how much freedom; no poles: K = M C.
 

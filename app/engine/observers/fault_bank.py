@@ -3,23 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from scipy.linalg import block_diag
 
 from ..design.optimal import dlqe
-from ..filters.linear_filter import LinearFilter
+from ..filters.linear.linear_filter import LinearFilter
 from ..filters.track import as_record
 from ..structure.decomposition import unobservable_subspace
-from ..systems.argument_checks import COMPLEX, GENERATOR, RECORD, array, gated, optional
 from ..systems.arrays import symmetric
 from ..systems.balance import balance, without_dust
 from ..systems.errors import EngineError, ShapeError
+from ..systems.gates.argument_checks import COMPLEX, GENERATOR, NAME, RECORD, array, count, gated, instance, items, matrix, optional, takes
 from ..systems.noise import root
 from ..systems.plant import Plant, as_matrix
 from ..systems.pole_sets import Poles, pole_text, sorted_poles
+from ..systems.records import record
 from ..systems.recursions import held_scan
 from .unknown_input import decoupling
 
@@ -29,7 +29,7 @@ NO_FAULT, UNCLEAR_FAULT = -1, -2
 SEEN_SHARE = 1e-8  # a whitened response above this share of the bank's largest counts as seen
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class ResidualGenerator:
     """z⁺ = F z + G u + K y, ρ = W (N y − C z − M u): white, of unit covariance, as long as nothing fails.
 
@@ -64,6 +64,7 @@ class ResidualGenerator:
         return len(self.whiten)
 
 
+@takes(model=instance(LinearFilter), name=NAME, outputs=items(count(), 1000), E=matrix())
 def residual_generator(model: LinearFilter, *, name: str = "", outputs: Sequence[int] | None = None,
                        E: object | None = None) -> ResidualGenerator:
     """The steady Kalman filter of a model on some of its outputs that an unknown input through E (n×q) cannot reach.
@@ -116,7 +117,7 @@ def _seen(A: np.ndarray, C: np.ndarray) -> tuple[np.ndarray, Poles]:
     return basis[:, :len(A) - count], sorted_poles(hidden.T @ A @ hidden)
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class FaultBank:
     """Residual generators of one model, run as one block system. All have the same number q of residuals.
 
@@ -206,6 +207,7 @@ class FaultBank:
         return size > SEEN_SHARE * size.max(axis=0)
 
 
+@takes(alarms=array(), signature=array())
 def isolate(alarms: object, signature: object) -> np.ndarray:
     """Which fault the alarms speak of, int (n_t,): its column, −1 without any alarm, −2 where no single column fits.
 

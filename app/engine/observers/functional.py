@@ -7,17 +7,20 @@ The source writes u = +K x: give −K for its K and N, M come out with the other
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from ..structure.coprime import CoprimeFactors, coprime_factors
-from ..systems.arrays import frozen
+from ..systems.arrays import as_checked, frozen
 from ..systems.balance import MIN_RATE, UNLIKE, Balance, balance
 from ..systems.errors import EngineError, PoleError, ShapeError
+from ..systems.gates.argument_checks import POLES, array, choice, count, instance, matrix, takes
+from ..systems.gates.plant_gate import PLANT
 from ..systems.plant import Plant, as_matrix
 from ..systems.pole_sets import Poles, check_poles, pole_text
+from ..systems.records import record
+from ..systems.stability import all_stable
 from .directions import choose_directions, normalised, row_condition, seen_rows, upper_half_poles
 from .perturbation import Norm, Perturbations, check_norm, criterion, every_entry
 
@@ -27,7 +30,7 @@ CONDITION_RTOL = 1e-9  # the output condition counts as met below this, relative
 SUM_ROUNDING = 1e-14  # what is lost in a sum, relative to its terms
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class FunctionalObserver:
     """F (q×q), T (q×n), L (q×p), N (r×q), M (r×p) with T A − F T = L C and K = N T + M C, K r×n.
 
@@ -82,6 +85,8 @@ class FunctionalObserver:
         return row_condition(self.T, seen, d) if len(seen) + self.order <= self.plant.n else np.inf
 
 
+@takes(plant=PLANT, K=matrix(), order=count(-1000), poles=POLES, directions=array(imaginary=True), W=matrix(), free=matrix(),
+       wrong=instance(Perturbations), norm=choice(1, 2, "inf"))
 def functional_observer(
     plant: Plant, K: object, order: int, *, poles: Iterable[complex] | None = None, directions: Any = None,
     W: object = None, free: object = None, wrong: Perturbations | None = None, norm: Any = 2
@@ -114,7 +119,7 @@ def functional_observer(
     heads = upper_half_poles(asked)
     g = (choose_directions(factors, plant, wanted, heads) if directions is None
          else _given_directions(directions, asked, plant.p))
-    observer = assemble(plant, wanted, factors, asked, g, W, None if free is None else as_matrix(free, "free"),
+    observer = assemble(plant, wanted, factors, asked, g, W, None if free is None else as_checked(free),
                         every_entry(plant) if wrong is None else wrong, check_norm(norm))
     if not exists(observer):
         raise EngineError("With these poles no observer of order {order} gives K x (K is missed by "
@@ -164,7 +169,7 @@ def check_functional(plant: Plant, K: object) -> np.ndarray:
 def check_stable(plant: Plant, poles: Poles) -> None:
     """PoleError unless every pole is stable: Re s < 0, or |s| < 1 for dt > 0 (condition (2a))."""
     for pole in poles:
-        if not (abs(pole) < 1 if plant.dt else pole.real < 0):
+        if not all_stable(np.array([pole]), dt=plant.dt):
             raise PoleError("The observer pole {pole} is not stable, so its error would not decay; choose a "
                             "stable one.",
                             pole=pole_text(pole))

@@ -7,15 +7,17 @@ u = −K x + v; it equals û − K x of the source, where u = +K x.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from scipy.linalg import expm
 
 from ..systems.errors import EngineError, ShapeError
+from ..systems.gates.argument_checks import FUNCTION, SECONDS, SERIES, instance, items, matrix, optional, pair, takes
 from ..systems.plant import Plant, as_matrix
+from ..systems.records import record
 from ..systems.recursions import affine_scan
+from ..systems.stability import is_stable
 from .functional import FunctionalObserver
 from .perturbation import Perturbations
 
@@ -23,12 +25,11 @@ __all__ = ["FunctionalRun", "error_index", "error_transfer", "peak_gain", "pertu
            "worst_error_gain"]
 
 GAUSS_NODES, GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(5)
-STABLE = 1e-12
 DIVERGENCE_LIMIT = 1e12
 MAX_STEPS = 1_000_000
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class FunctionalRun:
     """Time-first: t (n_t,), x (n_t, n), z (n_t, q), y (n_t, p), v, u and e_u (n_t, m); `diverged_at` or None."""
 
@@ -50,6 +51,7 @@ def _error(value: Any, name: str, shape: tuple[int, int]) -> np.ndarray:
     return matrix
 
 
+@takes(observer=instance(FunctionalObserver), dA=optional(matrix()), dB=optional(matrix()), dC=optional(matrix()))
 def perturbed_loop(observer: FunctionalObserver, *, dA: Any = None, dB: Any = None, dC: Any = None) -> Plant:
     """The loop of the true plant (A + ΔA, B + ΔB, C + ΔC) and the observer of the model, from v to e_u.
 
@@ -67,6 +69,7 @@ def perturbed_loop(observer: FunctionalObserver, *, dA: Any = None, dB: Any = No
                  output_names=outputs, name=f"{p.name} with functional observer".strip())
 
 
+@takes(observer=instance(FunctionalObserver), omega=SERIES, dA=optional(matrix()), dC=optional(matrix()))
 def error_transfer(observer: FunctionalObserver, omega: Any, *, dA: Any = None, dC: Any = None) -> np.ndarray:
     """N (jωI − F)⁻¹ Δ₁ + Δ₂ with Δ₁ = L ΔC − T ΔA, Δ₂ = M ΔC: from x to the error of the estimate (n_ω, r, n).
 
@@ -91,6 +94,7 @@ def _points(plant: Plant, omega: np.ndarray) -> np.ndarray:
     return np.exp(1j * omega * plant.dt) if plant.dt else 1j * omega
 
 
+@takes(observer=instance(FunctionalObserver), wrong=instance(Perturbations))
 def error_index(observer: FunctionalObserver, *, wrong: Perturbations | None = None) -> float:
     """Σ αᵢ ‖N(sI − F)⁻¹ T Aᵢ‖_∞ + Σ βᵢ ‖N(sI − F)⁻¹ L Cᵢ + M Cᵢ‖_∞: bounds ‖N(sI − F)⁻¹Δ₁ + Δ₂‖_∞ for |δᵢ| ≤ αᵢ, βᵢ.
 
@@ -110,6 +114,7 @@ def _continuous(observer: FunctionalObserver) -> None:
         raise EngineError("This index is for continuous plants; judge a sampled one by its runs.")
 
 
+@takes(observer=instance(FunctionalObserver), errors=items(pair(matrix(), matrix()), 1_000_000))
 def worst_error_gain(observer: FunctionalObserver, errors: Iterable[tuple[np.ndarray, np.ndarray]]) -> float:
     """Largest ‖v → e_u‖_∞ over the true plants (ΔA, ΔC), infinite where one of their loops is unstable.
 
@@ -123,6 +128,7 @@ def worst_error_gain(observer: FunctionalObserver, errors: Iterable[tuple[np.nda
     return worst
 
 
+@takes(A=matrix("n n"), B=matrix("n m"), C=matrix("p n"), D=matrix("p m"))
 def peak_gain(A: np.ndarray, B: np.ndarray, C: np.ndarray, D: np.ndarray) -> tuple[float, float]:
     """(‖C(sI − A)⁻¹B + D‖_∞, the ω where it is reached, maybe ∞) in continuous time; (∞, ω) where A is not stable.
 
@@ -130,7 +136,7 @@ def peak_gain(A: np.ndarray, B: np.ndarray, C: np.ndarray, D: np.ndarray) -> tup
     until there are none 1e-10 higher. Source: Bruinsma and Steinbuch (1990).
     """
     poles = np.linalg.eigvals(A)
-    if A.size and not np.max(poles.real) < -STABLE * np.max(np.abs(poles)):
+    if not is_stable(A):
         return np.inf, float(np.abs(poles[np.argmax(poles.real)].imag))
 
     def gain(omega: float) -> float:
@@ -150,7 +156,8 @@ def peak_gain(A: np.ndarray, B: np.ndarray, C: np.ndarray, D: np.ndarray) -> tup
         crossings = np.unique(np.abs(values.imag[np.abs(values.real) <= 1e-8 * np.maximum(np.abs(values), 1e-300)]))
         if crossings.size < 1:
             break
-        middles = np.concatenate([crossings, (crossings[1:] + crossings[:-1]) / 2])
+        ends = np.append(0.0, crossings)  # a crossing at 0 is a double eigenvalue, which rounding may turn off the axis
+        middles = np.concatenate([crossings, (ends[1:] + ends[:-1]) / 2])
         best, where = max((gain(float(w)), float(w)) for w in middles)
         if not best > level * (1 + 1e-10):
             break
@@ -158,6 +165,8 @@ def peak_gain(A: np.ndarray, B: np.ndarray, C: np.ndarray, D: np.ndarray) -> tup
     return level, at
 
 
+@takes(observer=instance(FunctionalObserver), v=optional(FUNCTION), x0=optional(matrix()), z0=optional(matrix()),
+       horizon=SECONDS, dt=SECONDS, dA=optional(matrix()), dB=optional(matrix()), dC=optional(matrix()))
 def simulate_functional(observer: FunctionalObserver, v: Callable[[np.ndarray], Any] | None, *, x0: Any = None,
                    z0: Any = None, horizon: float = 6.0, dt: float = 0.01, dA: Any = None, dB: Any = None,
                    dC: Any = None) -> FunctionalRun:

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
 
 from ..systems.arrays import frozen
 from ..systems.errors import EngineError, ShapeError
+from ..systems.gates.argument_checks import array, choice, instance, matrix, takes, vector
+from ..systems.gates.plant_gate import PLANT
 from ..systems.plant import Plant
+from ..systems.records import record
 
 __all__ = ["Norm", "Perturbations", "criterion", "every_entry", "perturbations", "vertices"]
 
@@ -18,7 +20,7 @@ Norm = Literal[1, 2, "inf"]
 MOST_VERTICES = 4096
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class Perturbations:
     """Directions A (l_a, n, n) and C (l_c, p, n) of the model error, weights alpha (l_a,), beta and gamma (l_c,)."""
 
@@ -29,6 +31,7 @@ class Perturbations:
     gamma: np.ndarray
 
 
+@takes(plant=PLANT, A=array(), C=array(), alpha=vector(), beta=vector(), gamma=vector())
 def perturbations(plant: Plant, *, A: Any = (), C: Any = (), alpha: Any = 1.0, beta: Any = 1.0,
                   gamma: Any = 1.0) -> Perturbations:
     """Known directions Aᵢ (n×n) and Cᵢ (p×n) of ΔA = Σ δᵃᵢ Aᵢ, ΔC = Σ δᶜᵢ Cᵢ with weights αᵢ, βᵢ, γᵢ ≥ 0 (or one each).
@@ -41,6 +44,7 @@ def perturbations(plant: Plant, *, A: Any = (), C: Any = (), alpha: Any = 1.0, b
                          _weights(gamma, "gamma", len(in_C)))
 
 
+@takes(plant=PLANT)
 def every_entry(plant: Plant) -> Perturbations:
     """Each non-zero entry of A and of C wrong by itself, in proportion to its size; all weights 1."""
     def each(matrix: np.ndarray) -> list[np.ndarray]:
@@ -99,6 +103,7 @@ def check_norm(norm: Any) -> Norm:
     raise EngineError("norm must be 1, 2 or \"inf\".")
 
 
+@takes(T=matrix("q n"), L=matrix("q p"), M=matrix("r p"), wrong=instance(Perturbations), norm=choice(1, 2, "inf"))
 def criterion(T: np.ndarray, L: np.ndarray, M: np.ndarray, wrong: Perturbations, *, norm: Norm = 2) -> float:
     """J = Σ [αᵢ ‖T Aᵢ‖ + βᵢ ‖L Cᵢ‖ + γᵢ ‖M Cᵢ‖] for T q×n, L q×p, M r×p.
 
@@ -112,6 +117,7 @@ def criterion(T: np.ndarray, L: np.ndarray, M: np.ndarray, wrong: Perturbations,
                  + wrong.gamma @ sizes(M @ wrong.C, norm))
 
 
+@takes(wrong=instance(Perturbations), delta_A=vector(), delta_C=vector())
 def vertices(wrong: Perturbations, delta_A: Any, delta_C: Any) -> tuple[tuple[np.ndarray, np.ndarray], ...]:
     """(ΔA, ΔC) at all sign patterns of the sizes δᵃ (l_a,), δᶜ (l_c,): 2^(l_a + l_c) pairs, all-plus first.
 

@@ -6,10 +6,12 @@ import numpy as np
 from scipy.special import chdtri, chndtr, chndtrinc
 
 from ..systems.errors import EngineError, ShapeError, phrase
+from ..systems.gates.argument_checks import LEVEL, SHARE, array, count, number, takes
 
 __all__ = ["alarm_probability", "binomial_band", "needed_noncentrality", "residual_threshold", "window_energy", "window_mean"]
 
 
+@takes(residual=array(missing=True), window=count(1))
 def window_energy(residual: object, window: int) -> np.ndarray:
     """Σ ‖ρ‖² over the last `window` samples, (n_t − window + 1, …): χ²(q·window) for white ρ of unit covariance.
 
@@ -19,6 +21,7 @@ def window_energy(residual: object, window: int) -> np.ndarray:
     return _sums((rho**2).sum(axis=-1), window)
 
 
+@takes(residual=array(missing=True), window=count(1))
 def window_mean(residual: object, window: int) -> np.ndarray:
     """‖Σ ρ‖²/window over the last `window` samples, (n_t − window + 1, …): χ²(q) for white ρ of unit covariance.
 
@@ -45,6 +48,7 @@ def _sums(values: np.ndarray, window: int) -> np.ndarray:
     return begun
 
 
+@takes(dof=number(0, 1_000_000.0), false_alarm=SHARE)
 def residual_threshold(dof: float, false_alarm: float) -> float:
     """The value that χ²(dof) passes with probability `false_alarm`, the chosen false-alarm rate of one window.
 
@@ -54,6 +58,7 @@ def residual_threshold(dof: float, false_alarm: float) -> float:
     return float(chdtri(dof, false_alarm))
 
 
+@takes(noncentrality=array(), dof=number(0, 1_000_000.0), false_alarm=SHARE)
 def alarm_probability(noncentrality: object, dof: float, false_alarm: float) -> np.ndarray:
     """With what probability the threshold is passed when a fault adds `noncentrality`: noncentral χ²(dof, λ).
 
@@ -70,6 +75,7 @@ def alarm_probability(noncentrality: object, dof: float, false_alarm: float) -> 
     return np.where(lam == 0, false_alarm, np.where(lam > 1e5 + 4 * threshold, 1.0, passed))
 
 
+@takes(dof=number(0, 1_000_000.0), false_alarm=SHARE, power=SHARE)
 def needed_noncentrality(dof: float, false_alarm: float, power: float) -> float:
     """The least λ with which the threshold is passed with probability `power`. Raises EngineError unless power > rate."""
     threshold = residual_threshold(dof, false_alarm)
@@ -79,6 +85,7 @@ def needed_noncentrality(dof: float, false_alarm: float, power: float) -> float:
     return float(chndtrinc(threshold, dof, 1.0 - power))
 
 
+@takes(count=count(1, 10 ** 9), rate=SHARE, level=LEVEL)
 def binomial_band(count: int, rate: float, *, level: float = 0.99) -> tuple[float, float]:
     """Where the share of `count` independent windows that give an alarm lies with at least probability `level`.
 

@@ -3,15 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from ..structure.coprime import CoprimeFactors, coprime_factors
-from ..systems.argument_checks import number, passed, real
 from ..systems.errors import EngineError, PoleError
+from ..systems.gates.argument_checks import (
+    FUNCTION,
+    SEED,
+    choice,
+    count,
+    either,
+    instance,
+    items,
+    matrix,
+    number,
+    optional,
+    passed,
+    real,
+    takes,
+)
+from ..systems.gates.plant_gate import PLANT
 from ..systems.plant import Plant
+from ..systems.records import record
 from .directions import seen_rows
 from .family import Family
 from .functional import FunctionalObserver, assemble, check_functional, check_stable
@@ -23,7 +38,7 @@ __all__ = ["Attempt", "Region", "RobustObserver", "rlo", "rlo_steps"]
 Measure = Callable[[FunctionalObserver], float]
 
 
-@dataclass(frozen=True)
+@record(eq=True)
 class Region:
     """re_low ≤ Re s ≤ re_high, im_low ≤ |Im s| ≤ im_high; with im_high = 0 real poles only."""
 
@@ -37,7 +52,7 @@ class Region:
         passed(self, re_low=bound, re_high=bound, im_low=bound, im_high=bound)
 
 
-@dataclass(frozen=True)
+@record(eq=True)
 class Attempt:
     """One order with so many complex pairs: did an observer exist, how far K was missed (relative), the least J."""
 
@@ -48,7 +63,7 @@ class Attempt:
     J: float
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class RobustObserver:
     """What RLO found: the observer, the measure it minimised, and what was tried on the way, in order."""
 
@@ -58,6 +73,9 @@ class RobustObserver:
     evaluations: int
 
 
+@takes(plant=PLANT, K=matrix(), wrong=instance(Perturbations), norm=choice(1, 2, "inf"),
+       region=optional(either(Region, items(instance(Region), 1000))), max_order=optional(count(1, 1000)), measure=FUNCTION,
+       seed=SEED, worst_condition=number(1))
 def rlo(plant: Plant, K: object, *, wrong: Perturbations | None = None, norm: Any = 2,
         region: Region | Sequence[Region] | None = None, max_order: int | None = None, measure: Measure | None = None,
         seed: int = 0, worst_condition: float = 1e4) -> RobustObserver:
@@ -83,6 +101,9 @@ def rlo(plant: Plant, K: object, *, wrong: Perturbations | None = None, norm: An
     return result
 
 
+@takes(plant=PLANT, K=matrix(), wrong=instance(Perturbations), norm=choice(1, 2, "inf"),
+       region=optional(either(Region, items(instance(Region), 1000))), max_order=optional(count(1, 1000)), measure=FUNCTION,
+       seed=SEED, worst_condition=number(1))
 def rlo_steps(plant: Plant, K: object, *, wrong: Perturbations | None = None, norm: Any = 2,
               region: Region | Sequence[Region] | None = None, max_order: int | None = None,
               measure: Measure | None = None, seed: int = 0,
@@ -125,7 +146,7 @@ def rlo_steps(plant: Plant, K: object, *, wrong: Perturbations | None = None, no
                       highest=highest, missed=missed)
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class _Task:
     plant: Plant
     K: np.ndarray

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 
 import numpy as np
 
 from ..design.placement import observer_gain
-from ..systems.argument_checks import gated, instance, matrix
-from ..systems.arrays import frozen, is_definite, solve_scaled, symmetric
+from ..systems.arrays import as_checked, frozen, is_definite, solve_scaled, symmetric
 from ..systems.balance import UNLIKE, balance, without_dust
 from ..systems.errors import EngineError, Phrase, PoleError, ShapeError, phrase
+from ..systems.gates.argument_checks import POLES, gated, matrix, optional, takes
+from ..systems.gates.plant_gate import PLANT
 from ..systems.plant import Plant, as_matrix
 from ..systems.pole_sets import Poles, pole_text, sorted_poles
+from ..systems.records import record
 from ..systems.zeros import invariant_zeros
 
 __all__ = ["Decoupling", "UnknownInputObserver", "decoupling", "unknown_input_observer"]
@@ -23,7 +24,7 @@ RANK_RTOL = 1e-9  # singular values below this, of columns of length one, count 
 NO_REASON = Phrase("")
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class Decoupling:
     """Whether an observer can ignore the unknown input d of ẋ = A x + B u + E d, y = C x + D u.
 
@@ -48,7 +49,7 @@ class Decoupling:
         return not self.reason
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class UnknownInputObserver:
     """ż = F z + T B u + K (y − D u), x̂ = z + H (y − D u) with e = x − x̂, ė = F e whatever d does (x⁺, e⁺ if sampled).
 
@@ -66,7 +67,7 @@ class UnknownInputObserver:
     conditions: Decoupling
     plant: Plant
 
-    @gated(plant=instance(Plant), E=matrix("n d"))
+    @gated(plant=PLANT, E=matrix("n d"))
     def residuals(self, plant: Plant, E: object) -> tuple[float, float, float]:
         """How far the three conditions are missed, relative to their terms: T + H C = I, T E = 0, T A = F T + K C.
 
@@ -82,6 +83,7 @@ class UnknownInputObserver:
         return first, second, third
 
 
+@takes(plant=PLANT, E=matrix("n d"), weight=optional(matrix()))
 def decoupling(plant: Plant, E: object, *, weight: object | None = None) -> Decoupling:
     """The two conditions for ignoring an unknown input that enters through E (n×q).
 
@@ -91,7 +93,7 @@ def decoupling(plant: Plant, E: object, *, weight: object | None = None) -> Deco
     covariance of the sensor noise, what is left of y after H tells
     nothing about the noise that H lets in. Raises ShapeError, EngineError. Chen and Patton (1999), theorem 3.1.
     """
-    E, V = _unknown(plant, E), np.eye(plant.p) if weight is None else as_matrix(weight, "weight")
+    E, V = _unknown(plant, E), np.eye(plant.p) if weight is None else as_checked(weight)
     if V.shape != (plant.p, plant.p):
         raise ShapeError("weight must be {p}×{p}, a row for each output; it is {rows}×{columns}.",
                          p=plant.p, rows=V.shape[0], columns=V.shape[1])
@@ -124,6 +126,7 @@ def decoupling(plant: Plant, E: object, *, weight: object | None = None) -> Deco
     return Decoupling(rank, q, frozen(H), frozen(T), frozen(A1), zeros, bad, reason)
 
 
+@takes(plant=PLANT, E=matrix("n d"), poles=POLES)
 def unknown_input_observer(plant: Plant, E: object, poles: Iterable[complex]) -> UnknownInputObserver:
     """The observer whose error an unknown input through E (n×q) does not disturb, with eig(F) = poles and fixed ones.
 

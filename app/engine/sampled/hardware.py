@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
-from ..systems.argument_checks import number, passed
 from ..systems.errors import EngineError
+from ..systems.gates.argument_checks import count, instance, number, passed, takes
 from ..systems.plant import Plant
+from ..systems.records import record
 
 __all__ = ["Hardware", "coil_driver"]
 
 
-@dataclass(frozen=True)
+@record(eq=True)
 class Hardware:
     """The switches of real life; the default is ideal.
 
@@ -49,6 +48,7 @@ class Hardware:
         return bool(np.isinf(self.limit) and self.step == 0)
 
 
+@takes(hardware=instance(Hardware), coils=count(1, 1000))
 def coil_driver(hardware: Hardware, coils: int) -> Plant | None:
     """The driver of every coil, command to force, as one continuous plant; None where its bandwidth is infinite.
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -11,21 +10,24 @@ from ..design.optimal import Optimal, dlqr
 from ..feedback.compensator import compensator
 from ..feedback.loop_spectrum import NoisyLoop, noisy_loop
 from ..filters.belief import Belief
-from ..filters.kalman import KalmanFilter
+from ..filters.linear.kalman import KalmanFilter
 from ..filters.track import Schedule
-from ..systems.argument_checks import SEED, array, count, gated, instance, matrix, optional
-from ..systems.arrays import as_covariance
+from ..systems.arrays import as_checked, as_covariance
 from ..systems.errors import EngineError, ShapeError
+from ..systems.gates.argument_checks import SECONDS, SEED, array, count, covariance, gated, instance, matrix, optional, takes
+from ..systems.gates.plant_gate import PLANT
 from ..systems.noise import root, step_covariance
 from ..systems.plant import Plant, as_matrix
+from ..systems.records import record
 from ..systems.recursions import affine_scan
+from ..systems.sampling import require_continuous
 
 __all__ = ["SampledLqg", "SampledRun", "sampled_cost", "sampled_lqg"]
 
 PART_SAMPLES = 1000  # samples whose steps are made at once
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class SampledRun:
     """A run of a sampled loop, time first: t (n_t,), x, xhat (after the reading), u, y (with its noise)."""
 
@@ -36,7 +38,7 @@ class SampledRun:
     y: np.ndarray
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class SampledLqg:
     """An LQG loop that runs every `plant.dt` seconds: u[k] = −K x̂[k|k], held until the next sample.
 
@@ -102,7 +104,7 @@ class SampledLqg:
         v = self.filter.R if readings is None else as_covariance(readings, "readings", self.plant.p)
         return (for_w.standard_normal((steps, len(w))) @ root(w).T, for_v.standard_normal((steps, len(v))) @ root(v).T)
 
-    @gated(x0=array(), w=matrix(), v=matrix(), gains=optional(instance(Schedule)), xhat0=array(), truth=instance(Plant))
+    @gated(x0=array(), w=matrix(), v=matrix(), gains=optional(instance(Schedule)), xhat0=array(), truth=PLANT)
     def run(self, x0: object, w: np.ndarray, v: np.ndarray, *, gains: Schedule | None = None,
             xhat0: object | None = None, truth: Plant | None = None) -> SampledRun:
         """The loop from x0 and the prediction xhat0 (default zero) under jumps w (n_t, n) and reading noise v (n_t, p).
@@ -160,22 +162,25 @@ class SampledLqg:
         return A, np.vstack([real.B @ Dk, built.B])
 
 
+@takes(plant=PLANT, Q=covariance("n"), R=covariance("m"), dt=SECONDS)
 def sampled_cost(plant: Plant, Q: object, R: object, dt: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """(Q_d, R_d, N_d) with ∫₀ᵈᵗ xᵀQx + uᵀRu dt = xᵀQ_d x + 2xᵀN_d u + uᵀR_d u for u held over the step.
 
     From ∫ e^{Mᵀs} diag(Q, R) e^{Ms} ds with M = [A B; 0 0]. Shapes n×n, m×m, n×m. Raises EngineError.
     """
+    require_continuous(plant)
     if not (np.isfinite(dt) and dt > 0):
         raise EngineError("Sampling needs a period dt > 0 in seconds.")
     n, m = plant.n, plant.m
     M = np.zeros((n + m, n + m))
     M[:n, :n], M[:n, n:] = plant.A, plant.B
     weight = np.zeros_like(M)
-    weight[:n, :n], weight[n:, n:] = as_covariance(Q, "Q", n), as_covariance(R, "R", m)
+    weight[:n, :n], weight[n:, n:] = as_checked(Q), as_checked(R)
     whole = step_covariance(M.T, weight, dt)
     return whole[:n, :n], whole[n:, n:], whole[:n, n:]
 
 
+@takes(plant=PLANT, Q=covariance("n"), R=covariance("m"), W=covariance(), V=covariance("p"), dt=SECONDS, G=matrix())
 def sampled_lqg(plant: Plant, Q: object, R: object, W: object, V: object, dt: float, *,
                 G: object | None = None) -> SampledLqg:
     """The LQG loop that minimises the continuous cost average of xᵀQx + uᵀRu with a computer's held input.
@@ -187,9 +192,8 @@ def sampled_lqg(plant: Plant, Q: object, R: object, W: object, V: object, dt: fl
     >>> design.filter.dt
     0.1
     """
-    if plant.dt:
-        raise EngineError("The plant is sampled already; give the continuous one.")
-    G = plant.B if G is None else as_matrix(G, "G")
+    require_continuous(plant)
+    G = plant.B if G is None else as_checked(G)
     if G.shape[0] != plant.n:
         raise ShapeError("G must have {n} rows, one for each state; it has {rows}.", n=plant.n, rows=G.shape[0])
     kf = KalmanFilter.from_plant(plant, W, V, dt=dt, G=G)

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 
 from ..systems.arrays import frozen
 from ..systems.errors import EngineError, ShapeError
+from ..systems.gates.argument_checks import matrix, takes
 from ..systems.noise import step_covariance
 from ..systems.plant import Plant
+from ..systems.records import record
 from ..systems.recursions import step_matrices
 from .hardware import Hardware, coil_driver
 
@@ -28,7 +29,7 @@ def _unpacked(packed: Packed) -> np.ndarray | None:
     return None if packed is None else np.frombuffer(packed[0]).reshape(packed[1])
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class HeldMechanics:
     """What is continuous, over one sample: Phi (a×a), what the newer and the older command do in it (a×m), the whole samples and the
     part of one by which they are late, roots of the ground's noise (a×r), what known disturbances do (a×d)."""
@@ -130,6 +131,7 @@ def without_converter(hardware: Hardware) -> Hardware:
     return Hardware(bandwidth=hardware.bandwidth, order=hardware.order, delay=hardware.delay)
 
 
+@takes(Q=matrix("n n"))
 def thin_root(Q: np.ndarray) -> np.ndarray:
     """R (N×r) with R Rᵀ = Q to rounding and no more columns than it takes, for covariances of unequal units.
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -11,6 +10,8 @@ import numpy as np
 from ..kernels import compiled_kernel, run_in_threads
 from ..kernels.sampled import sampled_steps
 from ..systems.errors import EngineError
+from ..systems.gates.argument_checks import SECONDS, SEED, count, instance, takes
+from ..systems.records import record
 from ..systems.recursions import affine_scan
 from ..systems.spectrum import Spectrum
 from .mechanics import thin_root
@@ -24,7 +25,7 @@ BATCH_RUNS = 50  # runs that go along in one product
 MAX_BATCH_NUMBERS = 12_000_000  # recorded numbers of one batch
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class MonteCarlo:
     """What `runs` runs of a loop gave; signals are the loop's outputs and after them its applied inputs.
 
@@ -53,6 +54,8 @@ class MonteCarlo:
         return np.maximum(self.density - error, 0.0), self.density + error
 
 
+@takes(loop=instance(SampledLoop), runs=count(1, 100_000), seconds=SECONDS, seed=SEED, segment=count(1, 10_000_000),
+       together=count(1, 100_000))
 def simulate_trials(loop: SampledLoop, runs: int, seconds: float, seed: int, *, segment: int | None = None,
                 together: int = BATCH_RUNS) -> Iterator[tuple[float, MonteCarlo | None]]:
     """Run the loop `runs` times on fresh noise; yields (fraction, result so far), the result None until one batch is in.
@@ -186,6 +189,7 @@ def _one(series: np.ndarray, dt: float, length: int) -> tuple[np.ndarray, np.nda
     return density, np.sqrt(np.mean(series**2, axis=1)), np.max(np.abs(series), axis=1)
 
 
+@takes(loop=instance(SampledLoop), length=count(2, 1_000_000))
 def welch_expectation(loop: SampledLoop, length: int) -> Spectrum:
     """What Welch's method (Hann, `length` ≥ 2 samples) gives on average for the loop as long as it is linear: (n_f, k).
 

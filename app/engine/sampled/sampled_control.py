@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
-from ..filters.belief import Belief
-from ..filters.linear_filter import LinearFilter
+from ..filters.belief import BELIEF, Belief
+from ..filters.linear.linear_filter import LinearFilter
+from ..systems.arrays import as_checked
 from ..systems.errors import EngineError, ShapeError
-from ..systems.plant import Plant, as_matrix
+from ..systems.gates.argument_checks import SECONDS, choice, count, instance, matrix, takes
+from ..systems.gates.plant_gate import PLANT
+from ..systems.plant import Plant
+from ..systems.records import record
 from ..systems.recursions import step_matrices
 
 __all__ = ["SampledController", "recursive_controller", "sampled_controller"]
@@ -18,7 +21,7 @@ __all__ = ["SampledController", "recursive_controller", "sampled_controller"]
 Method = Literal["tustin", "hold"]
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class SampledController:
     """c⁺ = A c + B y + E s, u = C c + D y every dt seconds; s is what the clipped coils were told.
 
@@ -50,6 +53,7 @@ class SampledController:
         return Plant(A + E @ C, B + E @ D, C, D, self.dt)
 
 
+@takes(controller=PLANT, dt=SECONDS, method=choice("tustin", "hold"))
 def sampled_controller(controller: Plant, dt: float, *, method: Method = "tustin") -> SampledController:
     """A controller (y to u, sign included) run every dt seconds; one that is sampled already is taken as it is.
 
@@ -82,6 +86,8 @@ def _steady(A: np.ndarray, B: np.ndarray, C: np.ndarray, D: np.ndarray, dt: floa
     return SampledController(A[None], B[None], C[None], D[None], np.zeros((1, len(A), len(C))), dt)
 
 
+@takes(estimator=instance(LinearFilter), K=matrix(), start=BELIEF, steps=count(1, 100_000),
+       told=choice("commanded", "applied"))
 def recursive_controller(estimator: LinearFilter, K: object, start: Belief, steps: int,
                          *, told: Literal["commanded", "applied"] = "commanded") -> SampledController:
     """The recursive Kalman filter with feedback u = −K x̂[k|k]; its gain M[k] follows from the belief `start`.
@@ -90,7 +96,7 @@ def recursive_controller(estimator: LinearFilter, K: object, start: Belief, step
     with the clipped command instead of u. Report on the platform, equations (53)–(58) with (74). `steps`: how many
     samples the gain is computed for at most; it is held after that. Raises ShapeError, EngineError.
     """
-    K = as_matrix(K, "K")
+    K = as_checked(K)
     if K.shape != (estimator.B.shape[1], estimator.n):
         raise ShapeError("K must be {columns}×{n}; it is {rows}×{columns2}.",
                          columns=estimator.B.shape[1], n=estimator.n, rows=K.shape[0], columns2=K.shape[1])

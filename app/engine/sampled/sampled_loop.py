@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
 
 from ..feedback.loop_spectrum import NoisyLoop
-from ..systems.argument_checks import count, gated, optional
-from ..systems.arrays import as_covariance, frozen, symmetric
+from ..systems.arrays import as_checked, as_covariance, frozen, symmetric
 from ..systems.errors import EngineError, ShapeError, phrase
+from ..systems.gates.argument_checks import count, covariance, gated, instance, items, matrix, optional, takes
+from ..systems.gates.plant_gate import PLANT
 from ..systems.lyapunov import settled_covariance
 from ..systems.noise import root
 from ..systems.plant import Plant, as_matrix
+from ..systems.records import record
+from ..systems.stability import is_stable
 from .hardware import Hardware
 from .mechanics import HeldMechanics, held_mechanics, matrix_key, sensor_root, without_converter
 from .sampled_control import SampledController
@@ -26,7 +28,7 @@ IDEAL = Hardware()
 MOST_DELAY = 1000  # samples
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class SampledLoop:
     """w = (driver, plant, ground, controller, bias, commands on their way); at sample k
 
@@ -96,10 +98,10 @@ class SampledLoop:
         """Largest |pole| of the settled loop."""
         return float(np.max(np.abs(self.poles), initial=0.0))
 
-    @property
+    @cached_property
     def stable(self) -> bool:
-        """Whether the settled loop is, as long as nothing clips or rounds."""
-        return self.radius < 1.0
+        """Whether the settled loop is stable by more than rounding, as long as nothing clips or is quantised."""
+        return is_stable(self._without_bias(self.closed()), dt=self.dt)
 
     def _without_bias(self, matrix: np.ndarray) -> np.ndarray:
         keep = np.ones(self.n, dtype=bool)
@@ -142,6 +144,8 @@ class SampledLoop:
                          white, r, q, self.dt)
 
 
+@takes(plant=PLANT, controller=instance(SampledController), controls=items(count(-1000), 1000), hardware=instance(Hardware),
+       W=covariance(), V=covariance("p"), shaping=PLANT, disturbances=matrix(), outputs=matrix())
 def sampled_loop(plant: Plant, controller: SampledController, controls: Sequence[int], *, hardware: Hardware = IDEAL,
                  W: object | None = None, V: object | None = None, shaping: Plant | None = None,
                  disturbances: np.ndarray | None = None, outputs: np.ndarray | None = None) -> SampledLoop:
@@ -178,7 +182,7 @@ def sampled_loop(plant: Plant, controller: SampledController, controls: Sequence
         raise ShapeError("The outputs must have {n} columns, one for each state; they have {columns}.",
                          n=plant.n, columns=rows.shape[1])
     noise = None if W is None else as_covariance(W, "W", shaping.m if shaping else len(others))
-    known = None if disturbances is None else as_matrix(disturbances, phrase("The disturbances"))
+    known = None if disturbances is None else as_checked(disturbances)
     held = held_mechanics(
         plant, tuple(chosen), tuple(others), without_converter(hardware), shaping, matrix_key(noise), matrix_key(known), dt
     )

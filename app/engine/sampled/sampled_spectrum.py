@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ..kernels import as_kernel_array, compiled_kernel
 from ..kernels.spectra import density_steps
+from ..systems.gates.argument_checks import SERIES, instance, takes
+from ..systems.records import record
 from ..systems.spectrum import frequency_response
 from .sampled_loop import SampledLoop
 
 __all__ = ["MechanicsResponse", "loop_density", "mechanics_response"]
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class MechanicsResponse:
     """Responses of driver, plant and ground filter at z = e^{j2πf dt}, shared by all controllers of one plant.
 
@@ -27,6 +27,7 @@ class MechanicsResponse:
     ground: np.ndarray
 
 
+@takes(loop=instance(SampledLoop), frequency=SERIES)
 def mechanics_response(loop: SampledLoop, frequency: object) -> MechanicsResponse:
     """The responses of a loop's continuous part, seen at the samples; `frequency` in Hz."""
     f = np.atleast_1d(np.asarray(frequency, dtype=float))
@@ -46,6 +47,7 @@ def mechanics_response(loop: SampledLoop, frequency: object) -> MechanicsRespons
     return MechanicsResponse(f, as_kernel_array(force * back**whole, kind=complex), as_kernel_array(ground, kind=complex))
 
 
+@takes(loop=instance(SampledLoop), mechanics=instance(MechanicsResponse))
 def loop_density(loop: SampledLoop, mechanics: MechanicsResponse) -> np.ndarray:
     """One-sided densities (n_f, q + m) of the recorded outputs and the commands of the settled loop, in units²/Hz.
 

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 
-from ..systems.arrays import frozen
+from ..systems.arrays import as_checked, frozen
 from ..systems.errors import EngineError, ShapeError, phrase
+from ..systems.gates.argument_checks import FINITE, SEED, array, count, instance, items, matrix, number, pair, takes
 from ..systems.plant import as_matrix
+from ..systems.records import record
 from ..systems.recursions import affine_scan
 from .sampled_loop import SampledLoop
 from .stepping import DIVERGENCE_LIMIT, held, rounding, stepping
@@ -23,7 +24,7 @@ KEPT_DRAWS = 4000  # samples of a run whose draws are kept for the next with its
 BURST = 128  # twice as many each time, until a block of four times SHORT is met
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class Trial:
     """A run at the samples, time first and ended early where it diverged.
 
@@ -46,7 +47,7 @@ class Trial:
         return self.w[:, self.loop.x]
 
 
-@dataclass(frozen=True)
+@record(eq=True)
 class ResponseMeasures:
     """A response to a step or an impulse: recovery s (None: not within the run), overshoot, peak and energy of u.
 
@@ -61,6 +62,8 @@ class ResponseMeasures:
     energy: float
 
 
+@takes(loop=instance(SampledLoop), steps=count(1, 10_000_000), seed=SEED, start=matrix(), disturbance=matrix(),
+       kicks=items(pair(count(0), matrix())))
 def simulate_trial(loop: SampledLoop, steps: int, *, seed: int | None = None, start: object | None = None,
                    disturbance: object | None = None, kicks: tuple[tuple[int, object], ...] = ()) -> Trial:
     """`steps` samples from the state `start` (N,), by default rest, with the noise of a seed (None: none).
@@ -78,7 +81,7 @@ def simulate_trial(loop: SampledLoop, steps: int, *, seed: int | None = None, st
     if steps < 1 or steps * loop.n > MOST_NUMBERS:
         raise EngineError("The run must have at least one sample and fit into memory; shorten it.")
     push, v = _forcing(loop, steps, seed, disturbance, kicks)
-    w0 = np.zeros(loop.n) if start is None else as_matrix(start, phrase("The start")).ravel().copy()
+    w0 = np.zeros(loop.n) if start is None else as_checked(start).ravel().copy()
     if w0.size != loop.n:
         raise ShapeError("The start must have {n} entries; it has {w0_size}.", n=loop.n, w0_size=w0.size)
     for k, jump in kicks:
@@ -129,6 +132,7 @@ def _forcing(loop: SampledLoop, steps: int, seed: int | None, disturbance: objec
     return push, v
 
 
+@takes(loop=instance(SampledLoop), steps=count(1, 10_000_000), seed=SEED)
 def trial_draws(loop: SampledLoop, steps: int, seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """The normal numbers of `simulate_trial`: (steps, ways) that `jump` brings in from the ground, (steps, p) of the sensors, and
     (steps, p) of biases that walk, else (steps, 0).
@@ -229,6 +233,7 @@ def _affine(loop: SampledLoop, side: np.ndarray) -> tuple[np.ndarray, np.ndarray
     return step, loop.F_m[-1] + carried @ loop.T[-1][free], shift
 
 
+@takes(t=array(), y=array(), u=array(), band=number(0), final=FINITE)
 def response_measures(t: np.ndarray, y: np.ndarray, u: np.ndarray, band: float, *,
                       final: float = 0.0) -> ResponseMeasures:
     """Recovery, overshoot, peak and energy of one response y (n_t,) with inputs u (n_t, m), each held up to the next t.

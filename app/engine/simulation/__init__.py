@@ -1,20 +1,12 @@
 """Simulate loops: scenarios, disturbances, saturation, batches, recovery maps."""
 
-from .door import (
-    autonomous_error,
-    disturbances_of,
-    emulated_gain,
-    separation_meter,
-    simulate,
-    simulate_geared,
-    simulate_recovery,
-    simulate_starts,
-    simulate_until,
-    starts_of,
-)
-from .geared import Gear, GearedRun
-from .recovery import RecoveryMap
+from ..systems.gates.room_gates import with_gates
+from .batch import simulate_starts
+from .geared import Gear, GearedRun, simulate_geared
+from .loop import emulated_gain
+from .recovery import RecoveryMap, simulate_recovery, starts_of
 from .scenario import Run, Scenario
+from .simulate import autonomous_error, disturbances_of, separation_meter, simulate, simulate_until
 
 __all__ = [
     "Gear",
@@ -33,3 +25,5 @@ __all__ = [
     "simulate_until",
     "starts_of",
 ]
+
+with_gates(globals())

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ..systems.errors import ShapeError, phrase
+from ..systems.gates.argument_checks import array, instance, takes
 from .disturbance import disturbances
 from .loop import Loop, ramped
 from .runner import Runner, beside
@@ -21,6 +22,7 @@ CHUNK_NUMBERS = 500_000  # numbers that the compiled march finds at once
 NO_JUDGEMENT = np.array([0.0, np.inf, np.inf, np.inf, np.inf])  # to judge
 
 
+@takes(scenario=instance(Scenario), starts=array("k N"))
 def simulate_starts(scenario: Scenario, starts: np.ndarray) -> Iterator[np.ndarray]:
     """Yield the states z = (x, x̂) of every start, (n_runs, N), at grid points 0, 1, … n_t − 1.
 

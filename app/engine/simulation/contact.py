@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
 
+from ..systems.records import record
 from ..systems.recursions import step_matrices
 
 __all__: list[str] = []
@@ -16,7 +17,7 @@ TORQUE_ROUNDING = 1e-12  # of the terms of a torque: what is smaller counts as n
 Flow = tuple[tuple[np.ndarray, np.ndarray], ...]
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class Contact:
     """ż = A z + g of two bodies, g held over steps of h seconds; A (N×N) is their motion without contact.
 

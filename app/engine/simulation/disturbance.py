@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ..systems.errors import EngineError
 from ..systems.noise import process_noise, root
+from ..systems.records import record
 from ..systems.recursions import step_matrices
 from .loop import Loop
 from .scenario import Scenario
@@ -17,7 +16,7 @@ __all__ = ["Disturbances", "disturbances"]
 Kicks = dict[int, list[tuple[float, np.ndarray]]]
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class Disturbances:
     """Start and disturbances of z = (x, x̂).
 

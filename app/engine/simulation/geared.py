@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from types import MappingProxyType
 from typing import Any, Literal
 
@@ -10,9 +10,10 @@ import numpy as np
 
 from ..kernels import as_kernel_array, compiled_kernel
 from ..kernels.geared import contact_steps
-from ..systems.argument_checks import choice, count, number, passed, vector
 from ..systems.errors import EngineError, ShapeError
+from ..systems.gates.argument_checks import choice, count, instance, number, passed, takes, vector
 from ..systems.plant import Plant
+from ..systems.records import record
 from .contact import Contact
 from .disturbance import disturbances
 from .loop import Loop, continuous_loop
@@ -26,7 +27,7 @@ GATES = MappingProxyType({"angle": count(), "speed": count(), "inner": _INERTIA,
                           "gap": number(0, 1e100), "sensor": choice("inner", "outer"), "step": number(0, 1e100)})
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class Gear:
     """Play between a driving (inner) and a driven (outer) body that the plant takes for one, all as seen at the driven one.
 
@@ -53,7 +54,7 @@ class Gear:
             raise EngineError("Angle and speed must be two states.")
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class GearedRun:
     """`run`, its x that of the outer body, its v what the encoder reads beside the truth; `inner` (n_t,) the inner angle, rad.
 
@@ -65,6 +66,7 @@ class GearedRun:
     contact: np.ndarray
 
 
+@takes(scenario=instance(Scenario), gear=instance(Gear))
 def simulate_geared(scenario: Scenario, gear: Gear) -> GearedRun:
     """Run a continuous loop over a gear with play, the encoder read and the limits looked at once every dt.
 

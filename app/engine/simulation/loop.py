@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ..systems.errors import ShapeError
+from ..systems.gates.argument_checks import SECONDS, matrix, takes
+from ..systems.gates.plant_gate import PLANT
 from ..systems.plant import Plant
+from ..systems.records import record
 from ..systems.recursions import step_matrices
-from ..systems.sampling import discretise
+from ..systems.sampling import discretise, require_continuous
 from .scenario import Scenario
 
 __all__ = ["Loop", "continuous_loop", "discrete_loop", "emulated_gain"]
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class Loop:
     """ż = A z + Bs sat(u) + Bc u + E v with u = F z + r (or z⁺ = … for a sampled loop).
 
@@ -39,12 +40,14 @@ class Loop:
         return r @ self.Bc.T + np.where(free, r, held) @ self.Bs.T + v @ self.E.T
 
 
+@takes(plant=PLANT, L=matrix("n p"), dt=SECONDS)
 def emulated_gain(plant: Plant, L: np.ndarray, dt: float) -> np.ndarray:
     """The gain of a sampled observer emulating a continuous L: L_d = ∫₀ᵈᵗ e^{(A − L C) s} ds L, n×p.
 
     The innovation is held over the sample; the sampled poles are eig(e^{A dt} − L_d C), near but not equal to
-    e^{λ dt} of the continuous ones.
+    e^{λ dt} of the continuous ones. Raises EngineError for a plant that is sampled already.
     """
+    require_continuous(plant)
     if L.shape != (plant.n, plant.p):
         raise ShapeError("L must be {n}×{p}; it is {rows}×{columns}.",
                          n=plant.n, p=plant.p, rows=L.shape[0], columns=L.shape[1])

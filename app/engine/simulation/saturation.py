@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
 from scipy.linalg import matrix_balance
 
+from ..systems.records import record
 from ..systems.recursions import affine_scan
 from .loop import Loop
 
@@ -24,7 +25,7 @@ MAX_STEP_PIECES = 100_000  # pieces of a grid step
 DOUBT = 0.25  # of the cubic term; an exponential that decays by a factor of 55 from end to end is off by a tenth of it
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class Mode:
     """One way the inputs can be clipped: free (bool, m), the limits held, and the exact flow at dyadic parts of a step.
 
@@ -89,7 +90,7 @@ def bounds(u0: np.ndarray, u1: np.ndarray, d0: np.ndarray, d1: np.ndarray, h: fl
     return np.minimum(np.minimum(u0, u1), low) - doubt, np.maximum(np.maximum(u0, u1), high) + doubt
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class Switcher:
     """Runs a loop with limits u_min, u_max (m,) on a grid of step h."""
 

@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from types import MappingProxyType
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from ..systems.argument_checks import (
+from ..plotting import plot_signals
+from ..systems.arrays import as_covariance, as_numbers, frozen
+from ..systems.errors import EngineError, ShapeError, phrase
+from ..systems.gates.argument_checks import (
     ANY,
     BOOLEAN,
     MOST_NUMBERS,
     SEED,
     choice,
     gated,
-    instance,
     items,
     matrix,
     number,
@@ -24,15 +26,18 @@ from ..systems.argument_checks import (
     passed,
     real,
 )
-from ..systems.arrays import as_covariance, as_numbers, frozen
-from ..systems.errors import EngineError, ShapeError, phrase
+from ..systems.gates.plant_gate import PLANT
 from ..systems.plant import Plant, as_matrix
+from ..systems.records import record
+
+if TYPE_CHECKING:
+    from ..plotting import Axes
 
 __all__ = ["Run", "Scenario"]
 
 Given = Any  # an array after construction, whatever was given
 _MAYBE = optional(matrix())
-GATES = MappingProxyType({"plant": instance(Plant), "K": _MAYBE, "L": _MAYBE, "model": optional(instance(Plant)), "x0": _MAYBE,
+GATES = MappingProxyType({"plant": PLANT, "K": _MAYBE, "L": _MAYBE, "model": optional(PLANT), "x0": _MAYBE,
                           "xhat0": _MAYBE, "sampled": BOOLEAN, "reference": _MAYBE, "state_feedback": BOOLEAN, "W": _MAYBE, "V": _MAYBE,
                           "fed": choice("applied", "commanded"), "G": _MAYBE, "seed": SEED, "impulses": items(pair(ANY, matrix()))})
 
@@ -73,7 +78,7 @@ def _positive(value: Any, name: str, zero_allowed: bool = False) -> float:
     return number
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class Scenario:
     """One run of the loop ẋ = A x + B u + G w, y = C x + D u + v with x̂̇ = Aₘ x̂ + Bₘ u + L (y − Cₘ x̂ − Dₘ u).
 
@@ -212,7 +217,7 @@ class Scenario:
         return round(self.delay / self.dt)
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class Run:
     """A simulated run; arrays are time-first, finite, and end early where the run diverged.
 
@@ -236,6 +241,13 @@ class Run:
     diverged_at: float | None
     saturated: bool
     made_of: Any = field(default=None, repr=False)  # the loop and the disturbances, for who asks more of the same run
+
+    def plot(self) -> list[Axes]:
+        """States with their estimates, one panel each, and the inputs that reached the plant."""
+        plant, names = self.scenario.plant, (self.scenario.plant.state_names, self.scenario.plant.input_names)
+        panels = {name: {name: self.x[:, i]} | ({f"{name}, estimate": self.xhat[:, i]} if self.e.shape[1] else {})
+                  for i, name in enumerate(names[0][:plant.n])}
+        return plot_signals(self.t, panels | {"inputs": {name: self.u_applied[:, i] for i, name in enumerate(names[1])}})
 
     @gated(time=number(-1e9, 1e9))
     def index(self, time: float) -> int:

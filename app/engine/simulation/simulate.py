@@ -8,6 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 from ..systems.errors import EngineError
+from ..systems.gates.argument_checks import FUNCTION, SERIES, instance, takes
 from ..systems.recursions import affine_scan, step_matrices
 from .disturbance import Disturbances, disturbances
 from .loop import Loop, continuous_loop, discrete_loop
@@ -19,6 +20,7 @@ __all__ = ["autonomous_error", "separation_meter", "simulate", "simulate_until"]
 DIVERGENCE_FACTOR = 1e9  # times the larger of 1 and the size of the start
 
 
+@takes(scenario=instance(Scenario))
 def simulate(scenario: Scenario) -> Run:
     """Run the loop of plant, observer and controller over the grid of the scenario.
 
@@ -36,6 +38,7 @@ def simulate(scenario: Scenario) -> Run:
     return _run(scenario, loop, d, *_states(scenario, loop, d))
 
 
+@takes(scenario=instance(Scenario), looks=SERIES, enough=FUNCTION)
 def simulate_until(scenario: Scenario, looks: Sequence[float], enough: Callable[[np.ndarray], bool]) -> Run:
     """The run of a scenario up to the first of the times `looks` where the states x (steps, n) since the one before are `enough`.
 
@@ -78,6 +81,7 @@ def loop_of(s: Scenario) -> Loop:
     return discrete_loop(s) if s.discrete else continuous_loop(s)
 
 
+@takes(scenario=instance(Scenario))
 def disturbances_of(scenario: Scenario) -> Disturbances:
     """The start, the noise of its seed and the impulses with which `simulate` runs a scenario.
 
@@ -118,6 +122,7 @@ def _made_of(s: Scenario) -> tuple[Loop, Disturbances]:
     return loop, disturbances(s, loop)
 
 
+@takes(run=instance(Run))
 def autonomous_error(run: Run) -> np.ndarray:
     """What e would be were it left to itself: ė = (Aₘ − L Cₘ) e + G w − L v from the run's own e(0), (n_t, n).
 
@@ -142,6 +147,7 @@ def autonomous_error(run: Run) -> np.ndarray:
     return affine_scan(Phi, None if push is None else push[:count - 1], d.z0[:n] - d.z0[n:], count - 1)
 
 
+@takes(run=instance(Run))
 def separation_meter(run: Run) -> float:
     """How far e leaves the designer's promise: max‖e − e_autonomous‖ / max‖e_autonomous‖ (2-norms, over the run).
 

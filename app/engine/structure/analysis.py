@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ..systems.arrays import frozen
-from ..systems.balance import poles_within, stable_poles, state_scale
+from ..systems.balance import state_scale
 from ..systems.errors import EngineError
 from ..systems.exact_roots import MAX_STATES, exact_poles
+from ..systems.gates.argument_checks import number, takes
+from ..systems.gates.plant_gate import DRIVEN, SEEN
 from ..systems.plant import Plant
-from ..systems.pole_sets import match_poles
+from ..systems.pole_sets import match_poles, sorted_poles
+from ..systems.records import record
+from ..systems.stability import poles_within, stable_poles
 from .decomposition import balanced_staircase
 
 __all__ = ["Controllability", "Mode", "Observability", "controllability", "controllability_matrix", "observability", "observability_matrix"]
@@ -20,7 +22,7 @@ __all__ = ["Controllability", "Mode", "Observability", "controllability", "contr
 POLE_ROUNDING_RTOL = 1e-12  # of the largest pole: what rounding may move another by before it is asked what A has in truth
 
 
-@dataclass(frozen=True)
+@record(eq=True)
 class Mode:
     """One eigenvalue of A, and how far it is from being hidden.
 
@@ -38,7 +40,7 @@ class Mode:
     stable: bool
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class _Report:
     matrix: np.ndarray
     singular_values: np.ndarray
@@ -64,7 +66,7 @@ class _Report:
         return min(self.modes, key=lambda mode: mode.margin, default=None)
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class Observability(_Report):
     """Does y determine x? `matrix` = O = [C; CA; …; CAⁿ⁻¹] (pn×n) with its `singular_values` (n,);
     `rank` = n less the dimension of the hidden subspace, by the staircase and not by rank(O);
@@ -86,7 +88,7 @@ class Observability(_Report):
         return self._hidden_are_stable
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class Controllability(_Report):
     """Does u move x anywhere? `matrix` = [B, AB, …, Aⁿ⁻¹B] (n×nm) with its `singular_values` (n,);
     `rank` = dimension of the reachable subspace, by the staircase; `modes` as in Observability,
@@ -119,8 +121,9 @@ def _modes(A: np.ndarray, C: np.ndarray, dt: float, rtol: float | None) -> tuple
     """Every pole, labelled by the diagonal block of the staircase it comes from: repeated poles count right."""
     scale, Q, seen = balanced_staircase(A.T, C.T, rtol)
     turned = Q.T @ (A * scale[:, None] / scale) @ Q
-    parts = [stable_poles(turned[:seen, :seen], dt=dt), stable_poles(turned[seen:, seen:], dt=dt)]
-    poles, stable = np.concatenate([p for p, _ in parts]), np.concatenate([s for _, s in parts])
+    poles = np.concatenate([sorted_poles(turned[:seen, :seen]), sorted_poles(turned[seen:, seen:])])
+    own, judged = stable_poles(A, dt=dt)
+    stable = judged[match_poles(poles, own)[0]]
     order = np.lexsort((np.imag(poles), np.real(poles)))
     size = max((float(np.linalg.norm(M, 2)) for M in (A, C) if M.size), default=0.0)
     distances = _distances(A, C, _sure(A, poles))
@@ -154,6 +157,7 @@ def _with_values(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return frozen(matrix), frozen(np.linalg.svd(matrix, compute_uv=False))
 
 
+@takes(plant=SEEN)
 def observability_matrix(plant: Plant) -> np.ndarray:
     """O = [C; CA; …; CAⁿ⁻¹] (pn×n) alone, without a look at any pole; raises EngineError when a power of A overflows.
 
@@ -164,6 +168,7 @@ def observability_matrix(plant: Plant) -> np.ndarray:
     return frozen(_powers(plant.A, plant.C))
 
 
+@takes(plant=DRIVEN)
 def controllability_matrix(plant: Plant) -> np.ndarray:
     """[B, AB, …, Aⁿ⁻¹B] (n×nm) alone, without a look at any pole; raises EngineError when a power of A overflows.
 
@@ -174,6 +179,7 @@ def controllability_matrix(plant: Plant) -> np.ndarray:
     return frozen(_powers(plant.A.T, plant.B.T).T)
 
 
+@takes(plant=SEEN, rtol=number())
 def observability(plant: Plant, *, rtol: float | None = None) -> Observability:
     """Whether, and how nearly not, the output determines the state.
 
@@ -189,6 +195,7 @@ def observability(plant: Plant, *, rtol: float | None = None) -> Observability:
     return Observability(*_with_values(_powers(plant.A, plant.C)), sum(mode.visible for mode in modes), modes)
 
 
+@takes(plant=DRIVEN, rtol=number())
 def controllability(plant: Plant, *, rtol: float | None = None) -> Controllability:
     """Whether, and how nearly not, the input reaches every state: `observability` of (Aᵀ, Bᵀ).
 

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ..systems.arrays import frozen
+from ..systems.gates.argument_checks import matrix, takes
+from ..systems.records import record
 
 __all__ = ["Canonisation", "canonise", "canonise_right"]
 
@@ -14,7 +14,7 @@ ZERO_RTOL = 1e-10  # what is left of the matrix counts as zero below this, relat
 TIMID = 1e-3  # a pivot this much smaller than the largest entry left is not used
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class Canonisation:
     """[unit_left; zero_left] M [unit_right, zero_right] = [I 0; 0 0], I of size `rank`.
 
@@ -54,6 +54,7 @@ class Canonisation:
                             frozen(self.zero_left.T), self.singular_values)
 
 
+@takes(M=matrix())
 def canonise(M: np.ndarray) -> Canonisation:
     """Divisors of zero and of one of M (p×q) by elimination, the scale of the pivots in the left divisors.
 
@@ -89,6 +90,7 @@ def singular_values(M: np.ndarray) -> np.ndarray:
     return np.linalg.svd(M, compute_uv=False) if min(M.shape) else np.zeros(0)
 
 
+@takes(M=matrix())
 def canonise_right(M: np.ndarray) -> Canonisation:
     """As `canonise`, with the scale of the pivots in the right divisors: [5 6] becomes 1·[5 6]·[0.2 −1.2; 0 1]."""
     return canonise(M.T).flipped()

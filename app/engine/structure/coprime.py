@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ..systems.arrays import frozen
 from ..systems.balance import state_scale
 from ..systems.errors import EngineError
+from ..systems.gates.argument_checks import takes
+from ..systems.gates.plant_gate import PLANT
 from ..systems.plant import Plant
+from ..systems.records import record
 from .analysis import observability
 
 __all__ = ["CoprimeFactors", "coprime_factors"]
@@ -18,7 +19,7 @@ DEPENDENT = 1e-9  # a unit vector this near the span of earlier ones depends on 
 SPAN_DISTANCE_SHARE = 0.1  # of one power of Aᵀ, a vector comes last that is this much nearer to the span than another
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class CoprimeFactors:
     """(sI − Aᵀ)⁻¹ Cᵀ = H(s) L(s)⁻¹ with H(s) = Σ H[k] sᵏ (n×p) and L(s) = Σ L[k] sᵏ (p×p), right coprime.
 
@@ -60,6 +61,7 @@ def _horner(coefficients: np.ndarray, s: complex) -> np.ndarray:
     return value
 
 
+@takes(plant=PLANT)
 def coprime_factors(plant: Plant) -> CoprimeFactors:
     """H(s), L(s) of (sI − Aᵀ)⁻¹Cᵀ = H(s) L(s)⁻¹ for an observable plant, column degrees as low as they go.
 

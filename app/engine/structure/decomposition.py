@@ -6,7 +6,6 @@ one block with ‖A‖, and changes coordinates by orthogonal matrices.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -14,7 +13,10 @@ import numpy as np
 from ..systems.arrays import frozen
 from ..systems.balance import balance, natural_scale, state_scale
 from ..systems.errors import EngineError
+from ..systems.gates.argument_checks import matrix, number, takes
+from ..systems.gates.plant_gate import PLANT
 from ..systems.plant import Plant
+from ..systems.records import record
 
 __all__ = ["KalmanDecomposition", "kalman_decomposition", "reachable_subspace", "unobservable_subspace"]
 
@@ -72,6 +74,7 @@ def balanced_staircase(A: np.ndarray, B: np.ndarray, rtol: float | None = None) 
     return scale, *_staircase(balanced, _unit_columns(B / scale[:, None]), tolerance(rtol), _size(balanced))
 
 
+@takes(A=matrix("n n"), B=matrix("n m"), rtol=number())
 def reachable_subspace(A: np.ndarray, B: np.ndarray, *, rtol: float | None = None) -> tuple[np.ndarray, int]:
     """The states that an input can reach: im [B, AB, …, Aⁿ⁻¹B].
 
@@ -92,6 +95,7 @@ def reachable_subspace(A: np.ndarray, B: np.ndarray, *, rtol: float | None = Non
     return np.linalg.qr(np.hstack([scale[:, None] * Q[:, :r], Q[:, r:] / scale[:, None]]))[0], r
 
 
+@takes(A=matrix("n n"), C=matrix("p n"), rtol=number())
 def unobservable_subspace(A: np.ndarray, C: np.ndarray, *, rtol: float | None = None) -> tuple[np.ndarray, int]:
     """The states that leave no trace in y: ker [C; CA; …; CAⁿ⁻¹], by duality.
 
@@ -112,7 +116,7 @@ def in_new_states(plant: Plant, A: np.ndarray, B: np.ndarray, C: np.ndarray, D: 
     return Plant(A, B, C, through, plant.dt, (), plant.input_names, plant.output_names, units, name)
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class KalmanDecomposition:
     """x = T z with z ordered (reached and seen, reached only, seen only, neither).
 
@@ -169,6 +173,7 @@ def _basis(plant: Plant, rtol: float) -> tuple[np.ndarray, tuple[int, int, int, 
     return T, (R.shape[1] - k, k, rest.shape[1], N.shape[1] - k)
 
 
+@takes(plant=PLANT, rtol=number())
 def kalman_decomposition(plant: Plant, *, rtol: float | None = None) -> KalmanDecomposition:
     """Split the state into what is reached and seen, reached only, seen only, and neither.
 

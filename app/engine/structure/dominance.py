@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from ..systems.errors import EngineError, ShapeError
+from ..systems.gates.argument_checks import SERIES, array, takes
+from ..systems.gates.plant_gate import PLANT
 from ..systems.plant import Plant
+from ..systems.records import record
 from ..systems.spectrum import frequency_response
 
 __all__ = ["Dominance", "dominance", "dominance_of", "relative_gains"]
@@ -17,7 +19,7 @@ __all__ = ["Dominance", "dominance", "dominance_of", "relative_gains"]
 SINGULAR = 1e12  # a relative gain beyond this is rounding
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class Dominance:
     """A square response G (n_ω, k, k) over omega (n_ω,) in rad/s, and what its off-diagonal entries weigh.
 
@@ -50,6 +52,7 @@ class Dominance:
         return relative_gains(self.response)
 
 
+@takes(plant=PLANT, omega=SERIES)
 def dominance(plant: Plant, omega: object) -> Dominance:
     """Row and column dominance of G(jω) = C (jωI − A)⁻¹ B + D, at e^{jω dt} where dt > 0.
 
@@ -61,6 +64,7 @@ def dominance(plant: Plant, omega: object) -> Dominance:
     return dominance_of(w, frequency_response(plant.A, plant.B, plant.C, plant.D, w, dt=plant.dt))
 
 
+@takes(omega=SERIES, response=array("… k k", imaginary=True))
 def dominance_of(omega: np.ndarray, response: np.ndarray) -> Dominance:
     """The same from a response (n_ω, k, k) that is known already."""
     G = np.asarray(response)
@@ -80,6 +84,7 @@ def dominance_of(omega: np.ndarray, response: np.ndarray) -> Dominance:
     return Dominance(np.asarray(omega), G, ratio(off.sum(axis=2)), ratio(off.sum(axis=1)))
 
 
+@takes(response=array("… k k", imaginary=True))
 def relative_gains(response: object) -> np.ndarray:
     """Λ = G ∘ (G⁻¹)ᵀ for G (…, k, k), complex: its rows and columns sum to 1, and units do not matter.
 

@@ -6,16 +6,18 @@ rounding of Wc·Wo.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from scipy.linalg import expm, schur, solve_sylvester
 
 from ..systems.arrays import frozen, symmetric
-from ..systems.balance import balance, poles_within, stable_poles, state_scale
+from ..systems.balance import balance, state_scale
 from ..systems.errors import EngineError, phrase
+from ..systems.gates.argument_checks import count, number, takes
+from ..systems.gates.plant_gate import PLANT
 from ..systems.lyapunov import settled_factor
 from ..systems.plant import Plant
+from ..systems.records import record
+from ..systems.stability import poles_within, stable_poles
 from .decomposition import in_new_states
 from .projection_error import projection_rounding_error
 
@@ -25,7 +27,7 @@ __all__ = ["Gramians", "StableSplit", "Truncation", "balanced_truncation", "gram
 _EPS = float(np.finfo(float).eps)
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class Gramians:
     """`controllability` Wc = ∫₀^∞ e^{At}BBᵀe^{Aᵀt} dt and `observability` Wo = ∫₀^∞ e^{Aᵀt}CᵀCe^{At} dt, n×n
     (sums of the powers of A when dt > 0)."""
@@ -34,7 +36,7 @@ class Gramians:
     observability: np.ndarray
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class StableSplit:
     """x = T (z_s, z_u): two plants side by side whose transfer functions add up to the plant's.
 
@@ -46,7 +48,7 @@ class StableSplit:
     T: np.ndarray
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class Truncation:
     """A reduced plant: x ≈ T z (n×r), z = left x (r×n), left T = I.
 
@@ -81,6 +83,7 @@ def _factors(plant: Plant) -> tuple[np.ndarray, np.ndarray]:
     return settled_factor(plant.A, plant.B, plant.dt), settled_factor(plant.A.T, plant.C.T, plant.dt)
 
 
+@takes(plant=PLANT)
 def gramians(plant: Plant) -> Gramians:
     """The Gramians of a stable plant: A Wc + Wc Aᵀ + B Bᵀ = 0 and Aᵀ Wo + Wo A + Cᵀ C = 0.
 
@@ -96,6 +99,7 @@ def gramians(plant: Plant) -> Gramians:
     return Gramians(frozen(Rc @ Rc.T), frozen(Ro @ Ro.T))
 
 
+@takes(plant=PLANT)
 def hankel_singular_values(plant: Plant) -> np.ndarray:
     """σᵢ = √λᵢ(Wc Wo), largest first, shape (n,): how much of each state both u and y take part in.
 
@@ -115,6 +119,7 @@ def _part(plant: Plant, right: np.ndarray, left: np.ndarray, D: np.ndarray | Non
     return in_new_states(plant, left @ plant.A @ right, left @ plant.B, plant.C @ right, D, label)
 
 
+@takes(plant=PLANT)
 def split_stable(plant: Plant) -> StableSplit:
     """G(s) = G_stable(s) + G_unstable(s), by an ordered Schur form and one Sylvester equation in balanced states.
 
@@ -170,11 +175,13 @@ def _signs(rows: np.ndarray, B: np.ndarray) -> np.ndarray:
     return np.where(clear.any(axis=1) & (first < 0), -1.0, 1.0)
 
 
+@takes(plant=PLANT, order=count(-1000))
 def balanced_truncation(plant: Plant, order: int) -> Truncation:
     """Keep the `order` states that both u and y feel most.
 
     In balanced coordinates Wc = Wo = diag(σ); the states of the smallest σ are dropped, D stays, and
-    ‖G − G_r‖_∞ ≤ 2 Σ_{i>r} σᵢ. An unstable part is split off first, kept whole and counted in `order`.
+    ‖G − G_r‖_∞ ≤ 2 Σ_{i>r} σᵢ; equal σᵢ may be counted once if all of them are dropped.
+    An unstable part is split off first, kept whole and counted in `order`.
     Raises EngineError when order is not a whole number between the unstable count and the minimal order.
     Source: Glover, "All optimal Hankel-norm approximations" (1984), theorem 9.6; Enns (1984) for the bound.
 
@@ -230,6 +237,7 @@ def _one_step(A: np.ndarray, Q: np.ndarray, h: float) -> tuple[np.ndarray, np.nd
     return block[:n, :n], block[:n, n:] @ block[:n, :n].T
 
 
+@takes(plant=PLANT, horizon=number(0, 1_000_000_000.0))
 def reachability_gramian(plant: Plant, horizon: float) -> np.ndarray:
     """W(t) = ∫₀ᵗ e^{As}BBᵀe^{Aᵀs} ds, n×n: xᵀW⁻¹x is the least input energy that reaches x from 0 in time t.
 
@@ -254,6 +262,7 @@ def reachability_gramian(plant: Plant, horizon: float) -> np.ndarray:
     return W
 
 
+@takes(plant=PLANT, horizon=number(0, 1_000_000_000.0))
 def observability_gramian(plant: Plant, horizon: float) -> np.ndarray:
     """W(t) = ∫₀ᵗ e^{Aᵀs}CᵀCe^{As} ds, n×n: x(0)ᵀW x(0) is the energy that x(0) leaves in y within t.
 

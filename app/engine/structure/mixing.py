@@ -5,7 +5,6 @@ Source: report on the three-degree-of-freedom platform, equations (19)–(22).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -14,6 +13,8 @@ from scipy.optimize import minimize
 from ..kernels import as_kernel_array, compiled_kernel
 from ..kernels.decoupling_search import decoupling_search_steps
 from ..systems.errors import EngineError, ShapeError
+from ..systems.gates.argument_checks import FINITE, array, count, pair, takes
+from ..systems.records import record
 
 __all__ = ["Coupling", "Mixing", "best_mixing", "coupling", "mixing_matrix"]
 
@@ -24,7 +25,7 @@ MAX_NEWTON_STEPS = 12
 FINAL_STEP = 1e-6  # a step of Newton's below which J, all rounding there, is no longer asked whether it falls
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class Coupling:
     """The index J of eq. (21) for a 2×2 block G (n_ω, 2, 2), as a function of a and b.
 
@@ -97,7 +98,7 @@ def _grid(row: np.ndarray, inside: np.ndarray, outside: np.ndarray) -> np.ndarra
     return weights[:, :1] * outside**2 + weights[:, 1:2] * outside + weights[:, 2:]
 
 
-@dataclass(frozen=True)
+@record(eq=True)
 class Mixing:
     """The mixing with the least index: a, b and J; `start` is the closed-form (a, b), start_J its index, plain_J that
     of no mixing; `count` frequencies were summed."""
@@ -111,6 +112,7 @@ class Mixing:
     count: int
 
 
+@takes(a=FINITE, b=FINITE, size=count(2, 1000), channels=pair(count(-1000), count(-1000)))
 def mixing_matrix(a: float, b: float, *, size: int = 2, channels: tuple[int, int] = (0, 1)) -> np.ndarray:
     """The identity of `size` with [[1, b], [a, 1]] at two channels: T_u,opt = T_u S, eq. (20).
 
@@ -128,6 +130,7 @@ def mixing_matrix(a: float, b: float, *, size: int = 2, channels: tuple[int, int
     return S
 
 
+@takes(response=array("… k k", imaginary=True), channels=pair(count(-1000), count(-1000)))
 def coupling(response: object, *, channels: tuple[int, int] = (0, 1)) -> Coupling:
     """The index J(a, b) of two channels of a response G (n_ω, k, k). Raises ShapeError or EngineError."""
     G = np.asarray(response)
@@ -159,6 +162,7 @@ def _bottom(J: Coupling, x: np.ndarray) -> np.ndarray | None:
     return None
 
 
+@takes(response=array("… k k", imaginary=True), channels=pair(count(-1000), count(-1000)))
 def best_mixing(response: object, *, channels: tuple[int, int] = (0, 1)) -> Mixing:
     """(a, b) that minimises J of eq. (21): a closed-form start, then simplices without derivatives, then Newton's steps.
 

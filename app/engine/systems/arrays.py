@@ -5,12 +5,15 @@ from __future__ import annotations
 from collections.abc import Sized
 from functools import lru_cache
 from numbers import Real
+from typing import cast
 
 import numpy as np
 
 from .errors import EngineError, ShapeError
+from .gates.given import described
 
 __all__ = [
+    "as_checked",
     "as_covariance",
     "as_definite",
     "as_matrix",
@@ -79,9 +82,9 @@ def _plain(value: object, name: str) -> np.ndarray:
         if array.dtype.kind == "O" and all(isinstance(v, Real) for v in array.flat):  # fractions, integers beyond 64 bits
             array = array.astype(float)
     except (TypeError, ValueError, OverflowError) as problem:
-        raise EngineError("{name} must be a matrix of real numbers.", name=name) from problem
+        raise EngineError("{name} must be a matrix of real numbers; {given} was given.", name=name, given=described(value)) from problem
     if array.dtype.kind not in "fiubc":
-        raise EngineError("{name} must be a matrix of real numbers.", name=name)
+        raise EngineError("{name} must be a matrix of real numbers; {given} was given.", name=name, given=described(value))
     return array
 
 
@@ -96,6 +99,11 @@ def as_matrix(value: object, name: str) -> np.ndarray:
         raise ShapeError("{name} must have two dimensions, not {ndim}.", name=name, ndim=matrix.ndim)
     matrix.setflags(write=False)  # the layout stays: a plant and its dual are rounded alike
     return matrix
+
+
+def as_checked(value: object) -> np.ndarray:
+    """The argument as the array that its gate has made of it; nothing is done, but the type checker knows."""
+    return cast(np.ndarray, value)
 
 
 def frozen(array: np.ndarray) -> np.ndarray:

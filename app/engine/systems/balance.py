@@ -7,27 +7,26 @@ scales here are read from those alone.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from scipy.linalg import eig, matrix_balance
+from scipy.linalg import matrix_balance
 
 from .arrays import frozen
 from .errors import ShapeError
+from .gates.argument_checks import matrix, optional, takes
+from .records import record
 
-__all__ = ["MIN_RATE", "UNLIKE", "Balance", "balance", "natural_scale", "plain_scale", "poles_within", "stable_poles",
-           "state_scale", "without_dust"]
+__all__ = ["MIN_RATE", "UNLIKE", "Balance", "balance", "natural_scale", "plain_scale", "state_scale", "without_dust"]
 
 ROUNDING_ENTRY_RTOL = 1e-14  # an entry this small beside its row and its column is rounding: it must not steer the scales
 UNLIKE = 2.0**12  # states whose natural units are further apart than this are not in like units
 CANCELLED = 1e-14
 MIN_RATE = 1e-200  # a rate below this is none
-CLEARLY = 10.0  # times rounding
 WIDEST = 400.0  # log₂ of the largest scale
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class Balance:
     """x = states ∘ x_b, u = inputs ∘ u_b, y = outputs ∘ y_b, all scales powers of two, so that nothing is rounded.
 
@@ -58,6 +57,7 @@ class Balance:
         return D * self.inputs / self.outputs[:, None]
 
 
+@takes(A=matrix("n n"), B=optional(matrix("n m")), C=optional(matrix("p n")), D=optional(matrix("p m")))
 def balance(A: np.ndarray, B: np.ndarray | None = None, C: np.ndarray | None = None,
             D: np.ndarray | None = None) -> Balance:
     """The scales of states (n,), inputs (m,) and outputs (p,) for A n×n, B n×m, C p×n, D p×m; parts may be left out.
@@ -125,11 +125,13 @@ def _scales(L: np.ndarray, n: int) -> np.ndarray:
     return (ahead - back) / 2
 
 
+@takes(A=matrix("n n"), B=optional(matrix("n m")), C=optional(matrix("p n")))
 def state_scale(A: np.ndarray, B: np.ndarray | None = None, C: np.ndarray | None = None) -> np.ndarray:
     """Powers of two d (n,) such that diag(1/d) A diag(d) is balanced: the `states` of `balance`."""
     return balance(A, B, C).states
 
 
+@takes(A=matrix("n n"), B=optional(matrix("n m")), C=optional(matrix("p n")))
 def natural_scale(A: np.ndarray, B: np.ndarray | None = None, C: np.ndarray | None = None) -> np.ndarray:
     """States (n,) in which a design is begun: A balanced as LAPACK does it where the units given are like, so that they
     still say what matters; else the scales of `balance`, not rounded, so that the design follows units exactly."""
@@ -152,42 +154,3 @@ def without_dust(M: np.ndarray, states: np.ndarray) -> np.ndarray:
     balanced states, which would else steer the scales of what is built on it."""
     size = np.abs(M * states / states[:, None])
     return np.where(size > CANCELLED * size.max(initial=0.0), M, 0.0)
-
-
-def stable_poles(A: np.ndarray, *, dt: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
-    """eig(A) (n,) and which of them are stable by more than rounding can move them: Re s < 0, |z| < 1 where dt > 0."""
-    poles, slack = poles_within(A)
-    inside, stable = (np.abs(poles) < 1, np.abs(poles) < 1 - slack) if dt > 0 else (np.real(poles) < 0, np.real(poles) < -slack)
-    return poles, inside if np.any(inside & ~stable) and _none_can_cross(A, poles, dt) else stable
-
-
-def _none_can_cross(A: np.ndarray, poles: np.ndarray, dt: float) -> bool:
-    """Whether no change of A as large as rounding takes a pole over the edge of stability, copies of a multiple one
-    included: σ_min(A − s I) on the edge, beside the poles and in between, stays above it. Source: Van Loan, "How near is a
-    stable matrix to an unstable matrix?" (1985)."""
-    scale = state_scale(A)
-    balanced = A * scale / scale[:, None]
-    places = np.unique(np.abs(np.angle(poles) if dt > 0 else np.imag(poles)))
-    places = np.concatenate([[0.0], places, (places[1:] + places[:-1]) / 2, [np.pi] if dt > 0 else []])
-    edge = np.exp(1j * places) if dt > 0 else 1j * places
-    least = np.linalg.svd(edge[:, None, None] * np.eye(len(A)) - balanced, compute_uv=False)[:, -1]
-    return bool(least.min() > CLEARLY * len(A) * np.finfo(float).eps * np.linalg.norm(balanced, 2))
-
-
-def poles_within(A: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """eig(A) (n,), and by how much rounding can have moved each.
-
-    Rounding n·eps·‖A‖ in balanced states moves a simple pole by that over |wᴴv|, w and v its unit eigenvectors, and
-    any pole by no more than the n-th root lets it. Source: Elsner, "An optimal bound for the spectral variation of
-    two matrices" (1985).
-    """
-    n = len(A)
-    if not n:
-        return np.empty(0, dtype=complex), np.empty(0)
-    scale = state_scale(A)
-    balanced = A * scale / scale[:, None]
-    poles, left, right = tuple(eig(balanced, left=True, right=True))
-    size = float(np.linalg.norm(balanced, 2))
-    dust = n * np.finfo(float).eps * size
-    cosine = np.abs(np.sum(left.conj() * right, axis=0))
-    return poles, np.minimum(dust / np.maximum(cosine, 1e-300), (2 * size) ** (1 - 1 / n) * dust ** (1 / n))

@@ -21,6 +21,9 @@ class Phrase(str):
         made.message, made.values = message, MappingProxyType(values)
         return made
 
+    def __reduce__(self) -> tuple[object, ...]:
+        return _again, (type(self), self.message, dict(self.values))
+
 
 def phrase(message: str, /, **values: object) -> Phrase:
     """Words, such as "The delay", that a language says in its own way within a sentence."""
@@ -48,7 +51,7 @@ class EngineError(ValueError):
         return _again, (type(self), self.message, dict(self.values))
 
 
-def _again(kind: type[EngineError], message: str, values: dict[str, object]) -> EngineError:
+def _again(kind: type[EngineError | Phrase], message: str, values: dict[str, object]) -> EngineError | Phrase:
     return kind(message, **values)
 
 

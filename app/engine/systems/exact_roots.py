@@ -6,13 +6,13 @@ characteristic polynomial, whose roots Aberth's iteration finds from near where 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from fractions import Fraction
 from math import log2
 
 import numpy as np
 
 from .fixed_point import fixed, number, product, whole
+from .records import record
 
 __all__ = ["MAX_STATES", "ExactRoots", "exact_poles", "exact_roots"]
 
@@ -29,7 +29,7 @@ FURTHEST = 6  # powers of the distance that are looked at around a simple root
 GOLDEN = 2.399963229728653  # rad between one start and the next
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class ExactRoots:
     """Roots (re + j im) · unit / 2^bits, re and im whole numbers (object arrays (n,)), unit a power of two."""
 

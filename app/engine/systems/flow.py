@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
-from .argument_checks import FUNCTION, NAME, SECONDS, count, optional, passed
+from .gates.argument_checks import FUNCTION, NAME, SECONDS, count, optional, passed
 from .jacobian import Map, slopes
 from .plant import Plant
+from .records import record
 
 __all__ = ["Flow", "NonlinearPlant"]
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class Flow:
     """x[k+1] = f(x[k], u[k]): ẋ = rhs(x, u) over `step` seconds with u held, in `parts` equal steps of order four.
 
@@ -71,7 +70,7 @@ class Flow:
         return x, Phi
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class NonlinearPlant:
     """ẋ = rhs(x, u), y = output(x, u) of columns, with the slopes ∂ẋ/∂x (N, n, n) and ∂y/∂x (N, p, n) by hand.
 

@@ -8,6 +8,7 @@ from collections.abc import Callable
 import numpy as np
 
 from .errors import EngineError, ShapeError
+from .gates.argument_checks import FUNCTION, NAME, array, count, optional, takes
 
 __all__ = ["each_column", "slopes", "values_of"]
 
@@ -15,6 +16,7 @@ Map = Callable[[np.ndarray, np.ndarray], np.ndarray]
 COMPLEX_STEP = 1e-30  # of the complex step: its square is below every rounding
 
 
+@takes(one=FUNCTION)
 def each_column(one: Map) -> Map:
     """A map of columns, x (n, N) and u (m, 1), from a function of one state x (n,) and input u (m,).
 
@@ -40,6 +42,7 @@ def values_of(f: Map, x: np.ndarray, u: np.ndarray, name: str, rows: int | None 
     return values
 
 
+@takes(f=FUNCTION, x=array("n N"), u=array("m k"), name=NAME, rows=optional(count()))
 def slopes(f: Map, x: np.ndarray, u: np.ndarray, *, name: str = "The map",
            rows: int | None = None) -> tuple[np.ndarray, np.ndarray]:
     """f(x) (p, N) and ∂f/∂x (N, p, n) at the columns of x (n, N): f(x + ihe_j) = f(x) + ih ∂f/∂x_j + O(h²), h = 1e-30.

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from scipy.linalg.lapack import dgees, dgeqrf, dtrsyl  # pyright: ignore[reportAttributeAccessIssue]
 
 from .balance import balance
 from .errors import EngineError
+from .gates.argument_checks import PERIOD, matrix, takes
+from .records import record
 
 __all__ = ["settled_covariance", "settled_factor"]
 
@@ -19,6 +19,7 @@ MAX_FACTOR_WIDTH = 4  # times as many columns as states, before a factor is comp
 MAX_FACTOR = 1e150  # a factor as large as this has variances that overflow
 
 
+@takes(A=matrix("n n"), G=matrix("n q"), dt=PERIOD)
 def settled_covariance(A: np.ndarray, G: np.ndarray, *, dt: float = 0.0) -> np.ndarray:
     """P (n×n) ⪰ 0 with A P + P Aᵀ + G Gᵀ = 0, or A P Aᵀ − P + G Gᵀ = 0 where dt > 0, for stable A n×n and G n×q."""
     R = settled_factor(A, G, dt)
@@ -52,7 +53,7 @@ def _units(scale: np.ndarray, spread: np.ndarray) -> np.ndarray:
     return scale * 2.0 ** np.round(np.log2(spread))
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class _Triangular:
     """A = Z T Zᵀ (real Schur form) and Zᵀ G in scaled states; `sizes` are |λ|."""
 

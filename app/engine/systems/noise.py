@@ -6,10 +6,12 @@ import numpy as np
 from scipy.linalg import expm
 
 from .arrays import symmetric
+from .gates.argument_checks import GENERATOR, MOST_NUMBERS, SECONDS, count, covariance, matrix, number, takes
 
 __all__ = ["process_noise", "step_covariance"]
 
 
+@takes(A=matrix("n n"), intensity=covariance("n"), duration=number(0, 1_000_000_000.0))
 def step_covariance(A: np.ndarray, intensity: np.ndarray, duration: float) -> np.ndarray:
     """Q_d = ∫₀ʰ e^{A s} Q e^{Aᵀ s} ds, n×n, for the intensity Q (n×n) of white noise on ẋ = A x + w.
 
@@ -30,6 +32,7 @@ def step_covariance(A: np.ndarray, intensity: np.ndarray, duration: float) -> np
     return symmetric(Q)
 
 
+@takes(covariance=matrix("n n"))
 def root(covariance: np.ndarray) -> np.ndarray:
     """The factor D R^½ of a covariance D R D (R: correlations), so that root rootᵀ is the covariance."""
     spread = np.sqrt(np.maximum(np.diag(covariance), 0.0))
@@ -45,6 +48,8 @@ def _inverse(covariance: np.ndarray) -> np.ndarray:
     return np.linalg.pinv(covariance / scale, hermitian=True) / scale
 
 
+@takes(M=matrix("N N"), G=matrix("N q"), W=covariance("q"), duration=SECONDS, steps=count(0, MOST_NUMBERS // 20, beside="N"),
+       rng=GENERATOR)
 def process_noise(M: np.ndarray, G: np.ndarray, W: np.ndarray, duration: float, steps: int,
                   rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
     """What white noise of intensity W (q×q) through G (N×q) does over each step of ż = M z + G w.

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
+from ..plotting import with_plot
 from .arrays import as_matrix
 from .errors import EngineError, ShapeError, phrase
 from .pole_sets import sorted_poles
+from .records import record
 
 __all__ = ["Plant", "as_matrix"]
 
@@ -37,11 +38,19 @@ def _units(given: object) -> tuple[tuple[str, str], ...]:
     return tuple((str(name), str(unit)) for name, unit in listed)  # type: ignore[misc]
 
 
-@dataclass(frozen=True, eq=False)
+def _notes(given: object) -> tuple[str, ...]:
+    notes = tuple(given) if isinstance(given, list | tuple) else (None,)
+    if not all(isinstance(note, str) for note in notes):
+        raise EngineError("The notes must be a list of texts.")
+    return notes  # type: ignore[return-value]
+
+
+@record()
 class Plant:
     """A linear time-invariant plant ẋ = A x + B u, y = C x + D u (dt > 0: x⁺ = A x + B u).
 
-    A is n×n, B n×m, C p×n, D p×m (zero if left out). `units` maps a signal name to its SI unit.
+    A is n×n, B n×m, C p×n, D p×m (zero if left out). `units` maps a signal name to its SI unit; `notes` are sentences on
+    what was done to it when it was read, which make no difference between two plants.
     Raises ShapeError where the shapes disagree, EngineError where an entry is not finite.
 
     >>> Plant([[0, 1], [-2, -3]], [[0], [1]], [[1, 0]]).n
@@ -58,6 +67,7 @@ class Plant:
     output_names: tuple[str, ...] = ()
     units: tuple[tuple[str, str], ...] = ()
     name: str = ""
+    notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         A, B, C = (as_matrix(getattr(self, k), k) for k in "ABC")
@@ -89,6 +99,7 @@ class Plant:
             "input_names": _names(self.input_names, "u", B.shape[1], phrase("input")),
             "output_names": _names(self.output_names, "y", C.shape[0], phrase("output")),
             "units": units,
+            "notes": _notes(self.notes),
         }.items():
             object.__setattr__(self, key, value)
 
@@ -110,7 +121,7 @@ class Plant:
     @cached_property
     def poles(self) -> np.ndarray:
         """eig(A), sorted by (real, imag)."""
-        return sorted_poles(self.A)
+        return with_plot(sorted_poles(self.A))
 
     @cached_property
     def key(self) -> tuple:

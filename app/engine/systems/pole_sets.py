@@ -9,8 +9,9 @@ import numpy.typing as npt
 from scipy.optimize import linear_sum_assignment
 
 from .errors import PoleError
+from .gates.argument_checks import COMPLEX, POLES, array, count, items, number, takes
 
-__all__ = ["Poles", "all_stable", "check_poles", "match_poles", "move_pole", "pole_text", "sorted_poles"]
+__all__ = ["Poles", "check_poles", "match_poles", "move_pole", "pole_text", "sorted_poles"]
 
 Poles = npt.NDArray[np.complex128]
 
@@ -19,24 +20,22 @@ MIN_POLE = 1e-100  # the size below which no pole is told apart from 0
 MAX_POLE_RAD_S = 1e12  # rad/s; beyond this a request is a slip of the hand
 
 
+@takes(A=array("… n n"))
 def sorted_poles(A: np.ndarray) -> Poles:
     """eig(A) of a square matrix, or of each in a stack (…, n, n): complex, sorted by (real, imag)."""
     return np.sort_complex(np.linalg.eigvals(A).astype(complex))
 
 
-def all_stable(poles: Poles, *, dt: float = 0.0) -> bool:
-    """Whether every pole is stable: Re s < 0, or |s| < 1 where dt > 0."""
-    return bool(np.all(np.abs(poles) < 1) if dt else np.all(poles.real < 0))
-
-
+@takes(pole=COMPLEX)
 def pole_text(pole: complex) -> str:
     """A pole as a short human-readable number: 2, -1.5, -1 + 2j."""
     pole = complex(pole)
-    if abs(pole.imag) <= 1e-12 * max(1.0, abs(pole)):
+    if abs(pole.imag) <= 1e-12 * abs(pole):
         return f"{pole.real + 0.0:.6g}"
     return f"{pole.real + 0.0:.6g} {'+' if pole.imag > 0 else '-'} {abs(pole.imag):.6g}j"
 
 
+@takes(poles=POLES, count=count())
 def check_poles(poles: Iterable[complex], count: int) -> Poles:
     """The request as `count` complex numbers, conjugate pairs made exact, in the order given.
 
@@ -80,6 +79,7 @@ def _unpaired(pole: complex) -> PoleError:
                      pole=pole_text(pole), pole2=pole_text(pole.conjugate()))
 
 
+@takes(a=POLES, b=POLES)
 def match_poles(a: Sequence[complex] | np.ndarray, b: Sequence[complex] | np.ndarray) -> tuple[np.ndarray, float]:
     """Match two sets of equally many poles by least total distance.
 
@@ -99,6 +99,7 @@ def match_poles(a: Sequence[complex] | np.ndarray, b: Sequence[complex] | np.nda
     return columns, float(distance[rows, columns].max())
 
 
+@takes(poles=POLES, index=count(-1000), to=COMPLEX, axis_snap=number(0), fixed=items(count()))
 def move_pole(
     poles: Sequence[complex], index: int, to: complex, *, axis_snap: float = 0.0, fixed: Sequence[int] = ()
 ) -> tuple[complex, ...]:

@@ -7,6 +7,7 @@ from scipy.linalg import expm
 
 from ..kernels import as_kernel_array, compiled_kernel
 from ..kernels.scan import scan_steps
+from .gates.argument_checks import FINITE, MOST_NUMBERS, array, count, matrix, optional, takes, vector
 
 __all__ = ["affine_scan", "held_scan", "step_matrices"]
 
@@ -16,6 +17,7 @@ NARROW, SLIM = 48, 20  # states for which the kernel's steps are quicker than pr
 HELD_BLOCK_STEPS = 8  # steps a block where the forcing comes from few inputs
 
 
+@takes(M=matrix("N N"), duration=FINITE)
 def step_matrices(M: np.ndarray, duration: float) -> tuple[np.ndarray, np.ndarray]:
     """Φ = e^{M h} and Φ₁ = ∫₀ʰ e^{M s} ds, both N×N, from one exponential of [M I; 0 0] h."""
     N = len(M)
@@ -27,6 +29,7 @@ def step_matrices(M: np.ndarray, duration: float) -> tuple[np.ndarray, np.ndarra
     return power[:N, :N], power[:N, N:]
 
 
+@takes(Phi=matrix("N N"), forcing=optional(array("k N")), z0=vector("N"), steps=count(0, MOST_NUMBERS, beside="N"))
 def affine_scan(Phi: np.ndarray, forcing: np.ndarray | None, z0: np.ndarray, steps: int) -> np.ndarray:
     """All states of z[k+1] = Φ z[k] + g[k], z[0] = z0: (steps + 1, N).
 
@@ -40,6 +43,7 @@ def affine_scan(Phi: np.ndarray, forcing: np.ndarray | None, z0: np.ndarray, ste
     return states
 
 
+@takes(Phi=matrix("N N"), Gamma=matrix("N q"), inputs=array("k q"), z0=vector("N"))
 def held_scan(Phi: np.ndarray, Gamma: np.ndarray, inputs: np.ndarray, z0: np.ndarray) -> np.ndarray:
     """All states of z[k+1] = Φ z[k] + Γ u[k], z[0] = z0: (steps + 1, N) for inputs u (steps, q), Γ N×q, few inputs.
 

@@ -8,21 +8,35 @@ import numpy as np
 from scipy.linalg import expm, logm
 
 from .errors import EngineError
+from .gates.argument_checks import SECONDS, takes
+from .gates.plant_gate import PLANT
 from .plant import Plant
 from .recursions import step_matrices
 
-__all__ = ["continuous_of", "discretise"]
+__all__ = ["continuous_of", "discretise", "require_continuous"]
 
 ROUND_TRIP = 1e-7  # how well e^{M dt} must give back what was sampled, relative to its size
 
 
+def require_continuous(plant: Plant) -> None:
+    """EngineError where the plant has a sampling period, which a call for continuous plants would ignore."""
+    if plant.dt:
+        raise EngineError("The plant is sampled already; give the continuous one.")
+
+
+@takes(plant=PLANT, dt=SECONDS)
 def discretise(plant: Plant, dt: float) -> Plant:
-    """The plant seen every dt seconds with its input held: A_d = e^{A dt}, B_d = ∫₀ᵈᵗ e^{A s} ds B."""
+    """The plant seen every dt seconds with its input held: A_d = e^{A dt}, B_d = ∫₀ᵈᵗ e^{A s} ds B.
+
+    Raises EngineError for a plant that is sampled already.
+    """
+    require_continuous(plant)
     Phi, Phi1 = step_matrices(plant.A, dt)
     return Plant(Phi, Phi1 @ plant.B, plant.C, plant.D, dt, plant.state_names, plant.input_names,
-                 plant.output_names, plant.units, plant.name)
+                 plant.output_names, plant.units, plant.name, plant.notes)
 
 
+@takes(plant=PLANT)
 def continuous_of(plant: Plant) -> Plant:
     """The continuous plant that, its input held over dt, is this one at the samples; itself where dt = 0.
 
@@ -51,7 +65,7 @@ def continuous_of(plant: Plant) -> Plant:
         raise EngineError("No continuous plant could be found behind this sampled one: its logarithm is lost in "
                           "rounding.")
     return Plant(M[:n, :n], M[:n, n:], plant.C, plant.D, 0.0, plant.state_names, plant.input_names, plant.output_names,
-                 plant.units, plant.name)
+                 plant.units, plant.name, plant.notes)
 
 
 def _miss(M: np.ndarray, sampled: np.ndarray, dt: float) -> float:

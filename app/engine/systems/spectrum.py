@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -11,7 +10,9 @@ from scipy.linalg import matrix_balance
 from .arrays import frozen
 from .balance import balance
 from .errors import EngineError, ShapeError
+from .gates.argument_checks import COUNT, PERIOD, POSITIVE, SERIES, array, choice, matrix, optional, takes
 from .plant import as_matrix
+from .records import record
 
 __all__ = ["Spectrum", "amplitude_response", "frequency_response", "modal_coordinates", "psd"]
 
@@ -19,9 +20,10 @@ CANCELLATION = 1e-6  # of the sum of the sizes of the residues' terms: less is n
 ABSENT, FEW_POINTS = 1e-12, 64
 CACHED_STATES = 40  # states of a system whose modes are kept
 WORST_EIGENVECTORS = 1e6  # condition beyond which modal residues lose too many digits
+WINDOWS = ("hann", "hamming", "blackman", "blackmanharris", "bartlett", "boxcar", "flattop")
 
 
-@dataclass(frozen=True, eq=False)
+@record()
 class Spectrum:
     """A one-sided power spectral density: frequency (n_f,) in Hz, density (n_f, …) in units²/Hz."""
 
@@ -42,6 +44,7 @@ class Spectrum:
         return self.density.sum(axis=0) * (self.frequency[1] - self.frequency[0])
 
 
+@takes(series=array(), fs=POSITIVE, segment=optional(COUNT), window=choice(*WINDOWS))
 def psd(series: object, fs: float, *, segment: int | None = None, window: str = "hann") -> Spectrum:
     """Welch's one-sided density of a series (n_t,) or (n_t, channels) sampled at fs Hz.
 
@@ -71,6 +74,7 @@ def psd(series: object, fs: float, *, segment: int | None = None, window: str = 
     return Spectrum(frequency, density)
 
 
+@takes(A=matrix("n n"), B=matrix("n m"), C=matrix("p n"))
 def modal_coordinates(A: np.ndarray, B: np.ndarray, C: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
     """Poles λ (n,), C V (p, n) and V⁻¹ B (n, m) with A V = V diag(λ): H = Σ (C vᵢ)(wᵢ B)/(s − λᵢ).
 
@@ -99,6 +103,7 @@ def _kept(a: bytes, b: bytes, c: bytes, n: int) -> tuple[np.ndarray, np.ndarray,
     return _in_modes(A.reshape(n, n), B.reshape(n, -1), C.reshape(-1, n))
 
 
+@takes(A=matrix("n n"), B=matrix("n m"), C=matrix("p n"), D=matrix("p m"), omega=SERIES, dt=PERIOD)
 def frequency_response(A: object, B: object, C: object, D: object, omega: object, *, dt: float = 0.0) -> np.ndarray:
     """H = C (λ I − A)⁻¹ B + D at λ = jω, or at e^{jω dt} where dt > 0: complex (n_ω, p, m), ω in rad/s.
 
@@ -166,6 +171,7 @@ def _solved_once(pencil: np.ndarray, b: np.ndarray, c: np.ndarray, d: np.ndarray
         return np.full(d.shape, np.inf + 0j)
 
 
+@takes(A=matrix("n n"), B=matrix("n m"), C=matrix("p n"), D=matrix("p m"), omega=SERIES, dt=PERIOD)
 def amplitude_response(A: object, B: object, C: object, D: object, omega: object, *, dt: float = 0.0) -> np.ndarray:
     """|H(jω)| entry by entry, (n_ω, p, m): see `frequency_response`."""
     return np.abs(frequency_response(A, B, C, D, omega, dt=dt))

@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from .balance import balance
+from .gates.argument_checks import matrix, optional, takes
+from .gates.plant_gate import PLANT
 from .plant import Plant
 
 __all__ = ["invariant_zeros", "transmission_zeros"]
@@ -12,6 +14,7 @@ __all__ = ["invariant_zeros", "transmission_zeros"]
 RANK_RTOL = 1e-10  # of a block beside the largest of the balanced system: what is smaller is zero
 
 
+@takes(plant=PLANT)
 def transmission_zeros(plant: Plant) -> np.ndarray | None:
     """Zeros of a plant with as many inputs as outputs, sorted by (real, imag); None for other plants.
 
@@ -25,6 +28,7 @@ def transmission_zeros(plant: Plant) -> np.ndarray | None:
     return invariant_zeros(plant.A, plant.B, plant.C, np.asarray(plant.D))
 
 
+@takes(A=matrix("n n"), B=matrix("n m"), C=matrix("p n"), D=optional(matrix("p m")))
 def invariant_zeros(A: np.ndarray, B: np.ndarray, C: np.ndarray, D: np.ndarray | None = None) -> np.ndarray:
     """The s where [A − sI, B; C, D] loses rank, sorted by (real, imag), for A n×n, B n×m, C p×n, D p×m with p ≥ m.
 

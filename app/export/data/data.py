@@ -127,7 +127,7 @@ def run_record(design: Design, outcome: Outcome) -> dict[str, Any]:
         "poles": {name: [plain(complex(p)) for p in poles] for name, poles in outcome.poles.items()},
         "metrics": plain(outcome.metrics),
         "checks": [{"id": c.id, "text": {code: c.text(code) for code in languages()}, "holds": bool(c.holds),
-                    "value": plain(c.value)} for c in outcome.checks],
+                    "value": plain(c.value), "informative": c.informative} for c in outcome.checks],
         "series": _series(outcome),
         **({"plant": json.loads(design.plant)} if design.plant else {}),
     }

@@ -32,10 +32,13 @@ class MissingFontWarning(UserWarning):
 
 
 def families(language: str) -> list[str]:
-    """Font families in the order in which a glyph is looked for. Warns (MissingFontWarning) if Chinese is missing."""
-    if language.split("_")[0] not in HAN:
-        return list(SERIF)
+    """Font families in the order in which a glyph is looked for, so that a plant's Chinese names show in an English figure too.
+
+    Warns (MissingFontWarning) if Chinese is missing for a language that needs it.
+    """
     chinese = chinese_font()
+    if language.split("_")[0] not in HAN:
+        return [*SERIF, *([] if chinese is None else [chinese])]
     if chinese is None:
         warnings.warn(INSTALL, MissingFontWarning, stacklevel=2)
         return list(SERIF)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import warnings
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from types import MappingProxyType
@@ -40,7 +41,8 @@ def export_style(language: str) -> Iterator[None]:
         "legend.handlelength": 2.4, "path.simplify_threshold": 0.05,
         "svg.hashsalt": "observer-lab", "svg.fonttype": "path", "pdf.fonttype": 42, "pdf.compression": 9,
     }
-    with _LOCK, matplotlib.rc_context(settings):
+    with _LOCK, matplotlib.rc_context(settings), warnings.catch_warnings():
+        warnings.filterwarnings("ignore", r"Glyph .* missing from")  # a letter that no installed font has is drawn as a box
         yield
 
 

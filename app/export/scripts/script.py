@@ -13,7 +13,7 @@ import numpy as np
 
 from ...course.lesson import Lesson, Outcome
 from ...engine.simulation import Run, Scenario
-from ...text import Text, text
+from ...text import SaidError, text
 from .code_record_script import code_record_parts
 from .comment_translation import script_header, translate_comments
 from .gains import gain_lines
@@ -32,12 +32,8 @@ POLE_MATRICES: Mapping[str, str] = MappingProxyType({  # what a set of poles may
 NO_SCRIPT = text("No script is written for this lesson yet: its run is of a kind of its own; take its data as JSON or CSV.")
 
 
-class ScriptError(ValueError):
+class ScriptError(SaidError):
     """A design of which no script can be made; `text` says why in every language."""
-
-    def __init__(self, said: Text) -> None:
-        super().__init__(said("en"))
-        self.text = said
 
 
 def python_script(lesson: Lesson, outcome: Outcome, token: str, language: str = "en") -> str:

@@ -15,11 +15,13 @@ from typing import Protocol
 from urllib.parse import urlsplit
 
 AUTHORITY = re.compile(r"(\[[0-9A-Fa-f:.]{2,45}\]|[\w.-]{1,253})(?::(\d{1,5}))?", re.ASCII)
-SINGLE_HEADERS = ("Host", "Origin", "Upgrade")  # two of these, and two readers may believe two different things
+CAME_BY = "Came-By"  # in which our page says under which origin its browser knows it: a proxy may have rewritten Host
+SINGLE_HEADERS = ("Host", "Origin", "Upgrade", CAME_BY)  # two of these, and two readers may believe two different things
 PORTS = (("http", 80), ("https", 443))
-POLICY = ("default-src 'none'; script-src 'self' 'unsafe-inline' 'unsafe-eval' blob:; style-src 'self' 'unsafe-inline'; "
-          "img-src 'self' data: blob:; font-src 'self' data:; media-src 'self' data: blob:; worker-src 'self' blob: data:; "
-          "connect-src 'self' data: blob: ws://{host} wss://{host}; base-uri 'none'; form-action 'none'; object-src 'none'")
+POLICY = ("default-src 'none'; script-src 'unsafe-inline' 'unsafe-eval' blob:; style-src 'unsafe-inline'; "
+          "img-src data: blob:; font-src data:; worker-src blob: data:; "
+          "connect-src 'self' data: blob: ws://{host} wss://{host}; base-uri 'none'; form-action 'none'; object-src 'none'; "
+          "frame-ancestors {frames}")
 
 
 class RequestHead(Protocol):
@@ -72,6 +74,9 @@ class AccessPolicy:
         origin = next(iter(head.get_all("Origin")), None)
         if origin is not None and asks_for_websocket(head) and not self._our_page(origin, host):
             return Refusal(403, f"A page of {origin[:80]} may not speak to this server.")
+        came_by = next(iter(head.get_all(CAME_BY)), None)
+        if came_by is not None and not self._our_page(came_by, host):
+            return Refusal(421, f"This server does not know the name {came_by[:80]}; start it with --allow-host and that name.")
         return None
 
     def _answers_to(self, name: str) -> bool:
@@ -102,12 +107,14 @@ def asks_for_websocket(head: RequestHead) -> bool:
     return any("websocket" in value.lower() for value in head.get_all("Upgrade"))
 
 
-def content_policy(host: str) -> str:
-    """What a page that came under this Host may load and call: itself, whatever its address bar names.
+def content_policy(host: str, frames: Iterable[str] = ()) -> str:
+    """What a page that came under this Host may load and call: itself, whatever its address bar names; and which sites, `frames`,
+    may show it inside theirs.
 
     viser's page connects to any address that stands behind `?websocket=` in its own, and runs what comes from there.
     """
-    return POLICY.format(host=host)
+    allowed = " ".join(f"https://{name}" for name in frames) or "'none'"
+    return POLICY.format(host=host, frames=allowed)
 
 
 def _split(authority: str) -> tuple[str, int | None]:

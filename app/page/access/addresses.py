@@ -6,6 +6,8 @@ import errno
 import ipaddress
 import socket
 
+from .patient_listener import PatientListener
+
 HIGHEST = 65535
 TRIES = 1000  # ports that are tried, the one asked for first
 EVERYWHERE = ("0.0.0.0", "::")
@@ -17,8 +19,9 @@ def listen(host: str, port: int, exact: bool = False) -> socket.socket:
     last: OSError | None = None
     for attempt in range(port, min(port + (1 if exact else TRIES), HIGHEST + 1)) if port else (0,):
         try:
-            return socket.create_server((address, attempt), family=family, backlog=200,
-                                        dualstack_ipv6=address == "::" and socket.has_dualstack_ipv6())
+            found = socket.create_server((address, attempt), family=family, backlog=200,
+                                         dualstack_ipv6=address == "::" and socket.has_dualstack_ipv6())
+            return PatientListener(fileno=found.detach())
         except OSError as problem:
             last = problem
             if problem.errno != errno.EADDRINUSE:

@@ -1,4 +1,4 @@
-"""Accept connections: check access, bound message sizes, set safe headers, drop stalled clients.
+"""Answer each request: let a connection in, send the page, or say in one sentence why not.
 
 Stands in the place of `websockets.asyncio.server.serve`, which viser calls without asking anybody.
 """
@@ -8,45 +8,41 @@ from __future__ import annotations
 import asyncio
 import gzip
 import hashlib
+import ipaddress
 import json
 import logging
+import re
 import socket
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import partial
 from http import HTTPStatus
 from typing import Any
 
-from websockets.asyncio.server import ServerConnection, serve
+from websockets.asyncio.server import serve
 from websockets.datastructures import Headers
 from websockets.http11 import Request, Response
 
-from .access_policy import AccessPolicy, Refusal, asks_for_websocket, content_policy
+from .access_policy import AccessPolicy, Refusal, asks_for_websocket
+from .connection import Connection
+from .flood_guard import AddressBook
+from .one_line_filter import OneLineFilter
+from .page_headers import PageHeaders
 from .tokens import AccessToken
 
 UPLOAD_PART_BYTES = 512 * 1024  # bytes of one part of an upload, as viser's page cuts it
 MAX_MESSAGE_BYTES = UPLOAD_PART_BYTES + 64 * 1024  # bytes of one message
-SEND_TIMEOUT_S = 30.0  # s in which a connection must take something of what waits for it
-WHERE = ("/", "/index.html")  # the page; a proxy may show us its second name
+WHERE = ("/", "/index.html")  # the page and its WebSocket; a proxy may show us its second name
 HEALTH = "/health"
 RETRY_AFTER_S = 10  # s after which whoever found no place asks again
 READY_TIMEOUT_S = 5.0  # s in which a server that is starting stands
+VERSION_MISMATCH = 1002  # the code of a close by which viser's page knows that it is of another version
 STARTING = Refusal(503, "The server is starting; try again.")
+NO_PAGE = Refusal(404, "There is no such page here.")
+WAIT = Refusal(429, "Too much came from this address; wait ten seconds and try again.")
 TOKEN_REQUIRED = Refusal(401, "This server asks for its access token, as ?token=… in the address or as Authorization: Bearer ….")
-
-
-class OneLineFilter(logging.Filter):
-    """What a stranger sent costs one line in the log: no traceback, and nothing for a handshake that was none."""
-
-    def filter(self, record: logging.LogRecord) -> bool:
-        """Whether the record is written down."""
-        if record.getMessage() == "opening handshake failed":
-            return False
-        if record.exc_info and record.exc_info[1] is not None:
-            record.msg, record.args = f"{record.getMessage()} ({type(record.exc_info[1]).__name__})", ()
-            record.exc_info = None
-        return True
-
+NEVER = re.compile(r"q\s*=\s*0(?:\.0*)?", re.IGNORECASE)  # the weight of a coding that a browser does not take
 
 log = logging.getLogger(__name__)
 log.addFilter(OneLineFilter())
@@ -67,39 +63,23 @@ class PackedPage:
         return cls(plain, gzip.compress(plain, mtime=0), f'"{hashlib.sha256(plain).hexdigest()[:20]}"')
 
     def answer(self, request: Request) -> Response:
-        """The page, or that it is still the one the browser has; 404 for any other path."""
-        if request.path.partition("?")[0] not in WHERE:
-            return _plain(404, "There is no such page here.")
+        """The page, or that it is still the one the browser has."""
         if self.tag in request.headers.get_all("If-None-Match"):
             return Response(304, "Not Modified", Headers(ETag=self.tag))
-        packs = any("gzip" in value for value in request.headers.get_all("Accept-Encoding"))
+        packs = takes_gzip(request)
         body = self.packed if packs else self.plain
         headers = Headers({"Content-Type": "text/html; charset=utf-8", "Content-Length": str(len(body)), "ETag": self.tag,
-                           "Vary": "Accept-Encoding", "Cache-Control": "no-cache", "Referrer-Policy": "same-origin",
-                           "Content-Security-Policy": content_policy(request.headers["Host"])})
+                           "Vary": "Accept-Encoding", "Cache-Control": "no-cache"})
         if packs:
             headers["Content-Encoding"] = "gzip"
         return Response(200, "OK", headers, body)
 
 
-class Connection(ServerConnection):
-    """A connection that is dropped when nothing of what waits for it has gone out for a while.
-
-    The library itself waits for ever: a connection that sends but never reads keeps its session, and its ping is never
-    missed, because it waits in the same queue.
-    """
-
-    async def drain(self) -> None:
-        """Wait until there is room again. Raises TimeoutError, upon which the library closes the connection."""
-        left = self.transport.get_write_buffer_size()
-        while True:
-            try:
-                async with asyncio.timeout(SEND_TIMEOUT_S):
-                    return await super().drain()
-            except TimeoutError:
-                before, left = left, self.transport.get_write_buffer_size()
-                if left >= before:
-                    raise
+def takes_gzip(request: Request) -> bool:
+    """Whether a browser takes gzip: it names it, and not with the weight 0."""
+    named = [part.partition(";") for value in request.headers.get_all("Accept-Encoding") for part in value.split(",")]
+    weights = [weight.strip() for name, _, weight in named if name.strip().lower() in ("gzip", "x-gzip")]
+    return bool(weights) and not any(NEVER.fullmatch(weight) for weight in weights)
 
 
 @dataclass(frozen=True)
@@ -107,7 +87,7 @@ class AdmissionControl:
     """Who is let in, and what the others are told: through `gate`, knowing the word of `access` if one is needed.
 
     `refused` hears of each whom the gate turns away; `health` is what HEALTH answers; `full` is the page for whoever comes while
-    there is no place, else empty; `stranger` is the page for who does not know the word.
+    there is no place, else empty; `stranger` is the page for who does not know the word; `headers` stand on every answer.
     """
 
     gate: AccessPolicy
@@ -116,63 +96,109 @@ class AdmissionControl:
     health: Callable[[], Mapping[str, object]]
     full: Callable[[], str]
     stranger: str
+    headers: PageHeaders = field(default_factory=PageHeaders)
 
     def answer(self, request: Request, page: PackedPage, ready: bool) -> Response | None:
         """The answer to a request, None where it asks for a WebSocket and gets it."""
-        head, access = request.headers, self.access
+        answer = self._answer(request, page, ready)
+        if answer is not None:
+            self.headers.complete(answer, next(iter(request.headers.get_all("Host")), ""))
+        return answer
+
+    def hold_back(self) -> Response:
+        """The answer to an address of which too much came."""
+        answer = _with(plain_answer(WAIT), "Retry-After", str(RETRY_AFTER_S))
+        self.headers.complete(answer, "")
+        return answer
+
+    def _answer(self, request: Request, page: PackedPage, ready: bool) -> Response | None:
+        head, access, path = request.headers, self.access, request.path.partition("?")[0]
         refusal = self.gate.refusal(head, access is not None and access.has_token_header(head))
         if refusal is not None:
             self.refused(refusal)
-            return _plain(refusal.status, refusal.words)
+            return plain_answer(refusal)
         if access is not None and not access.knows_token(head, request.path):
-            return _with(
-                _html(TOKEN_REQUIRED.status, self.stranger, request)
-                if not asks_for_websocket(head)
-                else _plain(TOKEN_REQUIRED.status, TOKEN_REQUIRED.words),
-                ("WWW-Authenticate", "Bearer"),
-            )
+            answer = plain_answer(TOKEN_REQUIRED) if asks_for_websocket(head) else _html(TOKEN_REQUIRED.status, self.stranger)
+            return _with(answer, "WWW-Authenticate", "Bearer")
         if not ready:
-            return _plain(STARTING.status, STARTING.words)
-        if request.path.partition("?")[0] == HEALTH and not asks_for_websocket(head):
+            return _with(plain_answer(STARTING), "Retry-After", str(RETRY_AFTER_S))
+        if path == HEALTH and not asks_for_websocket(head):
             return _answer(200, json.dumps(self.health()), "application/json")
+        if path not in WHERE:
+            return plain_answer(NO_PAGE)
+        if access is not None and access.shown(request.path) and not asks_for_websocket(head):
+            return self._exchange(access, request)
         if busy := self.full():
-            return _with(_html(503, busy, request), ("Retry-After", str(RETRY_AFTER_S)))
-        if asks_for_websocket(head):
-            return None
-        answer = page.answer(request)
-        return _with(answer, ("Set-Cookie", access.cookie(head))) if access is not None and access.shown(request.path) else answer
+            return _with(_html(503, busy), "Retry-After", str(RETRY_AFTER_S))
+        return None if asks_for_websocket(head) else page.answer(request)
+
+    def _exchange(self, access: AccessToken, request: Request) -> Response:
+        """Give the cookie for the word in the address, and send the browser to the address without it."""
+        answer = _with(_answer(303, "The access token is in a cookie now.", "text/plain; charset=utf-8"), "Location",
+                       access.address_without(request.path))
+        return _with(answer, "Set-Cookie", access.cookie_in_frames() if self.headers.frames else access.cookie(request.headers))
 
 
-def serve_guarded(listener: socket.socket, page: PackedPage, reception: AdmissionControl, ready: Callable[[], bool]) -> Callable[..., Any]:
-    """`serve` on a socket that listens already; whom the reception does not let in gets an answer and no connection."""
-    async def ask(connection: ServerConnection, request: Request) -> Response | None:
+def serve_guarded(listener: socket.socket, page: PackedPage, reception: AdmissionControl, ready: Callable[[], bool],
+                  protocol: str) -> Callable[..., Any]:
+    """`serve` on a socket that listens already; whom the reception does not let in gets an answer and no connection.
+
+    A page of another version than `protocol` names is told so by the code of the close.
+    """
+    addresses = AddressBook()
+
+    async def ask(connection: Connection, request: Request) -> Response | None:
         end = time.monotonic() + READY_TIMEOUT_S
         while not ready() and time.monotonic() < end:  # who comes first waits: a proxy would show a refusal to a person
             await asyncio.sleep(READY_TIMEOUT_S / 100)
-        return reception.answer(request, page, ready())
+        connection.come_from(sender(connection.address, request))
+        held_back = asks_for_websocket(request.headers) and addresses.must_wait(connection.address)
+        answer = reception.hold_back() if connection.dropped or held_back else reception.answer(request, page, ready())
+        if answer is not None:
+            answer.headers["Connection"] = "close"
+            answer.body = b"" if connection.method == "HEAD" else answer.body
+        return answer
 
     def server(handler: Any, host: str, port: int, **options: Any) -> Any:
-        options |= {"max_size": MAX_MESSAGE_BYTES, "create_connection": Connection, "process_request": ask, "logger": log}
-        return serve(handler, sock=listener, **options)
+        async def enter(connection: Connection) -> None:
+            if connection.subprotocol != protocol:
+                log.warning("a page of another version was turned away: %.40s instead of %s", connection.subprotocol, protocol)
+                await connection.close(VERSION_MISMATCH, f"This server is of version {protocol}.")
+                return
+            connection.wait_for_tab()
+            await handler(connection)
+
+        options |= {"max_size": MAX_MESSAGE_BYTES, "create_connection": partial(Connection, addresses), "process_request": ask,
+                    "logger": log, "server_header": None}
+        return serve(enter, sock=listener, **options)
     return server
 
 
-def _with(answer: Response, field: tuple[str, str]) -> Response:
-    name, value = field
+def sender(address: str, request: Request) -> str:
+    """Where a request comes from: what a proxy on this machine has added last to X-Forwarded-For, else the address itself."""
+    said = ",".join(request.headers.get_all("X-Forwarded-For")).rpartition(",")[2].strip()
+    try:
+        proxied = ipaddress.ip_address(address).is_loopback
+        return str(ipaddress.ip_address(said)) if proxied and said else address
+    except ValueError:
+        return address
+
+
+def plain_answer(refusal: Refusal) -> Response:
+    """A refusal as an answer in plain text."""
+    return _answer(refusal.status, refusal.words, "text/plain; charset=utf-8")
+
+
+def _with(answer: Response, name: str, value: str) -> Response:
     answer.headers[name] = value
     return answer
 
 
-def _html(status: int, words: str, request: Request) -> Response:
-    return _with(_answer(status, words, "text/html; charset=utf-8"), ("Content-Security-Policy", content_policy(request.headers["Host"])))
-
-
-def _plain(status: int, words: str) -> Response:
-    return _answer(status, words, "text/plain; charset=utf-8")
+def _html(status: int, words: str) -> Response:
+    return _answer(status, words, "text/html; charset=utf-8")
 
 
 def _answer(status: int, words: str, kind: str) -> Response:
     body = f"{words}\n".encode()
-    headers = Headers({"Content-Type": kind, "Cache-Control": "no-store", "Content-Length": str(len(body)),
-                       "X-Content-Type-Options": "nosniff"})
+    headers = Headers({"Content-Type": kind, "Cache-Control": "no-store", "Content-Length": str(len(body))})
     return Response(status, HTTPStatus(status).phrase, headers, body)

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import asyncio
+import logging
 import socket
 from collections.abc import Callable
 from typing import Any
+
+log = logging.getLogger(__name__)
 
 CONNECTION_TAG = b"c"  # what goes with a connection, because nothing cannot be sent
 READY = b"r"  # what a worker says once it takes connections
@@ -71,7 +74,9 @@ class HandedListener(socket.socket):
             asyncio.get_running_loop().remove_reader(self.fileno())
             self._gone()
             raise BlockingIOError
-        if not numbers:  # this process has too many files open
+        if not numbers:  # this process has too many files open, and the connection is lost
+            log.warning("a connection was lost: too many files are open")
+            self._over()
             raise ConnectionAbortedError
         connection = HandedSocket(numbers[0], self._over)
         try:

@@ -7,7 +7,7 @@ import re
 import secrets
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from urllib.parse import parse_qs, quote
+from urllib.parse import parse_qs, quote, unquote_plus
 
 from .access_policy import RequestHead
 
@@ -51,6 +51,16 @@ class AccessToken:
         which a proxy may have shortened on its way to us. Where a proxy says that it was asked over TLS, it stays on TLS."""
         asked = [value.split(",")[0].strip().lower() for value in head.get_all("X-Forwarded-Proto")]
         return f"{self._name}={self.word}; HttpOnly; SameSite=Strict" + ("; Secure" if asked == ["https"] else "")
+
+    def cookie_in_frames(self) -> str:
+        """The field Set-Cookie for a page inside those of other sites: over TLS alone, and kept apart for each of them."""
+        return f"{self._name}={self.word}; HttpOnly; SameSite=None; Secure; Partitioned"
+
+    def address_without(self, path: str) -> str:
+        """The address of a request without the word, relative to it: a proxy may have taken away where the page stands."""
+        place, _, question = path.partition("?")
+        rest = [part for part in question.split("&") if part.isascii() and part and unquote_plus(part.partition("=")[0]) != FIELD]
+        return (place.rpartition("/")[2] or "./") + ("?" + "&".join(rest) if rest else "")
 
     def at(self, url: str) -> str:
         """An address with the word in it."""

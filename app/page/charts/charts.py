@@ -111,6 +111,12 @@ class Chart:
     def _wide(self, sizes: Sizes) -> float:
         return (sizes.right - FRAME_PX) / sizes.chart(self._mates)
 
+    def set_visible(self, visible: bool) -> None:
+        """Show or hide the figure with its caption."""
+        for handle in (self._plot, self._html, self._caption):
+            if handle is not None and handle.visible != visible:
+                handle.visible = visible
+
     def take_room(self, sizes: Sizes) -> None:
         """The column has another width: a chart keeps its height, a drawing is drawn for it."""
         self._aspect = self._wide(sizes)

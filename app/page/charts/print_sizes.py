@@ -26,6 +26,7 @@ ASIDE = 0.54  # of the window's width that the sheet takes beside the stage, whe
 NARROWEST = 250.0, 270.0  # px of the columns in a window that just has room for them
 LEGIBLE = 10.0  # px of the words in a drawing
 BAR = 12.0  # px between the panel of the run and the columns
+GUIDE_SHARE = 0.32  # of the window's width: the guide's column
 FRAME_PX = 36.0  # px of a column of figures beside its charts and drawings
 LEAST_CHART, CHARTS = 180, MappingProxyType({1: 320, 2: 230})  # px of a chart's height, and where it stands alone or with one figure more
 FILLS, TALLEST = 0.72, 1.4  # of a lone drawing in large print: its share of the window's height, its height over its width
@@ -55,16 +56,20 @@ class Sizes:
 
     @property
     def left(self) -> float:
-        """px of the column with the question and the knobs."""
+        """px of the column with the question and the knobs; the guide has none."""
+        if self.state.guided and not self.sheet:
+            return 0.0
         if self.state.lecture:
             return min(LARGE_LEFT * self.letter, 0.28 * self.state.window[0])
         return min(LEFT_COLUMN_PX, max(NARROWEST[0], LEFT_COLUMN_PX * self.state.window[0] / USUAL[0]))
 
     @property
     def right(self) -> float:
-        """px of the column with the figures, or of the sheet."""
+        """px of the column with the figures, or of the guide, or of the sheet."""
         if self.sheet:
             return self.state.window[0] * (1.0 if self.below else ASIDE)
+        if self.state.guided:
+            return GUIDE_SHARE * self.state.window[0]
         if self.state.lecture:
             return min(LARGE_RIGHT * self.letter, 0.3 * self.state.window[0])
         return min(RIGHT_COLUMN_PX, max(NARROWEST[1], RIGHT_COLUMN_PX * self.state.window[0] / USUAL[0]))

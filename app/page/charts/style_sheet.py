@@ -11,7 +11,8 @@ from .. import web
 
 def sheet(lecture: bool, veiled: bool, figures: tuple[str, ...] = (), numbers: bool = False) -> str:
     """The style element for the present state; `figures` and `numbers` are veiled by themselves."""
-    sheets = ["page.css", *(["lecture.css"] if lecture else []), *(["veil.css"] if veiled else []), *(["numbers.css"] if numbers else [])]
+    sheets = ["page.css", "guide.css"]
+    sheets += [*(["lecture.css"] if lecture else []), *(["veil.css"] if veiled else []), *(["numbers.css"] if numbers else [])]
     also = [Template(web.file_text("again.css")).substitute(figure=figure) for figure in figures]
     return "<style>" + "".join([*map(web.file_text, sheets), *also]) + "</style>"
 
@@ -20,7 +21,7 @@ def sheet_of(picture: Picture) -> str:
     """The style element for a picture: all veiled before the first prediction, what would answer while the second one waits."""
     again = picture.lesson.again if picture.asks_second_prediction else None
     veil: tuple[tuple[str, ...], bool] = ((), False) if again is None else (again.figures, again.numbers)
-    return sheet(picture.state.lecture, picture.state.predicted is None, *veil)
+    return sheet(picture.state.lecture, picture.veiled, *veil)
 
 
 def figure_class(figure: str) -> str:

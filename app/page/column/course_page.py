@@ -17,11 +17,13 @@ from ...session.commands.commands import Edit, OpenLesson, ToggleCourse
 from ...session.state.view import Picture, progress_of
 from ...text import listed, same
 from ..viser_private import viser_internals
+from ..viser_private.hidden_input import hidden_input
 from ..words import phrases
 from .dialog import Dialog
 
 Post = Callable[[Edit], int]
 NO_PROGRESS = Progress()
+HERE = "."  # what the large button says: the lesson that is open
 COURSE = "*"  # what the button of the page of lessons says; no lesson is called that
 
 
@@ -62,7 +64,7 @@ class CourseDialog(Dialog):
         gui, lang, lessons = self._client.gui, picture.state.language, picture.catalogue
         with self.open(phrases.COURSE(lang)):
             self._hand = hidden_input(gui, self._open)
-            gui.add_html(f"<style>{_pictures(lessons)}</style>")
+            gui.add_html(f"<style>{_pictures(lessons)}</style>{self._begin(picture, progress)}")
             parts = gui.add_tab_group()
             with parts.add_tab(phrases.COURSE(lang)):
                 gui.add_html(self._cards(lessons, picture, progress))
@@ -71,9 +73,18 @@ class CourseDialog(Dialog):
                     gui.add_html(f'<p class="ol-note">{html.escape(way.said(lang))}</p>{self._cards(on_it, picture, progress)}')
             self.closed_by(gui.add_button(phrases.CLOSE(lang), color="gray"))
 
+    def _begin(self, picture: Picture, progress: Mapping[str, Progress]) -> str:
+        """One large button: into the first lesson, or on with the one that was open."""
+        begun = any(far.predicted or far.solved for far in progress.values()) or picture.state.done
+        words = (phrases.CONTINUE if begun else phrases.START)(picture.state.language)
+        title = f"{picture.lesson.number} · {picture.lesson.words[picture.state.language].title}"
+        return (f'<div class="ol-begin"><button type="button" class="ol-next" data-value="{HERE}" '
+                f'data-to="{viser_internals.node_id(self._hand)}">{html.escape(words)}</button><span>{html.escape(title)}</span></div>')
+
     def _open(self, lesson: str) -> None:
         self.close_later()
-        self._post(OpenLesson(lesson))
+        if lesson != HERE:
+            self._post(OpenLesson(lesson))
 
     def _cards(self, lessons: Sequence[Lesson], picture: Picture, progress: Mapping[str, Progress]) -> str:
         cards = (self._card(each, picture, progress.get(each.id, NO_PROGRESS)) for each in lessons)
@@ -90,16 +101,6 @@ class CourseDialog(Dialog):
                  f'<small>{html.escape(" · ".join(done))}{_bar(far, lesson)}</small>')
         here = f' aria-current=page title="{html.escape(phrases.OPEN_NOW(lang), quote=True)}"'
         return _button(self._hand, lesson.id, inner, here if lesson.id == picture.lesson.id else "")
-
-
-def hidden_input(gui: viser.GuiApi, heard: Callable[[str], object]) -> viser.GuiButtonGroupHandle:
-    """The unseen widget that buttons of our own HTML answer for."""
-    group = gui.add_button_group("", ("",), visible=False)
-
-    @group.on_click
-    async def _(event: viser.GuiEvent) -> None:
-        heard(str(event.target.value))
-    return group
 
 
 def _button(answers: viser.GuiButtonGroupHandle, value: str, inner: str, look: str = "") -> str:

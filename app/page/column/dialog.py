@@ -8,6 +8,8 @@ from typing import Any
 import viser
 
 from ...session.commands.commands import Edit, RunOnTabThread
+from ..viser_private import viser_internals
+from ..viser_private.hidden_input import hidden_input
 
 
 class Dialog:
@@ -19,7 +21,12 @@ class Dialog:
 
     def open(self, title: str) -> Any:
         """The dialog, empty, under a title."""
-        self._modal = self._client.gui.add_modal(title)
+        gui = self._client.gui
+        self._modal = gui.add_modal(title)
+        with self._modal:
+            hand = hidden_input(gui, lambda _: self.close_later())
+            gui.add_html(f'<button type="button" class="ol-close" data-to="{viser_internals.node_id(hand)}" data-value="close" '
+                         f'aria-label="×">×</button>')
         return self._modal
 
     def close(self) -> bool:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import html
-import json
 from collections.abc import Callable, Mapping
 
 import segno
@@ -15,7 +14,7 @@ from ...session.commands.files import DownloadFile
 from ...session.state.saved_state import MAX_STATE_CHARACTERS
 from ...session.state.token import LONGEST_LINK, LONGEST_TOKEN
 from ...session.state.view import Picture
-from ...text import Text
+from ...text import Text, read_outside_json
 from ..viser_private import page_scripts
 from ..words import phrases
 from .dialog import Dialog
@@ -32,7 +31,7 @@ class DownloadDialog(Dialog):
         super().__init__(client, post)
         self._home, self._lang, self._picture = home, picture.state.language, picture
         gui, state = client.gui, picture.state
-        button = gui.add_button(phrases.TAKE(self._lang), color="gray")
+        button = gui.add_button(phrases.TAKE(self._lang), color="gray", visible=not picture.guided)  # the guide has it in its menu
         said = gui.add_text("", "", visible=False)
         names = tab_names(picture.seen)
         page_scripts.tell_places(client, said, [name(self._lang) for name in names],
@@ -150,8 +149,8 @@ def _said(words: object) -> Edit | None:
     if not isinstance(words, str) or len(words) > LONGEST_TOKEN + 100:
         return None
     try:
-        data = json.loads(words)
-    except (ValueError, RecursionError):
+        data = read_outside_json(words)
+    except ValueError:
         return None
     match data:
         case {"open": token, "asked": asked}:

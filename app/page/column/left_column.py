@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import html
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import viser
@@ -126,7 +127,9 @@ class Panel:
                 text = self._gui.add_markdown("")
                 typed = picture.state.tasks.get(task.id, TaskState()).typed
                 field = None if task.typed is None else self._gui.add_text(phrases.RESULT(lang), typed)
-                row = self._gui.add_button_group("", (phrases.CHECK_BUTTON(lang), phrases.HINT(lang), phrases.SOLUTION(lang)))
+                offered = (phrases.CHECK_BUTTON, phrases.HINT) if picture.state.sealed else (phrases.CHECK_BUTTON, phrases.HINT,
+                                                                                            phrases.SOLUTION)
+                row = self._gui.add_button_group("", tuple(word(lang) for word in offered))
                 self._tasks[task.id] = text, row
                 self._listen(row, task.id, field)
 
@@ -156,7 +159,8 @@ class Panel:
         self._prediction.show(picture)
         self._again.show(picture)
         for task_id in self._tasks:
-            self._show_task(task_id, picture.state.tasks.get(task_id, TaskState()))
+            task = picture.state.tasks.get(task_id, TaskState())
+            self._show_task(task_id, replace(task, solution=task.solution and not picture.state.sealed))
         self._exams.show(picture)
 
     def _show_numbers(self, picture: Picture) -> None:

@@ -71,13 +71,15 @@ class PlaybackControls:
 
     def _words(self, picture: Picture) -> str:
         """What stands on the stage; a knob may put another plant there."""
-        stage = picture.outcome.stage
+        stage = None if picture.guided else picture.outcome.stage
         return html.escape(stage.body.caption(self._lang)) if stage is not None else ""
 
     def _options(self, picture: Picture) -> tuple[str, ...]:
         words: list[Any] = [phrases.PAUSE if picture.state.moving else phrases.PLAY]
         if picture.lesson.kick:
             words.append(phrases.KICK)
+        if picture.guided:
+            return tuple(w(self._lang) for w in (*words, phrases.REWIND))
         words += [phrases.REWIND, phrases.SLOWER, phrases.FASTER, phrases.UNDO, phrases.REDO, phrases.RESET, phrases.VIEW]
         if Sizes(picture.state).lists_keys:
             words.append(phrases.HELP)

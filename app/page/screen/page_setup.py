@@ -7,6 +7,8 @@ from collections.abc import Callable
 import viser
 
 from ...session.commands.commands import Edit, PageSeen
+from ...session.commands.shortcuts import SHORTCUTS
+from ...session.state.view import Picture
 from ..stage.drag_handles import FAINT, GRIPS, OBSERVER_BOARD
 from ..viser_private import page_scripts, viser_internals
 
@@ -20,6 +22,7 @@ PAGE_SCRIPTS = (
     "folders",  # let Tab reach the heads of folders and Enter or Space open them: viser opens folders by the mouse alone
     "keys",  # keep from viser's camera the keys that mean something else here: the arrows of a widget, the letters of commands
     "options",  # let a button of our own HTML, with mathematics in it, answer for a widget
+    "dialogs",  # close a dialog by Escape, and by a press beside it
     "again",  # bring a second question into view when it comes under the knobs
     "reading",  # say what the curves of a chart are where the pointer is; viser hands no function to its charts that could
     "names",  # write the names of a chart's curves beside them; viser has a key below the chart and nothing else
@@ -45,3 +48,23 @@ def watch_page_visibility(client: viser.ClientHandle, post: Callable[[Edit], obj
     async def _(event: viser.GuiEvent) -> None:
         post(PageSeen(event.target.value))
     page_scripts.ask_whether_seen(client, seen)
+
+
+def stage_name(picture: Picture) -> str:
+    """What a screen reader says of the stage: what stands on it."""
+    stage, language = picture.outcome.stage, picture.state.language
+    return stage.body.caption(language) if stage is not None else picture.lesson.words[language].title
+
+
+def bind_shortcuts(client: viser.ClientHandle, post: Callable[[Edit], object], language: str) -> None:
+    """Bind the keys, which also fill the command palette."""
+    for shortcut in SHORTCUTS:
+        handle = client.gui.add_command(shortcut.label(language), hotkey=shortcut.key,  # type: ignore[arg-type]
+                                        modifier=shortcut.modifier)  # type: ignore[arg-type]
+        _bind(handle, shortcut.command, post)
+
+
+def _bind(handle: viser.CommandHandle, command: Edit, post: Callable[[Edit], object]) -> None:
+    @handle.on_trigger
+    async def _(_: object) -> None:
+        post(command)

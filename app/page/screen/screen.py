@@ -11,8 +11,7 @@ import viser
 from ...course.course_map import Progress
 from ...course.figures.records import figure_below, tab_names
 from ...course.lesson import Board
-from ...session.commands.commands import Command, Edit, PickPoint, SetKnobs
-from ...session.commands.shortcuts import SHORTCUTS
+from ...session.commands.commands import Edit, PickPoint, SetKnobs
 from ...session.state.view import Picture
 from ...text import Text
 from ..charts.charts import Chart, only_completes, stale_figures
@@ -21,9 +20,11 @@ from ..charts.style_sheet import sheet_of
 from ..column.answer_mark import AnsweredMark
 from ..column.column_widths import Columns
 from ..column.course_page import CourseDialog
+from ..column.dialog import Dialog
 from ..column.download_dialog import DownloadDialog
 from ..column.key_list import HelpDialog
 from ..column.left_column import Panel
+from ..guide.guide_panel import GuidePanel
 from ..replay.playback import Player
 from ..replay.transport import PlaybackControls
 from ..stage.map_board import MapBoard, map_of
@@ -34,7 +35,7 @@ from ..stage.viewpoint import letters
 from ..viser_private import page_scripts, viser_internals
 from ..web.html_page import APP_NAME
 from .browser import Browser
-from .page_setup import run_page_scripts, watch_page_visibility
+from .page_setup import bind_shortcuts, run_page_scripts, stage_name, watch_page_visibility
 
 Post = Callable[[Edit], int]
 BATCH_GAP_S = 0.002  # s between two batches, so that the server's loop sends the first by itself
@@ -50,7 +51,7 @@ class Screen(Browser):
         self._boards: dict[str, BoardView] = {}
         self._charts: dict[str, Chart] = {}
         self._map: MapBoard | None = None
-        self._panel: Panel | None = None
+        self._panel: Panel | GuidePanel | None = None
         self._transport: PlaybackControls | None = None
         self._mark: AnsweredMark | None = None
         self._style: viser.GuiHtmlHandle | None = None
@@ -81,19 +82,22 @@ class Screen(Browser):
                                 dark_mode=picture.state.is_dark)
             gui.set_panel_label("Observer Lab")
             self._style = gui.add_html(sheet_of(picture), order=-1e9)
-            self._panel = Panel(gui, picture, self._post)
+            self._panel = GuidePanel(self._client, picture, self._post) if picture.guided else Panel(gui, picture, self._post)
             viser_internals.run_script(self._client, "fields", fields=self._panel.fields)
             viser_internals.run_script(self._client, "fill", large=picture.state.lecture)
             viser_internals.run_script(self._client, "tabrow")
-            self._right_panel(picture)
+            if isinstance(self._panel, GuidePanel):
+                self._charts = self._panel.charts
+            else:
+                self._right_panel(picture)
             self._transport = PlaybackControls(gui, picture, self._post)
             self._mark = AnsweredMark(gui, self._post)
             self._take = DownloadDialog(self._client, picture, self._post, self._home)
             self._course = CourseDialog(self._client, self._post)
-            gui.main_panel.dock_left()
-            self._columns.add(gui.main_panel, sizes.left)
+            (gui.main_panel.dock_right if picture.guided else gui.main_panel.dock_left)()
+            self._columns.add(gui.main_panel, sizes.right if picture.guided else sizes.left)
             self._columns.watch(self._client, self._post)
-            self._commands(language)
+            bind_shortcuts(self._client, self._post, language)
             self._stage.charted = picture.lesson.pick is not None
             self._compose(picture)
             self._stage.furnish(picture.state.is_dark)
@@ -108,6 +112,7 @@ class Screen(Browser):
             listen_to_the_window(self._client, self._post)
             page_scripts.name_page(self._client, f"{picture.lesson.words[language].title} · {APP_NAME}", language)
             page_scripts.say_in(self._client, language)
+            viser_internals.run_script(self._client, "aria", stage=stage_name(picture))
         self._picture = None
 
     def show(self, picture: Picture) -> None:
@@ -144,7 +149,8 @@ class Screen(Browser):
     def _take_room(self, picture: Picture) -> None:
         """The window has another size; in large print the page is laid out anew instead."""
         sizes = Sizes(picture.state)
-        self._columns.resize(*((sizes.right,) if picture.seen else ()), sizes.left)
+        widths = (sizes.right,) if picture.guided else (*((sizes.right,) if picture.seen else ()), sizes.left)
+        self._columns.resize(*widths)
         for chart in self._charts.values():
             chart.take_room(sizes)
         self._compose(picture)
@@ -156,7 +162,8 @@ class Screen(Browser):
                 self._stage.show(picture.outcome.stage, picture.state.language, letters(self._client.camera, picture.state.lecture))
             for board in picture.boards:
                 view = self._board(board, picture)
-                view.show(board, picture.state.predicted is None, picture.state.calm, picture.resting)
+                view.show(board, picture.veiled, picture.state.calm, picture.resting)
+                view.set_visible(picture.scene is None or board.id in picture.scene.boards)
                 if board.landscape is not None:
                     view.show_landscape(picture.state.landscape)
             self._show_map(picture)
@@ -222,19 +229,28 @@ class Screen(Browser):
 
     def open_help(self) -> None:
         """The list of keys; the same key closes it."""
+        self._close_others(self._help)
         self._help.toggle(self._picture.state.language if self._picture is not None else "en")
 
     def open_course(self, progress: Mapping[str, Progress]) -> None:
         """The page of all lessons; the same key closes it."""
         if self._course is not None and self._picture is not None:
+            self._close_others(self._course)
             self._course.toggle(self._picture, progress)
             self._client.flush()
 
     def offer(self, token: str) -> None:
         """Open the dialog in which a state can be taken away, or close it."""
         if self._take is not None and self._picture is not None:
+            self._close_others(self._take)
             self._take.toggle(token, self._picture)
             self._client.flush()
+
+    def _close_others(self, dialog: Dialog) -> None:
+        """Of all dialogs one is open at a time."""
+        for other in filter(None, (self._help, self._take, self._course)):
+            if other is not dialog:
+                other.close()
 
     # --- parts -----------------------------------------------------------------------------------------------------
     def _right_panel(self, picture: Picture) -> None:
@@ -251,17 +267,6 @@ class Screen(Browser):
                     if figure.tab == tab:
                         self._charts[figure.id] = Chart(self._client.gui, figure, language, Sizes(picture.state), picture.horizon,
                                                        figure_below(picture.seen, figure), sum(f.tab == tab for f in picture.seen))
-
-    def _commands(self, language: str) -> None:
-        for shortcut in SHORTCUTS:
-            handle = self._client.gui.add_command(shortcut.label(language), hotkey=shortcut.key,  # type: ignore[arg-type]
-                                                  modifier=shortcut.modifier)  # type: ignore[arg-type]
-            self._bind(handle, shortcut.command)
-
-    def _bind(self, handle: viser.CommandHandle, command: Command) -> None:
-        @handle.on_trigger
-        async def _(_: Any) -> None:
-            self._post(command)
 
     def _show_style(self, picture: Picture) -> None:
         content = sheet_of(picture)

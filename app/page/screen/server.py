@@ -15,12 +15,14 @@ import viser
 from PIL import Image
 
 from ...course.lesson import Lesson
+from ...course.scenes import Mode
 from ...session.commands.commands import Refuse
 from ...session.session import WATCHDOG, Session
 from ..access.access_policy import AccessPolicy, Refusal
 from ..access.addresses import is_public, listen, url
 from ..access.handshake import RETRY_AFTER_S, AdmissionControl
 from ..access.memory_arena import share_one_arena
+from ..access.page_headers import PageHeaders
 from ..access.shared_counters import SharedCounters, WorkerSlot
 from ..access.tokens import AccessToken
 from ..column.plant_picker import MOST_BYTES
@@ -38,7 +40,6 @@ SWITCH_INTERVAL_S = 5e-4  # s that a computing thread keeps the interpreter for,
 LAST_MESSAGE_S = 0.5  # s in which the last word goes out
 END_POLL_S = 0.1  # s within which it hears of its end
 HEALTH_INTERVAL_S = 5.0  # s between two times that other workers are told how this one is
-MAX_LOGGED_REFUSALS = 20  # different refusals that are written down: a name is enough to help, and a flood is none
 
 
 class LabServer:
@@ -47,9 +48,13 @@ class LabServer:
     def __init__(self, lessons: Mapping[str, Lesson], host: str = "127.0.0.1", port: int = 8080,
                  lesson: str = "separation", language: str = "en", max_sessions: int = 200, plant: str = "",
                  names: Iterable[str] = (), state: str = "", insists: bool = False, sealed: bool = False, access: AccessToken | None = None,
-                 listener: socket.socket | None = None, seat: WorkerSlot | None = None) -> None:
+                 frames: Iterable[str] = (), listener: socket.socket | None = None, seat: WorkerSlot | None = None,
+                 mode: Mode = "lab") -> None:
         """`state` is what a tab opens with that brings none, as a token or the words of a file. A new tab goes on where the last one
         of its browser was, unless the server `insists` on its lesson or has a state. `sealed` offers no practice of exams.
+        `frames` are the sites that may show the page inside theirs.
+
+        `mode` is how a tab shows a lesson that has a path: scene by scene, or all at once.
 
         `listener` stands in the place of host and port where one listens already, `seat` in that of `max_sessions` where several
         processes count together.
@@ -60,13 +65,13 @@ class LabServer:
         share_one_arena()
         self._lessons = lessons
         self._lesson, self._language, self._plant, self._state = lesson, language, plant, state
-        self._insists, self._sealed = insists, sealed
+        self._insists, self._sealed, self._mode = insists, sealed, mode
         self._sessions: dict[int, Session] = {}
         self._screens: dict[int, Screen] = {}
         self._seat = seat or WorkerSlot(SharedCounters(), 0, max_sessions)
-        self._host, self._refused = host, set[Refusal]()
+        self._host = host
         reception = AdmissionControl(AccessPolicy.of(host, is_public(host), names), access, self._write_down, self.health, self._full,
-                              token_required_page(language))
+                                     token_required_page(language), PageHeaders(tuple(frames)))
         self._server = viser_internals.open_server(listener or listen(host, port), reception, language)
         self._server.on_client_connect(self._enter)
         self._server.on_client_disconnect(self._leave)
@@ -90,10 +95,9 @@ class LabServer:
         """The page for whoever comes while all places are taken, else nothing."""
         return server_full_page(self._language, self._seat.most, RETRY_AFTER_S) if self._seat.full else ""
 
-    def _write_down(self, refusal: Refusal) -> None:
-        if refusal not in self._refused and len(self._refused) < MAX_LOGGED_REFUSALS:
-            self._refused.add(refusal)
-            log.warning("refused: %s", refusal.words)
+    @staticmethod
+    def _write_down(refusal: Refusal) -> None:
+        log.warning("refused: %s", refusal.words)
 
     async def _enter(self, client: viser.ClientHandle) -> None:
         if not self._seat.enter():
@@ -109,11 +113,12 @@ class LabServer:
     def _open(self, client: viser.ClientHandle) -> None:
         screen = Screen(client)
         session = Session(self._lessons, screen, self._lesson, self._language, plant=self._plant,
-                          state=self._state, insists=self._insists, sealed=self._sealed)
+                          state=self._state, insists=self._insists, sealed=self._sealed, mode=self._mode)
         screen.attach(session.post)
         viser_internals.may_leave(client)
         viser_internals.accept_values_only(client, lambda: session.post(Refuse(phrases.NONSENSE)))
         viser_internals.accept_small_files_only(client, MOST_BYTES, lambda: session.post(Refuse(phrases.TOO_LARGE)))
+        viser_internals.open_tab(self._server, client.client_id)
         self._sessions[client.client_id], self._screens[client.client_id] = session, screen
         session.start(lambda: viser_internals.hang_up(self._server, client.client_id))
 
@@ -157,4 +162,4 @@ class LabServer:
             screen.say(phrases.STOPPED, True)
         if self._screens:
             time.sleep(LAST_MESSAGE_S)
-        self._server.stop()
+        viser_internals.close_server(self._server)

@@ -158,6 +158,11 @@ class BoardView:
         self._trail.draw()
         self._cover(veiled)
 
+    def set_visible(self, visible: bool) -> None:
+        """Show or hide the whole board."""
+        if self._frame.visible != visible:
+            self._frame.visible = visible
+
     def _cover(self, veiled: bool) -> None:
         """Show what stands on the glass, or only a word that it is still to be predicted."""
         for handle in (*self._poles, *self._bolts, *self._rings, *self._pins.nodes, self._leaders, *self._labels, *self._bolted):

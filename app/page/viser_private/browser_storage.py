@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import json
+from ...text import read_outside_json
 
 Window = tuple[object, object, object]
 
@@ -11,8 +11,8 @@ def check_browser_memory(value: object) -> tuple[str | None, str, bool, str, str
     """What a browser answered, whatever it is: what this tab kept, the token in its address bar and whether it has put it there,
     the page's address, what the tab before it kept, the designs under names, and its window, whose numbers nobody has judged."""
     try:
-        said = json.loads(value) if isinstance(value, str) else None
-    except (ValueError, RecursionError):
+        said = read_outside_json(value) if isinstance(value, str) else None
+    except ValueError:
         said = None
     match said:
         case [str() | None as kept, str(token), bool(known), str(home), str() | None as earlier, str() | None as shelf, *window]:

@@ -9,18 +9,22 @@ import threading
 from collections.abc import Callable, Generator, Iterator
 from contextlib import contextmanager
 from functools import cache
-from types import MappingProxyType
+from types import MappingProxyType, SimpleNamespace
 from typing import Any, cast, get_type_hints
 from unittest import mock
 
+import msgspec
 import viser
 import websockets.asyncio.server
-from viser import _assignable_props_api, _messages, _scene_api, infra
+from viser import _assignable_props_api, _messages, _scene_api, _threadpool_exceptions, infra
+from viser.infra import _infra
 
 from .. import web
+from ..access.connection import Connection
 from ..access.handshake import MAX_MESSAGE_BYTES, AdmissionControl, PackedPage, serve_guarded
 from ..web.html_page import APP_NAME, app_page
 from .browser_storage import check_browser_memory
+from .message_transport import log_failed_callback, pack_any_text, read_messages
 from .packed_images import pack_cached
 from .stage_frames import Frame, viser_value
 from .thread_event import LoopEvent
@@ -32,6 +36,10 @@ OWN_DOORS = frozenset({"ViewerCameraMessage", "GuiUpdateMessage", "CommandTrigge
 HINTS = cache(get_type_hints)  # of a class, which viser finds out anew for each handle: a third of the price of a tab
 _assignable_props_api.AssignablePropsBase._prop_hints = property(lambda handle: HINTS(type(handle._impl.props)))  # type: ignore
 _scene_api._encode_image_binary = pack_cached(_scene_api._encode_image_binary)
+_infra._message_consumer = read_messages
+_infra.msgspec = SimpleNamespace(msgpack=SimpleNamespace(encode=pack_any_text(msgspec.msgpack.encode)))  # type: ignore[assignment]
+_threadpool_exceptions.print = lambda *_, **__: None  # type: ignore[attr-defined]
+_threadpool_exceptions.traceback = SimpleNamespace(print_exception=log_failed_callback)  # type: ignore[assignment]
 MOVES = MappingProxyType({"SetPositionMessage": "position", "SetOrientationMessage": "wxyz", "SetSceneNodeVisibilityMessage": "visible"})
 
 
@@ -43,7 +51,7 @@ def open_server(listener: socket.socket, reception: AdmissionControl, language: 
     """
     ready = threading.Event()
     host, port = listener.getsockname()[:2]
-    serve = serve_guarded(listener, PackedPage.of(app_page(language)), reception, ready.is_set)
+    serve = serve_guarded(listener, PackedPage.of(app_page(language)), reception, ready.is_set, f"viser-v{viser.__version__}")
     with OPENING, mock.patch.object(websockets.asyncio.server, "serve", serve), mock.patch("rich.print"):
         server = viser.ViserServer(host=host, port=port, label=APP_NAME, verbose=False)
     close_shared_doors(server)
@@ -54,6 +62,19 @@ def open_server(listener: socket.socket, reception: AdmissionControl, language: 
 
     ready.set()
     return server
+
+
+def close_server(server: viser.ViserServer) -> None:
+    """Stop the server, without the line that viser prints."""
+    with OPENING, mock.patch("rich.print"):
+        server.stop()
+
+
+def open_tab(server: viser.ViserServer, client_id: int) -> None:
+    """Tell the connection that its tab stands: from now on it may send what a page in use sends."""
+    connection = server._websock_server._live_connections.get(infra.ClientId(client_id))
+    if isinstance(connection, Connection):
+        connection.open_tab()
 
 
 def close_shared_doors(server: viser.ViserServer) -> frozenset[str]:

@@ -27,9 +27,8 @@ def app_page(language: str) -> str:
 
     Without a graphics card the view is drawn without multisampling; a scene at rest is finer instead (`manners`).
     """
-    words = {
-        web_code(code): {"name": APP_NAME, "loading": phrases.LOADING(code), "lost": phrases.SERVER_LOST(code)} for code in languages()
-    }
+    words = {web_code(code): {"name": APP_NAME, "loading": phrases.LOADING(code), "lost": phrases.SERVER_LOST(code),
+                              "stranger": phrases.STRANGER(code)} for code in languages()}
     link = web.script_call("link", words=words, language=web_code(language), kept=SPOKEN)
     return _their_page(APP_NAME, f"<style>{web.file_text('link.css')}</style><script>{web.script_call('software')}</script>"
                              f"<script>{web.script_call('folded')}</script><script>{web.script_call('breadth')}</script><script>{link}</script>"

@@ -5,6 +5,14 @@ from __future__ import annotations
 from ...text import text, text_in
 
 LESSON = text("lesson")
+START, CONTINUE = text("Start"), text("Continue")
+NOTES, NEXT_IS = text("Speaker's notes"), text("next")
+PLANNED = text("15 / 45 / 90 min")
+GUIDE, LAB, PRESENT = text("Guide"), text("Lab"), text("Present")
+BACK_SCENE, NEXT_SCENE, SKIP_SCENE, TO_LAB = text("Back"), text("Next"), text("Skip this step"), text("Explore in the lab")
+WATCH = text("Watch the stage: the page now does what the question asks about.")
+YOU_CHOSE_RIGHT = text("Your answer is right.")
+YOU_CHOSE = text("You chose {letter}. The right answer is {answer}.")
 PREDICTION = text("Predict")
 PREDICT_AGAIN = text("Predict again")
 AS_OPENED = text("All other knobs stand as at the opening.")
@@ -141,6 +149,7 @@ UPLOAD_HINT = text("Your own A, B, C and D, F and K too if it is bilinear, up to
                    "or MATLAB's save -v7.")
 STOPPED = text("The server has stopped. This tab keeps your designs.")
 LOADING = text("The lesson is being set up …")
+STRANGER = text("{name} is not among the names of this server; start it with --allow-host {name}.")
 SERVER_LOST = text("The server does not answer. This tab keeps your designs and goes on by itself when the server is back.")
 FULL = text("All {places} places on this server are taken. This page asks again every {seconds} seconds; you can leave it open.")
 ASKS_FOR_TOKEN = text("This server asks for an access token: open the address that you were given, with ?token=… in it.")

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from ...text import Text
 from .exams import Examining
 from .files import Comparing, Shelving, Taking
+from .guide import Guiding
 
 
 @dataclass(frozen=True)
@@ -294,5 +295,5 @@ Studying = Predict | Reveal | PredictAgain | ShowAgain | CheckTask | CheckNextTa
 Sharing = OpenState | PlaceOpened | ToggleDownloads | SaveState
 Paging = (OpenLesson | TurnPage | SetLanguage | ToggleLecture | ToggleTheme | WindowChanged | ToggleLandscape | LookFrom | ToggleHelp
           | ToggleCourse | Answer | RunOnTabThread | MemoryRecalled)
-Command = Playing | Designing | Studying | Examining | Sharing | Taking | Comparing | Shelving | Paging
+Command = Playing | Designing | Studying | Examining | Sharing | Taking | Comparing | Shelving | Paging | Guiding
 Edit = SetKnobs | Command

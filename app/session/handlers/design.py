@@ -10,6 +10,7 @@ from ...plants.examples import example
 from ...plants.own_plant import read_plant_file
 from ...text import text
 from ..commands.commands import ChoosePlant, Designing, DrawByHand, PickPoint, Redo, Refuse, Reset, SetKnobs, Undo, UploadPlant
+from ..runtime.error_words import kept_for_others
 from ..state.validate import check_number
 from .presenter import Presenter
 
@@ -81,7 +82,11 @@ def _upload(show: Presenter, name: str, data: object) -> None:
     if not isinstance(data, bytes):
         raise KnobError(text("What the browser sent is not a file; nothing was changed."))
     plant = read_plant_file(name, data)
-    _start(show, plant)
+    try:
+        _start(show, plant)
+    except Exception as problem:
+        show.state = replace(show.state, plant=plant)
+        raise KnobError(kept_for_others(problem)) from problem
     show.change(replace(show.state, plant=plant))
 
 

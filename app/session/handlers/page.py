@@ -24,6 +24,7 @@ from ..commands.commands import (
     WindowChanged,
 )
 from ..state.validate import check_number, check_pixels
+from . import guide
 from .presenter import Presenter
 from .reload import restore_memory
 
@@ -37,9 +38,11 @@ def obey(show: Presenter, command: Paging) -> None:
             if not isinstance(lesson, str) or lesson not in show.lessons:
                 raise KnobError(text("There is no lesson {lesson}.", lesson=str(lesson)[:40]))
             show.open_lesson(lesson)
+            guide.enter(show)
         case TurnPage(steps):
             ids = list(show.lessons)
             show.open_lesson(ids[(ids.index(show.lesson.id) + steps) % len(ids)])
+            guide.enter(show)
         case SetLanguage(code):
             show.rebuild(replace(show.state, language=_language(code, show.state.language)))
         case ToggleLecture():

@@ -45,7 +45,7 @@ def obey(show: Presenter, command: Playing) -> None:
 
 def warn_if_locked(show: Presenter) -> bool:
     """Whether the run waits for a prediction; says so if it does."""
-    if show.state.predicted is None:
+    if show.picture.veiled:
         show.view.say(PREDICT_FIRST, False)
         return True
     return False
@@ -114,7 +114,7 @@ def replay_while_dragging(show: Presenter) -> None:
     Not before a prediction, not where the person has stopped the run at a moment, and not where the browser asks for calm.
     """
     state = show.state
-    if state.predicted is None or show.picture.asks_second_prediction or state.stopped or state.calm or not show.estimates:
+    if show.picture.veiled or show.picture.asks_second_prediction or state.stopped or state.calm or not show.estimates:
         return
     if state.loop is not None:
         show.state = replace(state, loop=replace(state.loop, rounds=HAND_ROUNDS, rest=state.loop.part.end))

@@ -12,7 +12,7 @@ from dataclasses import replace
 from ...course.lazy import FigureSet, complete_figures
 from ...course.lesson import Design, Lesson
 from ...text import Text
-from ..runtime.error_words import refusal_message
+from ..runtime.error_words import kept_for_others, refusal_message
 from ..runtime.outcomes import LongJob, OutcomeAndFigures, OutcomeCache
 from ..state.lesson_state import LessonState
 from ..state.lesson_states import LessonStates, lesson_to_open_first
@@ -86,8 +86,9 @@ class Presenter:
         try:
             self.lesson = self._lesson_for(self.design)
             drawn = self._draw(self.design)
-        except BaseException:
+        except BaseException as problem:
             log.exception("the remembered design of lesson %s cannot be computed; it starts anew", self.lesson.id)
+            self._unsaid += [(kept_for_others(problem), True)] if self.desk.history.design.plant else []
             self.lesson = self.lessons[self.lesson.id]
             self.desks.reset_lesson(self.lesson.id, self.lesson.start())
             drawn = self._draw(self.design)
@@ -127,7 +128,8 @@ class Presenter:
         self._drafts.draw(self.lessons[design.lesson].fit(design.plant), design)
         self.desks.lay(design.lesson, design, self.clock())
         self.state = replace(state, language=saved.language, lecture=saved.lecture, tab=saved.tab, step=saved.step,
-                             camera=saved.camera, plant=design.plant or state.plant, withheld=saved.withheld or state.withheld)
+                             mode=saved.mode or "lab", camera=saved.camera,
+                             plant=design.plant or state.plant, withheld=saved.withheld or state.withheld)
         if self._shown is None:
             self.lesson = self.lessons[design.lesson]
         else:
@@ -278,7 +280,8 @@ class Presenter:
 
     def _make(self, design: Design, drawn: OutcomeAndFigures, whole: bool = True) -> Picture:
         history = self.desk.history
-        self.state = replace(self.state, can_undo=history.can_undo, can_redo=history.can_redo)
+        guided = self.state.mode != "lab" and bool(self.lesson.path)
+        self.state = replace(self.state, can_undo=history.can_undo, can_redo=history.can_redo, guided=guided)
         return Picture(self.lesson, design, *drawn, self.state, self.resting, tuple(self.lessons.values()), self.answered,
                        self._pinning.drawn(self.state.pins), *history.save(), whole or not isinstance(drawn[1], FigureSet))
 
@@ -291,8 +294,7 @@ class Presenter:
 
     def saved(self) -> SavedState:
         """The state as a link carries it."""
-        state = self.state
-        return SavedState(self.design, state.language, state.lecture, state.tab, state.step, self.view.eye(), state.withheld)
+        return self.picture.saved(self.design, self.view.eye())
 
     def _write_down(self) -> None:
         self.desk.text = write_lesson_state(self.lesson, self.desk.history, self.state)

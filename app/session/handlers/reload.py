@@ -59,6 +59,8 @@ def restore_memory(show: Presenter, said: MemoryRecalled) -> None:
         with suppress(KnobError):
             show.state = replace(show.state, window=(check_pixels(across), check_pixels(up)), night=bool(check_number(night)))
     memory = read_memory(said.text, show.lessons)
+    if said.text or said.earlier or said.token:
+        show.state = replace(show.state, newcomer=False)
     if memory is not None:
         _go_on(show, memory)
     elif (earlier := read_memory(said.earlier, show.lessons)) is not None:
@@ -80,7 +82,7 @@ def _go_on(show: Presenter, memory: TabMemory) -> None:
     show.lesson = show.lessons[memory.lesson]
     show.state = replace(show.state, language=memory.language, lecture=memory.lecture, dark=memory.dark,
                          plant=memory.plant or show.state.plant, key=memory.key, fresh=memory.fresh or show.state.fresh,
-                         withheld=memory.withheld or show.state.withheld)
+                         withheld=memory.withheld or show.state.withheld, mode=memory.mode or show.state.mode)
     if show.shown is not None:
         show.open()
 

@@ -44,6 +44,8 @@ def take(show: Presenter, words: object) -> None:
     what the lesson raises."""
     saved = _read(show, words)
     show.open_state(saved)
+    if saved.scene and show.shown is not None:
+        show.change(replace(show.state, scene=[scene.id for scene in show.lesson.path].index(saved.scene)))
     if saved.notes:
         show.tell(joined(*saved.notes), False)
 

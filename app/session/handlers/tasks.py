@@ -32,6 +32,7 @@ from .presenter import Presenter
 log = logging.getLogger(__name__)
 
 JUST_ENDED = 0.7  # s after a long job in which its button means "cancel" to a hand that was about to press it
+NO_SOLUTIONS = text("This server shows no solutions to tasks; practise on one that was started without --exam.")
 CANCELLED = text("Computation cancelled; the last picture stays.")
 
 
@@ -54,6 +55,8 @@ def obey(show: Presenter, command: Studying) -> None:
         case ShowHint(task):
             _hint(show, _find(show, task))
         case ShowSolution(task):
+            if show.state.sealed:
+                raise KnobError(NO_SOLUTIONS)
             _solve(show, _find(show, task))
         case RunJob():
             _start_or_cancel(show)

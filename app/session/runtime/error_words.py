@@ -10,6 +10,7 @@ from ...text import Text, error_words, text
 
 NOT_DONE = text("That could not be done ({kind}); everything stays as it was.")
 DESIGN_FAILED = text("The lesson could not compute this design ({kind}); the last good picture stays. Undo or change a knob.")
+KEPT = text("{why} Your plant is kept for the lessons that take it.")
 ERROR_KINDS = MappingProxyType({
     "LinAlgError": text("a matrix is singular or an iteration did not converge"),
     "ZeroDivisionError": text("a division by zero"),
@@ -31,3 +32,8 @@ def refusal_message(problem: BaseException, command: bool) -> Text:
     if isinstance(problem, (EngineError, KnobError)):
         return error_words(problem)
     return (NOT_DONE if command else DESIGN_FAILED).format(kind=error_kind(problem))
+
+
+def kept_for_others(problem: BaseException) -> Text:
+    """Why a lesson does not show a person's plant, and that the other lessons still have it."""
+    return KEPT.format(why=refusal_message(problem, command=False))

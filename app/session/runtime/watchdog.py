@@ -77,7 +77,10 @@ class Watchdog:
 
     @contextmanager
     def step(self, left: Callable[[], bool], ended: Callable[[], None]) -> Iterator[None]:
-        """A step of a tab in this thread: `left` says whether anybody still looks, `ended` ends the tab. May raise StepTimeout, StepTooLarge."""
+        """A step of a tab in this thread: `left` says whether anybody still looks, `ended` ends the tab.
+
+        May raise StepTimeout, StepMemoryExceeded.
+        """
         step = Step(left, ended)
         with self._lock:
             self._steps[step.thread] = step

@@ -22,17 +22,22 @@ class LessonState:
     exams: Mapping[str, ExamState] = field(default_factory=dict)
     pins: tuple[Pin, ...] = ()
     follows: bool = False  # whether the lesson's long computation is wanted wherever the knobs rest
+    scene: int = 0  # of its path
+    done: frozenset[str] = frozenset()
+    chosen: Mapping[str, int] = field(default_factory=dict)
     text: str = ""  # as it was last written down, for a reload
 
     def keep(self, state: State) -> None:
         """Take over what the tab's state says of this lesson."""
         self.predicted, self.revealed, self.tasks, self.exams = state.predicted, state.revealed, state.tasks, state.exams
         self.pins, self.again = state.pins, state.again
+        self.scene, self.done, self.chosen = state.scene, state.done, state.chosen
 
     def state_on_opening(self, state: State) -> State:
         """The tab's state with this lesson open, at the start of its run."""
         return replace(state, playing=False, loop=None, stopped=False, t=0.0, predicted=self.predicted,
-                       revealed=self.revealed, again=self.again, asked=False, tasks=self.tasks, exams=self.exams, pins=self.pins)
+                       revealed=self.revealed, again=self.again, asked=False, tasks=self.tasks, exams=self.exams, pins=self.pins,
+                       scene=self.scene, done=self.done, chosen=self.chosen, performance=None)
 
     def take_back(self, old: LessonState) -> bool:
         """Take in what was kept of this lesson: its design one step of undo away, and what is not yet known here.
@@ -45,4 +50,6 @@ class LessonState:
         self.tasks = {**old.tasks, **self.tasks}
         self.exams = {**old.exams, **self.exams}
         self.pins = self.pins or old.pins
+        if not self.done and not self.chosen:
+            self.scene, self.done, self.chosen = old.scene, old.done, old.chosen
         return self.history.insert_before_present(old.history.design)

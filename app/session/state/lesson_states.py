@@ -9,7 +9,8 @@ from ...course.course_map import Progress
 from ...course.knobs import KnobError
 from ...course.lesson import Design, Lesson
 from ...engine import EngineError
-from ...text import Text, error_words
+from ...text import Text
+from ..runtime.error_words import kept_for_others
 from .history import History
 from .lesson_state import LessonState
 from .tab_memory import progress_in_saved_state, read_lesson_state
@@ -18,12 +19,12 @@ from .view import State, progress_of
 
 def lesson_to_open_first(lesson: Lesson, plant: str, say: Callable[[Text, bool], None]) -> Lesson:
     """The lesson as it opens first in a tab: the plant that was shown comes along where it fits, else a sentence is said."""
-    if not plant or lesson.adapt is None:
+    if not plant:
         return lesson
     try:
         return lesson.fit(plant)
     except (EngineError, KnobError) as problem:
-        say(error_words(problem), False)
+        say(kept_for_others(problem), False)
         return lesson
 
 

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 
 from ...course.lesson import Lesson
+from ...text import read_outside_json
 from .saved_state import LONGEST_NAME, MAX_STATE_CHARACTERS
 
 MAX_SAVED_DESIGNS = 60  # designs that are kept
@@ -25,8 +25,8 @@ class SavedDesign:
 def read_saved_designs(written: str | None, lessons: Mapping[str, Lesson]) -> tuple[SavedDesign, ...]:
     """What a browser says that it keeps; whatever is no design under a name is passed over."""
     try:
-        data = json.loads(written) if written and len(written) <= 10 * MAX_SAVED_BYTES else None
-    except (ValueError, RecursionError):
+        data = read_outside_json(written) if written and len(written) <= 10 * MAX_SAVED_BYTES else None
+    except ValueError:
         return ()
     found = [SavedDesign(name, lesson, words) for name, words in data.items() if (lesson := _lesson_of(name, words, lessons))
              ] if isinstance(data, dict) else []
@@ -38,8 +38,8 @@ def _lesson_of(name: str, words: object, lessons: Mapping[str, Lesson]) -> str |
     if not isinstance(words, str) or len(words) > MAX_STATE_CHARACTERS or not 0 < len(name) <= LONGEST_NAME or not name.isprintable():
         return None
     try:
-        data = json.loads(words)
-    except (ValueError, RecursionError):
+        data = read_outside_json(words)
+    except ValueError:
         return None
     lesson = data.get("lesson") if isinstance(data, dict) else None
     return lesson if isinstance(lesson, str) and lesson in lessons else None

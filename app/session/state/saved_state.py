@@ -15,18 +15,20 @@ from functools import lru_cache
 
 from ...course.knobs import KnobError
 from ...course.lesson import Design, Lesson
+from ...course.scenes import MODES, Mode
 from ...engine import EngineError
 from ...plants.examples import EXAMPLES, example
 from ...plants.own_plant import clean_plant_json
-from ...text import Text, error_words, languages, listed, same, text
+from ...text import Text, error_words, languages, listed, read_outside_json, same, text
 
 VERSION = 1
 MAX_STATE_CHARACTERS = 200_000  # characters of a written state that are read at all
 MAX_CAMERA_DISTANCE = 100.0  # stage units: no camera stands farther off
 LONGEST_NAME = 60  # characters of a figure tab's name
-FIELDS = frozenset({"version", "lesson", "knobs", "plant", "defaults", "language", "print", "tab", "step", "camera", "withheld"})
+FIELDS = frozenset({"version", "lesson", "knobs", "plant", "defaults", "language", "print", "tab", "step", "camera", "withheld",
+                    "mode", "scene"})
 # what a tab keeps beside a design, read by `memory`
-LESSON_FIELDS = frozenset({"predicted", "revealed", "again", "tasks", "exam", "exams", "pins", "steps"})
+LESSON_FIELDS = frozenset({"predicted", "revealed", "again", "tasks", "exam", "exams", "pins", "steps", "path"})
 NO_STATE = text("This is not a design of Observer Lab; save one with the app and give that.")
 TOO_LARGE = text("The design holds a number or a nesting too large for a computer; simplify it.")
 OTHER_DEFAULTS = text("The lesson's defaults have changed since this was saved; what it does not name stands as it is today.")
@@ -48,6 +50,8 @@ class SavedState:
     step: int | None = None
     camera: tuple[float, ...] | None = None
     withheld: bool = False
+    mode: Mode | None = None
+    scene: str = ""  # its id; "" where the state names none
     notes: tuple[Text, ...] = ()
 
 
@@ -63,8 +67,8 @@ def write_state(lesson: Lesson, saved: SavedState) -> str:
 def read_state(written: str, lessons: Mapping[str, Lesson]) -> SavedState:
     """The state that `write_state` wrote; knobs it does not name stay at their defaults. Raises KnobError."""
     try:
-        data = json.loads(written) if len(written) <= MAX_STATE_CHARACTERS else None
-    except (ValueError, RecursionError):
+        data = read_outside_json(written) if len(written) <= MAX_STATE_CHARACTERS else None
+    except ValueError:
         data = None
     return check_state(data, lessons)
 
@@ -96,7 +100,8 @@ def check_state(data: object, lessons: Mapping[str, Lesson]) -> SavedState:
     return SavedState(design, language if isinstance(language, str) and language in languages() else "en", data.get("print") is True,
                  tab if isinstance(tab, str) and len(tab) <= LONGEST_NAME else None,
                  step if _index(step, len(lesson.words["en"].steps)) else None, _camera(data.get("camera")),
-                 data.get("withheld") is True, tuple(notes))
+                 data.get("withheld") is True,
+                 mode if (mode := data.get("mode")) in MODES else None, _scene(data.get("scene"), lesson), tuple(notes))
 
 
 def _designed(lesson: Lesson, knobs: Mapping[str, object]) -> tuple[Design, list[Text]]:
@@ -114,6 +119,10 @@ def _with_plant(lesson: Lesson, plant: object) -> Lesson:
     if plant is None:
         return lesson
     return lesson.fit(example(plant) if isinstance(plant, str) else clean_plant_json(json.dumps(plant)))
+
+
+def _scene(name: object, lesson: Lesson) -> str:
+    return name if isinstance(name, str) and any(scene.id == name for scene in lesson.path) else ""
 
 
 def _index(value: object, count: int) -> bool:
@@ -144,7 +153,8 @@ def short(lesson: Lesson, saved: SavedState) -> dict[str, object]:
     record = {"lesson": lesson.id, "knobs": {name: words for name, words in _shown(own, design) if words != start[name]},
               "plant": None if not design.plant else named or json.loads(design.plant), "defaults": defaults_of(lesson),
               "language": saved.language, "print": saved.lecture or None, "tab": saved.tab, "step": saved.step,
-              "camera": None if saved.camera is None else [_rounded(v) for v in saved.camera], "withheld": saved.withheld or None}
+              "camera": None if saved.camera is None else [_rounded(v) for v in saved.camera], "withheld": saved.withheld or None,
+              "mode": saved.mode, "scene": saved.scene or None}
     return {key: value for key, value in record.items() if value is not None}
 
 

@@ -17,9 +17,10 @@ from ...course.knobs import KnobError
 from ...course.lesson import Lesson, Verdict
 from ...course.pinned_designs import MAX_PINS as MOST_PINS
 from ...course.pinned_designs import Pin
+from ...course.scenes import MODES, Mode
 from ...engine import EngineError
 from ...plants.own_plant import clean_plant_json
-from ...text import languages, text
+from ...text import languages, read_outside_json, text
 from .history import History
 from .history_codec import read_steps, write_steps
 from .lesson_state import LessonState
@@ -28,6 +29,7 @@ from .view import MOST_ANSWERS, MOST_VARIANTS, ExamAnswer, ExamState, State, Tas
 
 VERSION = 2
 MAX_MEMORY_BYTES = 300_000  # bytes that a tab keeps; what was worked on longest ago is left out
+MAX_OPTIONS = 8  # of a question
 SOLVED = text("Solved before the page was loaded again.")
 
 
@@ -43,6 +45,7 @@ class TabMemory:
     key: str = ""
     fresh: str = ""
     withheld: bool = False
+    mode: Mode | None = None
     desks: Mapping[str, object] = field(default_factory=dict)
 
 
@@ -59,6 +62,7 @@ def write_lesson_state(lesson: Lesson, history: History, state: State) -> str:
             **({} if state.again is None else {"again": state.again}),
             "tasks": tasks,
             "exams": {name: [exam.variant, [[a.student, a.variant, a.said] for a in exam.answers]] for name, exam in state.exams.items()},
+            **({"path": [state.scene, sorted(state.done), dict(state.chosen)]} if state.done or state.chosen or state.scene else {}),
             **({"pins": [[pin.name, design_as_plain_data(lesson, pin.design), pin.ghost] for pin in state.pins]} if state.pins else {}),
             **({"steps": steps} if steps else {}),
         },
@@ -69,7 +73,7 @@ def write_lesson_state(lesson: Lesson, history: History, state: State) -> str:
 def write_memory(lesson: str, state: State, desks: Iterable[tuple[str, str]]) -> str:
     """The tab as JSON: the lesson that is open and, latest first, as many written desks as there is room for."""
     head = {"version": VERSION, "lesson": lesson, "language": state.language, "lecture": state.lecture,
-            "dark": state.dark, "key": state.key, "fresh": state.fresh, "withheld": state.withheld}
+            "dark": state.dark, "key": state.key, "fresh": state.fresh, "withheld": state.withheld, "mode": state.mode}
     if state.plant:
         head["yours"] = json.loads(state.plant)
     start = json.dumps(head, ensure_ascii=False)[:-1] + ', "desks": {'
@@ -86,8 +90,8 @@ def write_memory(lesson: str, state: State, desks: Iterable[tuple[str, str]]) ->
 def read_memory(written: str | None, lessons: Mapping[str, Lesson]) -> TabMemory | None:
     """The tab that `write_memory` wrote, None if there is none that can be read."""
     try:
-        data = json.loads(written) if written and _size(written) <= MAX_MEMORY_BYTES else None
-    except (ValueError, RecursionError):
+        data = read_outside_json(written) if written and _size(written) <= MAX_MEMORY_BYTES else None
+    except ValueError:
         return None
     if not isinstance(data, dict) or data.get("version") != VERSION:
         return None
@@ -97,6 +101,7 @@ def read_memory(written: str | None, lessons: Mapping[str, Lesson]) -> TabMemory
     return TabMemory(lesson, language if language in languages() else "en", data.get("lecture") is True,
                   dark if isinstance(dark := data.get("dark"), bool) else None,
                   _plant(data.get("yours")), _short(data.get("key")), _short(data.get("fresh")), data.get("withheld") is True,
+                  mode if (mode := data.get("mode")) in MODES else None,
                   {name: desk for name, desk in desks.items() if name in lessons})
 
 
@@ -118,7 +123,19 @@ def read_lesson_state(data: object, lesson: str, lessons: Mapping[str, Lesson]) 
         _tasks(data.get("tasks"), lessons[lesson]),
         _exams(data.get("exams"), lessons[lesson]),
         _pins(data.get("pins"), lesson, lessons),
+        False,
+        *_scenes(data.get("path"), lessons[lesson]),
     )
+
+
+def _scenes(data: object, lesson: Lesson) -> tuple[int, frozenset[str], dict[str, int]]:
+    """The scene that was open, those that were done, and the options chosen in them; the start of the path where it cannot be read."""
+    ids = {scene.id for scene in lesson.path}
+    match data:
+        case [int(scene), list(done), dict(chosen)] if 0 <= scene < max(1, len(ids)):
+            options = {name: index for name, index in chosen.items() if name in ids and type(index) is int and -1 <= index < MAX_OPTIONS}
+            return scene, frozenset(name for name in done if isinstance(name, str) and name in ids), options
+    return 0, frozenset(), {}
 
 
 def _chosen(index: object, options: int) -> int | None:

@@ -18,7 +18,7 @@ from pathlib import Path
 
 from ...course.knobs import KnobError
 from ...course.lesson import Lesson
-from ...text import text
+from ...text import read_outside_json, text
 from .saved_state import MAX_STATE_CHARACTERS, VERSION, SavedState, check_state, short
 
 PREFIX = "1."
@@ -38,8 +38,8 @@ def write_token(lesson: Lesson, saved: SavedState) -> str:
 def read_token(token: str, lessons: Mapping[str, Lesson]) -> SavedState:
     """The state of a token, or of a link that ends in one. Raises KnobError, in one sentence."""
     try:
-        data = json.loads(unpacked(token.rpartition("#")[2].strip()))
-    except (ValueError, RecursionError) as problem:
+        data = read_outside_json(unpacked(token.rpartition("#")[2].strip()))
+    except ValueError as problem:
         if isinstance(problem, KnobError):
             raise
         raise KnobError(DAMAGED_LINK) from problem

@@ -9,61 +9,24 @@ from functools import cached_property
 from typing import Protocol
 
 from ...course.course_map import Progress
-from ...course.error_window import ErrorWindow, run_end
+from ...course.error_window import run_end
 from ...course.figures.records import Figure, TableFigure
 from ...course.lazy import FigureSet
-from ...course.lesson import Board, Design, Lesson, Outcome, Verdict
+from ...course.lesson import Board, Design, Lesson, Outcome
 from ...course.pinned_designs import Ghost, Pin, Pinned, boards_with_pins, comparison_table, figures_with_pins, ghosts_of_pins
+from ...course.scenes import Mode, Scene, SceneWords
 from ...text import Text
 from .saved_designs import SavedDesign
-
-
-@dataclass(frozen=True)
-class TaskState:
-    """What a person has seen and reached of one task."""
-
-    verdict: Verdict | None = None
-    hints: int = 0
-    solution: bool = False
-    typed: str = ""  # what was typed when it was last checked
-
-
-def progress_of(predicted: int | None, tasks: Mapping[str, TaskState]) -> Progress:
-    """How far a person is with a prediction and these tasks."""
-    return Progress(predicted is not None, sum(task.verdict is not None and task.verdict.solved for task in tasks.values()))
-
-
-MOST_ANSWERS = 20  # kept of an exam
-MOST_VARIANTS = 10**6
-
-
-@dataclass(frozen=True)
-class ExamAnswer:
-    """An answer to one variant of an exam, drawn for one key."""
-
-    student: str
-    variant: int
-    said: str
-
-
-@dataclass(frozen=True)
-class ExamState:
-    """How far a person is with one exam: the variant that is practised, and what was answered, latest last."""
-
-    variant: int = 1
-    answers: tuple[ExamAnswer, ...] = ()
-
-
-USUAL = (1366.0, 768.0)  # px of a window that has not told its size
-
-
-@dataclass(frozen=True)
-class ReplayLoop:
-    """A part of the run that is played `rounds` times more; then it comes to rest at `rest`."""
-
-    part: ErrorWindow
-    rounds: int
-    rest: float
+from .saved_state import SavedState
+from .tab_records import MOST_ANSWERS as MOST_ANSWERS
+from .tab_records import MOST_VARIANTS as MOST_VARIANTS
+from .tab_records import USUAL as USUAL
+from .tab_records import ExamAnswer as ExamAnswer
+from .tab_records import ExamState as ExamState
+from .tab_records import Performance as Performance
+from .tab_records import ReplayLoop as ReplayLoop
+from .tab_records import TaskState as TaskState
+from .tab_records import progress_of as progress_of
 
 
 @dataclass(frozen=True)
@@ -105,6 +68,13 @@ class State:
     camera: tuple[float, ...] | None = None  # position and target that a link asked for, None for the whole view
     can_undo: bool = False
     can_redo: bool = False
+    mode: Mode = "lab"
+    guided: bool = False  # whether the page leads along a path: not in the lab, nor on a plant of one's own, which has no path
+    newcomer: bool = False  # whether nothing is known of the person: the page of lessons opens first
+    scene: int = 0  # which scene of the lesson's path is open
+    done: frozenset[str] = frozenset()  # scenes whose action the person has done
+    chosen: Mapping[str, int] = field(default_factory=dict)  # the option chosen in a scene, by its id; −1 where it was skipped
+    performance: Performance | None = None  # what the page still does by itself
 
     @property
     def is_dark(self) -> bool:
@@ -161,8 +131,36 @@ class Picture:
     def asks_second_prediction(self) -> bool:
         """Whether the second prediction waits: its knob has been moved, and no option has been chosen yet nor the question skipped."""
         again, state = self.lesson.again, self.state
-        return (again is not None and state.predicted is not None and state.again is None and state.asked
+        return (not self.guided and again is not None and state.predicted is not None and state.again is None and state.asked
                 and again.touched(self.lesson.start(), self.design))
+
+    @property
+    def guided(self) -> bool:
+        """Whether the page leads along the lesson's path."""
+        return self.state.guided
+
+    @property
+    def scene(self) -> Scene | None:
+        """The scene that is open, None in the lab."""
+        path = self.lesson.path
+        return path[min(self.state.scene, len(path) - 1)] if self.guided else None
+
+    @property
+    def scene_words(self) -> SceneWords:
+        """The words of that scene."""
+        assert self.scene is not None
+        return self.lesson.words[self.state.language].scenes[self.scene.id]
+
+    @property
+    def veiled(self) -> bool:
+        """Whether the figures wait for a prediction; the path shows nothing that would answer a question that it has not asked."""
+        return self.state.predicted is None and not self.guided
+
+    def saved(self, design: Design, eye: tuple[float, ...] | None) -> SavedState:
+        """The state as a link carries it, with a design and a camera."""
+        state, scene = self.state, self.scene
+        return SavedState(design, state.language, state.lecture, state.tab, state.step, eye, state.withheld,
+                          *((state.mode, scene.id) if scene else ()))
 
     @cached_property
     def ghosts(self) -> tuple[Ghost, ...]:

@@ -208,6 +208,27 @@ def test_peak_gain_of_a_resonance(zeta):
     assert at == pytest.approx(np.sqrt(1 - 2 * zeta**2), rel=1e-3)
 
 
+@pytest.mark.parametrize("seed", range(12))
+def test_peak_gain_is_that_of_a_fine_grid(seed):
+    """Also where the gain at rest is high and a peak stands beside it: the crossing at ω = 0 is easily lost."""
+    rng, n = np.random.default_rng(seed), 2 + seed % 4
+    A = rng.standard_normal((n, n))
+    A -= (np.linalg.eigvals(A).real.max() + 10 ** rng.uniform(-1.5, 0.5)) * np.eye(n)
+    B, C, D = rng.standard_normal((n, 1)), rng.standard_normal((1, n)), rng.standard_normal((1, 1)) * (seed % 2)
+    w = np.concatenate([[0.0], np.geomspace(1e-3, 1e3, 3000), np.abs(np.linalg.eigvals(A).imag)])
+    seen = np.abs(C @ np.linalg.solve(1j * w[:, None, None] * np.eye(n) - A, B + 0j) + D).max()
+    assert seen * (1 - 1e-9) <= peak_gain(A, B, C, D)[0] <= 1.01 * seen
+
+
+def test_peak_gain_beside_a_high_gain_at_rest():
+    """3 s/(s + 1)² + (0.01/(s + 0.01))²: the gain at rest is 1, a peak of 1.5 stands at ω = 1."""
+    k, w = 3.0, np.geomspace(1e-3, 1e2, 20_000)
+    A = np.block([[np.array([[-2.0, -1.0], [1.0, 0.0]]), np.zeros((2, 2))], [np.zeros((2, 2)), np.array([[-0.02, -1e-4], [1.0, 0.0]])]])
+    B, C = np.array([[1.0], [0.0], [1.0], [0.0]]), np.array([[k, 0.0, 0.0, 1e-4]])
+    seen = np.abs(k * 1j * w / (1j * w + 1) ** 2 + 1e-4 / (1j * w + 0.01) ** 2).max()
+    assert peak_gain(A, B, C, np.zeros((1, 1)))[0] == pytest.approx(seen, rel=1e-6)
+
+
 def test_peak_gain_at_infinity_and_of_an_unstable_plant():
     assert peak_gain(-np.eye(1), np.eye(1), -np.eye(1), np.eye(1)) == (1.0, np.inf)  # s/(s+1)
     assert peak_gain(np.eye(1), np.eye(1), np.eye(1), np.eye(1))[0] == np.inf

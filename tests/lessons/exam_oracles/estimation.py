@@ -126,6 +126,29 @@ def phase(g: Given) -> float:
     return abs(np.degrees(np.angle(-loop(w))))
 
 
+# --- record ------------------------------------------------------------------------------------------------------------
+def of_lags(g: Given) -> float:
+    """The pole at which the covariances of a state keep their ratio."""
+    return brentq(lambda a: g["c1"] * a - g["c2"], 0.0, 2.0, xtol=1e-14)
+
+
+def sensor(g: Given) -> float:
+    """The variance that, taken off lag 0, leaves a Hankel matrix of rank one."""
+    return brentq(lambda R: np.linalg.det([[g["c0"] - R, g["c1"]], [g["c1"], g["c2"]]]), -100.0, 200.0, xtol=1e-13)
+
+
+def mean_band(g: Given) -> float:
+    return 1 + 2 * float(np.hypot(*(np.sqrt(2 / g[name]) for name in ("N", "M"))))
+
+
+def one_step_back(g: Given) -> float:
+    """The regression of x[k] on x[k + 1], from their joint covariance."""
+    a, P, q = g["a"], g["P"], g["q"]
+    T = np.array([[1.0, 0.0], [a, 1.0]])
+    joint = T @ np.diag([P, q]) @ T.T
+    return float(joint[0, 1] / joint[1, 1])
+
+
 ORACLES: dict[tuple[str, str], Callable[[Given], float]] = {
     ("saturation", "windup"): windup,
     ("saturation", "reach"): reach,
@@ -143,4 +166,8 @@ ORACLES: dict[tuple[str, str], Callable[[Given], float]] = {
     ("lqg", "cost"): cost,
     ("lqg", "drop"): drop,
     ("lqg", "phase"): phase,
+    ("record", "pole"): of_lags,
+    ("record", "sensor"): sensor,
+    ("record", "band"): mean_band,
+    ("record", "back"): one_step_back,
 }

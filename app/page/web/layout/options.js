@@ -3,7 +3,7 @@
   if (window.observerLabOptions) return;
   window.observerLabOptions = true;
   document.addEventListener('click', event => {
-    const option = event.target?.closest?.('button.ol-option,button.ol-do');
+    const option = event.target?.closest?.('button[data-to]:enabled');
     if (!option || option.disabled) return;
     window.__viserMutable.sendMessage({type: 'GuiUpdateMessage', uuid: option.dataset.to, updates: {value: option.dataset.value}});
   });

@@ -3,7 +3,7 @@
 // place, which has no language.
 ({lesson, large}) => {
   const lab = window.observerLabKeep ??= {lesson: '', hand: {}, run: 0}, run = lab.run += 1, STEP = 60, LONGEST = 30000, STILL = 1500;  // ms
-  const asked = () => document.querySelector('.ol-question'), old = asked(), KNOBS = 'div:has(>.ol-part-knobs)+.mantine-Paper-root';
+  const asked = () => document.querySelector('.ol-question,.ol-scene'), old = asked(), KNOBS = 'div:has(>.ol-part-knobs)+.mantine-Paper-root';
   const column = () => asked()?.closest('[data-scrollarea-viewport]');
   const figures = () => document.querySelector('[data-dock-region=right] [data-scrollarea-viewport]');
   const tabs = () => [...document.querySelectorAll('[data-dock-region=right] [data-dock-tab]')];

@@ -1,0 +1,1 @@
+"""Test the innovations of a filter: mean, whiteness and size against its covariances."""

@@ -1,0 +1,31 @@
+"""Make a filter from a record: read it, fit plant and noises to one part, judge by the other."""
+
+from ..systems.gates.room_gates import with_gates
+from .csv_records import load_record, read_record
+from .identified import FilteredRecord, FittedFilter, RecordFit, filter_record, fit_noise, identify
+from .records import Record
+from .regular import Trend, detrend, resample, split_record, trend_of
+from .smoother import Smoothed
+from .subspace import Subspace, subspace
+
+__all__ = [
+    "FilteredRecord",
+    "FittedFilter",
+    "Record",
+    "RecordFit",
+    "Smoothed",
+    "Subspace",
+    "Trend",
+    "detrend",
+    "filter_record",
+    "fit_noise",
+    "identify",
+    "load_record",
+    "read_record",
+    "resample",
+    "split_record",
+    "subspace",
+    "trend_of",
+]
+
+with_gates(globals())

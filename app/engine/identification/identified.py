@@ -1,0 +1,173 @@
+"""Fit a plant and its noises to a record's first part; judge the filter by the rest."""
+
+from __future__ import annotations
+
+from dataclasses import field
+
+import numpy as np
+from scipy.special import fdtri
+
+from ..filters import Belief, KalmanFilter, SquaredError, Track, Whiteness, nis, whiteness
+from ..systems.errors import EngineError, phrase
+from ..systems.gates.argument_checks import SECONDS, choice, count, instance, number, optional, takes
+from ..systems.gates.plant_gate import PLANT
+from ..systems.plant import Plant
+from ..systems.records import record as a_record
+from ..systems.sampling import discretise
+from .noise_fit import NoiseFit, fit_noise_to
+from .predictor import pieces_of
+from .records import MAX_ROWS, Record
+from .regular import Trend, detrend, resample, split_record, trend_of
+from .smoother import Smoothed, smooth
+from .subspace import MAX_ORDER, Subspace, subspace
+
+__all__ = ["FilteredRecord", "FittedFilter", "RecordFit", "filter_record", "fit_noise", "identify"]
+
+LEVEL = 0.99  # with which the NIS of a right filter lies in its band
+MAX_LAGS = 20
+STALE = 0.98  # |pole| above which the record is sampled much more finely than the plant needs
+
+
+@a_record()
+class FittedFilter:
+    """A sampled plant with the Q (n×n) and R (p×p) that a record of `rows` rows makes most likely.
+
+    parameters: how many were fitted. level: −2 log L for each row, less p log 2π. innovations (k, p): those of the fit.
+    """
+
+    plant: Plant
+    Q: np.ndarray
+    R: np.ndarray
+    rows: int
+    parameters: int
+    level: float
+    innovations: np.ndarray = field(repr=False)
+
+    def kalman(self, *, factor: float = 1.0) -> KalmanFilter:
+        """The Kalman filter; `factor` multiplies Q."""
+        plant = self.plant
+        return KalmanFilter(plant.A, plant.B, plant.C, factor * self.Q, self.R, plant.D, plant.dt)
+
+
+@a_record()
+class FilteredRecord:
+    """A record through a filter, judged by the rows from `first` on, which were not used for the fit.
+
+    nis: normalised innovations squared of these rows. band: what its mean over p lies in with probability `level`: by an F
+    distribution, as S is estimated too. whiteness: None where a measurement is missing. smoothed: by the whole record.
+    fit (p,): share of each output's variation that one-step predictions give, 1 − |e|/|y − ȳ|.
+    """
+
+    track: Track
+    smoothed: Smoothed
+    first: int
+    nis: SquaredError
+    mean_nis: float
+    band: tuple[float, float]
+    whiteness: Whiteness | None
+    fit: np.ndarray
+
+    @property
+    def consistent(self) -> bool:
+        """Whether the mean NIS lies in its band."""
+        return self.band[0] <= self.mean_nis <= self.band[1]
+
+
+@a_record()
+class RecordFit:
+    """All that `identify` finds: the regular record, its trend, the subspace fit, the fitted filter, the judged record."""
+
+    record: Record
+    trend: Trend
+    subspace: Subspace
+    fitted: FittedFilter
+    judged: FilteredRecord
+
+
+@takes(record=instance(Record), order=optional(count(1, MAX_ORDER)), share=number(0.01, 0.99), degree=choice(0, 1), step=optional(SECONDS))
+def identify(record: Record, *, order: int | None = None, share: float = 0.5, degree: int = 0, step: float | None = None) -> RecordFit:
+    """A filter from a record: resample, take the level out, fit A, B, C, D, Q and R to the first `share`, judge by the rest.
+
+    order: None takes what the singular values suggest. degree: 0 takes out a level, 1 a straight line, both of the first part.
+    step in s: None keeps the record's own. Raises EngineError.
+
+    >>> rng = np.random.default_rng(0)
+    >>> u, y = rng.choice([-1.0, 1.0], 600), np.zeros(600)
+    >>> for k in range(599): y[k + 1] = 0.8 * y[k] + u[k] + 0.1 * rng.standard_normal()
+    >>> round(float(identify(Record(np.arange(600), u, y), order=1).subspace.poles[0].real), 2)
+    0.8
+    """
+    regular = resample(record, step=step)
+    first, _ = split_record(regular, share=share)
+    trend = trend_of(first, degree=degree)
+    flat = detrend(regular, trend)
+    part = flat.part(0, first.rows)
+    found = subspace(part.u, part.y, order=order)
+    n, m, p = len(found.A), part.u.shape[1], part.y.shape[1]
+    pieces = pieces_of(part.u, part.y, 2 * found.horizon)
+    noises = fit_noise_to(found.A, found.C, pieces)
+    plant = Plant(found.A, noises.B, found.C, noises.D, regular.dt, (), regular.input_names, regular.output_names,
+                  tuple(pair for pair in regular.units if pair[1]), "fitted to a record")
+    fitted = _fitted(plant, noises, pieces.rows, n * m + p * m + 2 * n * p)
+    if np.abs(found.poles).min() > STALE:
+        flat = flat.noted(phrase("Even the fastest pole moves little in one step of {step:.3g} s; a coarser step may fit better.",
+                                 step=regular.dt))
+    return RecordFit(flat, trend, found, fitted, filter_record(fitted, flat, first.rows))
+
+
+@takes(plant=PLANT, record=instance(Record))
+def fit_noise(plant: Plant, record: Record) -> FittedFilter:
+    """The most likely Q and R of a known plant, from a regular record about its level.
+
+    Raises EngineError where the two do not fit.
+
+    >>> y = np.random.default_rng(0).standard_normal(400)
+    >>> fit_noise(Plant([[0.5]], [[1.0]], [[1.0]], None, 1.0), Record(np.arange(400), np.zeros(400), y)).R.round(1)
+    array([[1.]])
+    """
+    if not record.dt:
+        raise EngineError("The record has irregular steps; bring it to a regular one first.")
+    if (plant.m, plant.p) != (record.u.shape[1], record.y.shape[1]):
+        raise EngineError("The plant has {m} inputs and {p} outputs, the record {m2} and {p2}; choose the columns that belong to it.",
+                          m=plant.m, p=plant.p, m2=record.u.shape[1], p2=record.y.shape[1])
+    if plant.dt and abs(plant.dt - record.dt) > 1e-6 * plant.dt:
+        raise EngineError("The plant is sampled every {dt:g} s, the record every {step:g} s; resample the record.",
+                          dt=plant.dt, step=record.dt)
+    sampled = plant if plant.dt else discretise(plant, record.dt)
+    pieces = pieces_of(record.u, record.y, 4 * plant.n)
+    noises = fit_noise_to(sampled.A, sampled.C, pieces, (sampled.B, sampled.D))
+    return _fitted(sampled, noises, pieces.rows, plant.n * plant.p)
+
+
+def _fitted(plant: Plant, noises: NoiseFit, rows: int, parameters: int) -> FittedFilter:
+    """Q and R enlarged by (N + d)/(N − d), d parameters for each output: what to expect of rows that were not used.
+
+    The fit makes its own errors smaller than those to come. Source: Akaike, Annals of the Institute of Statistical Mathematics 21
+    (1969) 243–247, final prediction error.
+    """
+    each = min(parameters / plant.p, 0.5 * rows)
+    larger = (rows + each) / (rows - each)
+    return FittedFilter(plant, larger * noises.Q, larger * noises.R, rows, parameters, noises.level, noises.innovations)
+
+
+@takes(fitted=instance(FittedFilter), record=instance(Record), first=count(0, MAX_ROWS), factor=number(0, 1e9), level=number(0.5, 0.9999))
+def filter_record(fitted: FittedFilter, record: Record, first: int, *, factor: float = 1.0, level: float = LEVEL) -> FilteredRecord:
+    """Filter and smooth a record about its level; the rows from `first` on judge. `factor` multiplies Q. Raises EngineError."""
+    kf = fitted.kalman(factor=factor)
+    if not 0 <= first <= record.rows - 8:
+        raise EngineError("At least 8 rows must be left to judge the filter by; {count} are.", count=max(record.rows - first, 0))
+    size = np.linalg.norm(np.nanstd(record.y, axis=0)) / max(float(np.linalg.norm(fitted.plant.C)), 1e-300)
+    start = Belief(np.zeros(kf.n), 10.0 * size**2 * np.eye(kf.n) + kf.Q)
+    track = kf.run(start, record.y, record.u if record.u.shape[1] else None)
+    nu, p = track.innovations[first:], record.y.shape[1]
+    size_test = nis(nu, track.S[first:])
+    seen = np.isfinite(nu).all(axis=1)
+    count = int(seen.sum())
+    tail = (1 - level) / 2
+    degrees = p * count, p * fitted.rows
+    band = float(fdtri(*degrees, tail)), float(fdtri(*degrees, 1 - tail))
+    lags = min(MAX_LAGS, count // 4)
+    white = whiteness(nu, lags=lags) if seen.all() else None
+    away = record.y[first:][seen] - record.y[first:][seen].mean(axis=0)
+    fit = 1 - np.linalg.norm(nu[seen], axis=0) / np.maximum(np.linalg.norm(away, axis=0), 1e-300)
+    return FilteredRecord(track, smooth(kf, track), first, size_test, size_test.mean / p, band, white, fit)

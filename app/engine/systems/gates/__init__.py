@@ -1,0 +1,1 @@
+"""What a public call takes: checks of each argument, put in front of what a room gives away."""

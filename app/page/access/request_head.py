@@ -1,0 +1,77 @@
+"""Read the head of an HTTP request, so that every well-formed one gets an answer.
+
+websockets reads GET of HTTP/1.1 alone and hangs up on the rest, which a proxy reports as a dead server. What it can answer is
+rewritten here into that; what it cannot is refused with a status.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+from websockets.exceptions import SecurityError
+from websockets.http11 import Request
+from websockets.streams import StreamReader
+
+from .access_policy import Refusal
+
+MAX_HEAD_BYTES = 32 * 1024  # bytes of the request line and all fields
+METHODS = ("GET", "HEAD")
+REQUEST_LINE = re.compile(rb"([!#$%&'*+.^_`|~0-9A-Za-z-]{1,40}) ([^ \r\n]+) HTTP/1\.([01])")
+BEGINS = re.compile(rb"(?:\r\n)?[!#$%&'*+.^_`|~0-9A-Za-z-]{1,40}(?: |\Z)|\r?\n?\Z")
+NOT_HTTP = Refusal(400, "This is not a request of HTTP/1.0 or HTTP/1.1.")
+TOO_LARGE = Refusal(431, "The head of the request is too large.")
+METHOD = Refusal(405, "Only GET and HEAD are answered here.")
+BODY = Refusal(413, "A request may carry no body here.")
+
+
+@dataclass(frozen=True)
+class RequestStart:
+    """A request that can be answered: its method, and its bytes as websockets reads them, with what came behind."""
+
+    method: str
+    data: bytes
+
+
+def read_head(received: bytes, here: str) -> RequestStart | Refusal | None:
+    """What to do with what a connection has sent so far; None while its head is not complete.
+
+    `here` is the address that the connection came to: the host of a request of HTTP/1.0 that names none. A browser always names one.
+    """
+    if BEGINS.match(received) is None:
+        return NOT_HTTP
+    received = received.removeprefix(b"\r\n")  # a line feed behind an earlier request is allowed
+    head, end, behind = received.partition(b"\r\n\r\n")
+    if len(head) > MAX_HEAD_BYTES:
+        return TOO_LARGE
+    if not end:
+        return None
+    line, _, fields = head.partition(b"\r\n")
+    found = REQUEST_LINE.fullmatch(line)
+    if found is None:
+        return TOO_LARGE if len(line) > MAX_HEAD_BYTES // 4 else NOT_HTTP
+    method, path, minor = found[1].decode("ascii"), found[2], found[3]
+    if method not in METHODS:
+        return METHOD
+    rewritten = b"GET " + path + b" HTTP/1.1\r\n" + (fields + b"\r\n" if fields else b"")
+    if minor == b"0" and re.search(rb"(?im)^host:", fields) is None:
+        rewritten += b"Host: " + here.encode("ascii", "ignore") + b"\r\n"
+    return _fault(rewritten + b"\r\n") or RequestStart(method, rewritten + b"\r\n" + behind)
+
+
+def _fault(head: bytes) -> Refusal | None:
+    """Why websockets would not read this head; None where it does."""
+    reader = StreamReader()
+    reader.feed_data(head)
+    reading = Request.parse(reader.read_line)
+    try:
+        next(reading)
+    except StopIteration:
+        return None
+    except SecurityError:
+        return TOO_LARGE
+    except (NotImplementedError, ValueError) as problem:
+        return BODY if "body" in str(problem) or "transfer" in str(problem) else NOT_HTTP
+    except Exception:
+        return NOT_HTTP
+    return NOT_HTTP

@@ -1,0 +1,108 @@
+"""Build the guide's panel: the card of a scene, its knobs, its verdict and its figures."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import viser
+
+from ...course.knobs import Knob
+from ...course.scenes import knobs_of, minutes_of
+from ...session.commands.commands import (
+    DrawByHand,
+    Edit,
+    OpenLesson,
+    SetKnobs,
+    SetLanguage,
+    ToggleCourse,
+    ToggleDownloads,
+    ToggleHelp,
+    ToggleTheme,
+)
+from ...session.commands.guide import ChooseOption, GoToScene, SetMode, TurnScene
+from ...session.state.view import Picture
+from ..charts.charts import Chart
+from ..charts.print_sizes import Sizes
+from ..column.knob_widgets import NumberWidget, Widget, make_widget
+from ..viser_private import viser_internals
+from ..viser_private.hidden_input import hidden_input
+from ..viser_private.write_once import write_content
+from ..words import phrases
+from .scene_card import card_html, formulas_html, mode_row, verdict_html
+
+Post = Callable[[Edit], int]
+
+
+class GuidePanel:
+    """One panel for all scenes of a path; what a scene does not show is hidden."""
+
+    def __init__(self, client: viser.ClientHandle, picture: Picture, post: Post) -> None:
+        gui, self._client, self._told = client.gui, client, dict[str, object]()
+        self._post, self._scene = post, picture.state.scene
+        self._hand = viser_internals.node_id(hidden_input(gui, self._heard))
+        self._head = gui.add_html(mode_row(picture, self._hand))
+        self._card = gui.add_html("")
+        self._widgets: dict[str, tuple[Knob, Widget]] = {}
+        offered = {name for scene in picture.lesson.path for name in scene.knobs} & knobs_of(picture.lesson.path)
+        for knob in picture.lesson.knobs:
+            if knob.name in offered:
+                self._widgets[knob.name] = knob, make_widget(
+                    gui, knob, picture.state.language, lambda name, value: post(SetKnobs({name: value})),
+                    lambda name, value: post(DrawByHand(name, value)))
+        self._formulas = gui.add_html("")
+        self._verdict = gui.add_html("")
+        shown = {name for scene in picture.lesson.path for name in scene.figures}
+        self.charts = {figure.id: Chart(gui, figure, picture.state.language, Sizes(picture.state), picture.horizon, None, 2)
+                       for figure in picture.seen if figure.id in shown}
+
+    @property
+    def fields(self) -> dict[str, dict[str, object]]:
+        """The number fields beside the sliders, as the lab's rows have them."""
+        return {key: told for _, widget in self._widgets.values() if isinstance(widget, NumberWidget)
+                for key, told in widget.field.items()}
+
+    def _heard(self, said: str) -> None:
+        """What a button of the card asks for: a word and a value."""
+        kind, _, value = said.partition(":")
+        edits: dict[str, Callable[[], Edit]] = {
+            "mode": lambda: SetMode(value), "scene": lambda: GoToScene(_whole(value)), "turn": lambda: TurnScene(_whole(value)),
+            "option": lambda: ChooseOption(_whole(value)), "course": ToggleCourse, "language": SetLanguage, "theme": ToggleTheme,
+            "take": ToggleDownloads, "help": ToggleHelp, "reset": lambda: GoToScene(self._scene), "lesson": lambda: OpenLesson(value)}
+        if kind in edits:
+            self._post(edits[kind]())
+
+    def show(self, picture: Picture) -> None:
+        """Show the scene of a picture."""
+        scene = picture.scene
+        if scene is None:
+            return
+        self._scene = picture.state.scene
+        write_content(self._head, mode_row(picture, self._hand))
+        write_content(self._card, card_html(picture, self._hand))
+        for name, (_, widget) in self._widgets.items():
+            widget.show(picture.design[name], name in scene.knobs, picture)
+        if picture.resting:
+            write_content(self._formulas, formulas_html(picture))
+        write_content(self._verdict, verdict_html(picture, self._hand))
+        self._tell_notes(picture)
+        for name, chart in self.charts.items():
+            chart.set_visible(name in scene.figures)
+
+    def _tell_notes(self, picture: Picture) -> None:
+        """Give the speaker's window the notes of the scene, what comes next, and the planned time."""
+        words, path, lang = picture.lesson.words[picture.state.language].scenes, picture.lesson.path, picture.state.language
+        at = picture.state.scene
+        told: dict[str, object] = {"note": words[path[at].id].note, "title": words[path[at].id].title,
+                "next": words[path[at + 1].id].title if at + 1 < len(path) else "", "minutes": round(minutes_of(path, False)),
+                "words": {"notes": phrases.NOTES(lang), "next": phrases.NEXT_IS(lang)}}
+        if told != self._told:
+            self._told = told
+            viser_internals.run_script(self._client, "presenter", hand=self._hand, note=told["note"], title=told["title"],
+                                       next=told["next"], minutes=told["minutes"], words=told["words"])
+
+    def progress(self, fraction: float | None) -> None:
+        """The guide starts no long computation."""
+
+
+def _whole(value: str) -> int:
+    return int(value) if value.lstrip("-").isdigit() and len(value) < 6 else -1

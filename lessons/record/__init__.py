@@ -1,0 +1,1 @@
+"""Lesson 21: from a record to an observer."""

@@ -1,0 +1,51 @@
+"""Write a design of lesson 21 as code: rows, fitted model, filter, smoother and tests."""
+
+from __future__ import annotations
+
+from observer_lab.course.lesson import Outcome
+from observer_lab.course.script_record import Code, GivenValue, ShownValue
+
+from .study import Study
+
+NOT_IN_SCRIPT = "The search for the most likely Q and R, and B and D by least squares"
+
+
+def code(outcome: Outcome[Study]) -> Code:
+    """The records of a design that its script starts from and finds again."""
+    study, d = outcome.study, outcome.design
+    record, s, fitted = study.found.record, study.found.subspace, study.found.fitted
+    kf, judged = fitted.kalman(factor=d["factor"]), study.judged
+    white = judged.whiteness
+    return Code(
+        ("record",),
+        (
+            GivenValue("u", record.u, "inputs about their level, one row for each time"),
+            GivenValue("y", record.y, "outputs about their level"),
+            GivenValue("h", record.dt, "s"),
+            GivenValue("first", study.first, "rows that the fit used; the rest judges"),
+            GivenValue("rows_fitted", fitted.rows),
+            GivenValue("order", len(s.A)),
+            GivenValue("horizon", s.horizon, "steps of past and of future"),
+            GivenValue("A", kf.A, "the fitted model: x[k+1] = A x + B u + w, y = C x + D u + v"),
+            GivenValue("B", kf.B),
+            GivenValue("C", kf.C),
+            GivenValue("D", kf.D),
+            GivenValue("Q", kf.Q, "covariance of w, most likely, times the factor of the page"),
+            GivenValue("R", kf.R, "covariance of v, most likely"),
+            GivenValue("P_start", judged.track.schedule.prior[0], "covariance of the state before the first row"),
+        ),
+        (
+            ShownValue("singular_values", s.singular_values, 1.0),
+            ShownValue("poles", s.poles, poles=True),
+            ShownValue("means", judged.track.means),
+            ShownValue("innovations", judged.track.innovations),
+            ShownValue("smoothed", judged.smoothed.means),
+            ShownValue("mean_nis", judged.mean_nis),
+            ShownValue("nis_low", judged.band[0]),
+            ShownValue("nis_high", judged.band[1]),
+            *(() if white is None else (ShownValue("white_p", white.p_value, 1.0),)),
+        ),
+        NOT_IN_SCRIPT,
+        (),
+        record.dt,
+    )

@@ -1,0 +1,80 @@
+"""The records of the lesson: three simulated ones whose plant is known, and one that was measured."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from importlib.resources import files
+from types import MappingProxyType
+
+import numpy as np
+
+from observer_lab.course.knobs import KnobError
+from observer_lab.engine import Plant
+from observer_lab.engine.identification import Record, read_record
+from observer_lab.engine.systems import affine_scan, discretise
+from observer_lab.text import text
+
+from .knobs import FURNACE, MASSES, SPRING, TANKS
+
+HELD, BEFORE = 5, 200  # samples that an input is held, and samples that run before the record begins
+
+
+@dataclass(frozen=True, eq=False)
+class Truth:
+    """The plant behind a simulated record, sampled; standard deviations q of the input's noise and r of the sensor's."""
+
+    plant: Plant
+    rows: int
+    q: float
+    r: float
+
+    @property
+    def Q(self) -> np.ndarray:
+        """Covariance of what the input's noise does to the states in one step."""
+        return self.q**2 * self.plant.B @ self.plant.B.T
+
+    @property
+    def R(self) -> np.ndarray:
+        """Covariance of the sensor's noise."""
+        return self.r**2 * np.eye(self.plant.p)
+
+
+@dataclass(frozen=True, eq=False)
+class Given:
+    """A record, and if it is simulated the output without sensor noise and the plant."""
+
+    record: Record
+    clean: np.ndarray | None = None
+    truth: Truth | None = None
+
+
+def _plant(A: list[list[float]], B: list[float], C: list[float], dt: float) -> Plant:
+    return discretise(Plant(A, [[b] for b in B], [C]), dt)
+
+
+TRUTHS = MappingProxyType({
+    SPRING: Truth(_plant([[0, 1], [-4, -0.8]], [0, 1], [1, 0], 0.1), 800, 0.5, 0.05),
+    TANKS: Truth(_plant([[-0.5, 0], [0.3, -2]], [1, 0], [0, 1], 0.2), 1000, 0.5, 0.03),
+    MASSES: Truth(_plant([[0, 0, 1, 0], [0, 0, 0, 1], [-20, 10, -0.6, 0.2], [10, -10, 0.2, -0.3]], [0, 0, 1, 0], [0, 1, 0, 0], 0.15),
+                  1000, 0.5, 0.02),
+})
+
+
+@lru_cache(maxsize=16)
+def record_of(data: str, seed: int) -> Given:
+    """The record of that name; of a simulated one with the noise of that seed. Raises KnobError for a name that is none."""
+    if data == FURNACE:
+        words = (files("observer_lab.plants") / "data" / "gas-furnace.csv").read_text(encoding="utf-8")
+        return Given(read_record(words, inputs=("gas rate",), outputs=("CO2",)))
+    if data not in TRUTHS:
+        raise KnobError(text("There is no record of your own here; start the lab with --data FILE.csv."))
+    truth = TRUTHS[data]
+    plant, total = truth.plant, truth.rows + BEFORE
+    rng = np.random.default_rng(seed)
+    u = np.repeat(rng.choice([-1.0, 1.0], (total // HELD + 1, 1)), HELD, axis=0)[:total]
+    driven = (u + truth.q * rng.standard_normal(u.shape)) @ plant.B.T
+    clean = affine_scan(plant.A, driven, np.zeros(plant.n), total)[:total] @ plant.C.T
+    y = clean + truth.r * rng.standard_normal(clean.shape)
+    t = plant.dt * np.arange(truth.rows)
+    return Given(Record(t, u[BEFORE:], y[BEFORE:], ("u",), ("y",)), clean[BEFORE:], truth)

@@ -1,0 +1,171 @@
+"""Draw lesson 21: output and prediction, order and poles, innovations, whiteness, NIS."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from observer_lab.course.figures.records import Curve, LineFigure, PlaneFigure, Point, TableFigure, thin_samples
+from observer_lab.course.lazy import FigureSet, tab_figures
+from observer_lab.course.lesson import Outcome
+from observer_lab.text import Text, text
+
+from .study import WHITE, Study
+
+RECORD_TAB, ORDER_TAB, INNOVATIONS_TAB, NIS_TAB, NUMBERS_TAB = (
+    text("Record"), text("Order"), text("Innovations"), text("Consistency"), text("Numbers"))
+MOST_VALUES = 12  # singular values that are drawn
+TOP = 12.0  # of the NIS figure, in means
+
+
+def all_figures(outcome: Outcome[Study]) -> FigureSet:
+    """All figures; those of hidden tabs are made when they are looked at."""
+    study = outcome.study
+    return FigureSet(tab_figures(RECORD_TAB, lambda: (_output(outcome), _gap(outcome))),
+                 tab_figures(ORDER_TAB, lambda: (_values(study), _poles(study))),
+                 tab_figures(INNOVATIONS_TAB, lambda: (_innovations(study), _whiteness(study))),
+                 tab_figures(NIS_TAB, lambda: (_nis(study),)),
+                 tab_figures(NUMBERS_TAB, lambda: (_numbers(outcome),)))
+
+
+def _unit(study: Study) -> str:
+    record = study.found.record
+    unit = record.unit(record.output_names[0])
+    return f"{record.output_names[0]} [{unit}]" if unit else record.output_names[0]
+
+
+def _output(outcome: Outcome[Study]) -> LineFigure:
+    """The first output of the rows that judge: measured, predicted one step ahead, estimated."""
+    study, smoothed = outcome.study, bool(outcome.design["smoother"])
+    estimate = study.estimate(smoothed)[:, 0]
+    measured = np.where(np.isfinite(study.measured[:, 0]), study.measured[:, 0], study.predicted[:, 0])
+    t, y, before, after = thin_samples(study.t, measured, study.predicted[:, 0], estimate)
+    name = text("smoothed") if smoothed else text("filtered")
+    return LineFigure("output", text("output on the unused part"), t,
+                      (Curve(text("measured"), y, "plant"), Curve(text("predicted one step ahead"), before, "second", "dash"),
+                       Curve(name, after, "estimate")), _unit(study), tab=RECORD_TAB,
+                      caption=text("The model was fitted to the first {share:.0f} % of the record; this is the rest.",
+                                   share=outcome.design["share"]))
+
+
+def _gap(outcome: Outcome[Study]) -> LineFigure:
+    """What is left of the estimate beside the truth, where that is known, and beside the measurement where it is not."""
+    study, clean = outcome.study, outcome.study.given.clean
+    beside = study.measured if clean is None else clean[study.first:]
+    curves = []
+    for name, smoothed, role in ((text("filter"), False, "second"), (text("smoother"), True, "estimate")):
+        if smoothed and not outcome.design["smoother"]:
+            continue
+        away = np.nan_to_num(study.estimate(smoothed)[:, 0] - beside[:, 0])
+        t, drawn = thin_samples(study.t, away)
+        curves.append(Curve(name, drawn, role))
+    words = text("Here nobody knows the true output, so the estimate is compared with the measurement.")
+    if clean is not None:
+        m = outcome.metrics
+        words = text("Root mean square: filter {filter:.3g}, smoother {smoother:.3g}.", filter=m["filter_error"],
+                     smoother=m["smoother_error"])
+    title = text("estimate less measured output") if clean is None else text("estimate less true output")
+    return LineFigure("gap", title, t, tuple(curves), _unit(study), tab=RECORD_TAB, caption=words)
+
+
+def _values(study: Study) -> PlaneFigure:
+    """Singular values and what noise alone would give."""
+    s = study.found.subspace
+    values, count = s.singular_values[:MOST_VALUES], min(len(s.singular_values), MOST_VALUES)
+    used = len(s.A)
+    points = tuple(Point(k + 1.0, float(v), "estimate" if k < used else "muted", "dot") for k, v in enumerate(values))
+    edge = Curve(text("noise alone"), np.full(2, s.edge), "reference", "dash", x=np.array([0.5, count + 0.5]))
+    return PlaneFigure("values", text("singular values of the record"), (edge,), points, text("number"), text("correlation"),
+                       (0.5, count + 0.5), (0.0, 1.05), tab=ORDER_TAB,
+                       caption=text("Singular values above what noise alone would give: {count}. States of the model: {used}.",
+                                    count=int(np.count_nonzero(s.singular_values > s.edge)), used=used))
+
+
+def _poles(study: Study) -> PlaneFigure:
+    """Fitted poles with their standard deviations, true poles where they are known, and the unit circle."""
+    s, angle = study.found.subspace, np.linspace(0, 2 * np.pi, 121)
+    curves = [Curve(text("unit circle"), np.sin(angle), "muted", x=np.cos(angle))]
+    for pole, spread in zip(s.poles, s.spread, strict=True):
+        root = np.linalg.cholesky(spread + 1e-12 * np.eye(2))
+        x, y = 3.0 * root @ np.vstack([np.cos(angle), np.sin(angle)])
+        name = text("three standard deviations")
+        curves.append(Curve(name, np.clip(pole.imag + y, -1.5, 1.5), "estimate", "dot", x=np.clip(pole.real + x, -1.5, 1.5)))
+    points = [Point(float(p.real), float(p.imag), "estimate", "cross") for p in s.poles]
+    if study.true_poles is not None:
+        points += [Point(float(p.real), float(p.imag), "plant", "circle") for p in study.true_poles]
+    words = (text("Crosses: fitted poles. The farthest true pole (circle) is {away:.2g} standard deviations from a fitted one.",
+                  away=study.away) if study.true_poles is not None else
+             text("Crosses: fitted poles. The true ones of a measured record are not known."))
+    return PlaneFigure("poles", text("poles of the sampled model"), tuple(curves), tuple(points), "Re z", "Im z", (-1.2, 1.2), (-1.2, 1.2),
+                       equal=True, caption=words, tab=ORDER_TAB)
+
+
+def _innovations(study: Study) -> LineFigure:
+    """The innovations of the rows that judge, with the band of two standard deviations."""
+    track, first = study.judged.track, study.first
+    nu = np.nan_to_num(track.innovations[first:, 0])
+    band = 2 * np.sqrt(track.S[first:, 0, 0])
+    t, drawn, high = thin_samples(study.t, nu, band)
+    outside = float(np.mean(np.abs(nu) > band))
+    return LineFigure("innovations", text("innovations y − ŷ"), t,
+                      (Curve(text("innovation"), drawn, "error", width=1.2),
+                       Curve(text("two standard deviations"), high, "reference", "dash"),
+                       Curve(text("two standard deviations"), -high, "reference", "dash")), _unit(study), tab=INNOVATIONS_TAB,
+                      caption=text("{outside:.1f} % lie outside; a consistent filter has about 4.6 %.", outside=100 * outside))
+
+
+def _whiteness(study: Study) -> PlaneFigure:
+    """The autocorrelation of the innovations over the lag, with its band."""
+    white = study.judged.whiteness
+    if white is None:
+        return PlaneFigure("whiteness", text("autocorrelation of the innovations"), (), (), text("lag"), text("correlation"),
+                           (0, 20), (-1, 1), tab=INNOVATIONS_TAB,
+                           caption=text("Measurements are missing here, so whiteness is not tested."))
+    r = white.correlation[:, 0]
+    lags = len(r)
+    points = tuple(Point(k + 1.0, float(v), "estimate" if abs(v) <= white.band else "error", "dot") for k, v in enumerate(r))
+    lines = tuple(Curve(text("band of white noise"), np.full(2, side * white.band), "reference", "dash", x=np.array([0.5, lags + 0.5]))
+                  for side in (1, -1))
+    high = max(1.2 * float(np.abs(r).max()), 2 * white.band)
+    if white.p_value >= WHITE:
+        said = text("The innovations are white (p = {p:.2g}): nothing in them can be predicted.", p=white.p_value)
+    else:
+        said = text("The innovations are not white (p = {p:.2g}): a better model could predict a part of them.", p=white.p_value)
+    return PlaneFigure("whiteness", text("autocorrelation of the innovations"), lines, points, text("lag"), text("correlation"),
+                       (0.5, lags + 0.5), (-high, high), tab=INNOVATIONS_TAB, caption=said)
+
+
+def _nis(study: Study) -> LineFigure:
+    """NIS of each row that judges, its running mean, and the band of the mean at the end."""
+    judged = study.judged
+    values = np.nan_to_num(judged.nis.values) / judged.nis.dof
+    mean = np.cumsum(values) / np.arange(1, len(values) + 1)
+    t, single, running = thin_samples(study.t, np.minimum(values, TOP), np.minimum(mean, TOP))
+    flat = np.ones(len(t))
+    return LineFigure("nis", text("normalised innovation squared (NIS)"), t,
+                      (Curve(text("single NIS"), single, "muted", width=1.0), Curve(text("mean so far"), running, "estimate"),
+                       Curve(text("band of the whole mean"), judged.band[0] * flat, "reference", "dash"),
+                       Curve(text("band of the whole mean"), judged.band[1] * flat, "reference", "dash")), "NIS", tab=NIS_TAB,
+                      caption=text("A consistent filter has a mean of 1. At the end it is {mean:.3g}; the 99 % band is {low:.2f} to "
+                                   "{high:.2f}.", mean=judged.mean_nis, low=judged.band[0], high=judged.band[1]))
+
+
+def _numbers(outcome: Outcome[Study]) -> TableFigure:
+    """What is known of the record and what was found."""
+    study, found = outcome.study, outcome.study.found
+    record, truth = found.record, study.given.truth
+    rows: list[tuple[Text | str, ...]] = [
+        (text("rows of the record"), f"{record.rows}", ""), (text("rows for the fit"), f"{study.first}", ""),
+        (text("step"), f"{record.dt:.3g} s", ""),
+        (text("steps of past and of future"), f"{found.subspace.horizon}", ""),
+        ("R", f"{found.fitted.R[0, 0]:.3g}", f"{truth.R[0, 0]:.3g}" if truth else ""),
+    ]
+    true = study.true_poles
+    for k, (pole, deviation) in enumerate(zip(found.subspace.poles, found.subspace.deviations, strict=True)):
+        beside = "" if true is None else _pole(true[np.abs(true - pole).argmin()])
+        rows.append((text("pole {number}", number=k + 1), f"{_pole(pole)} ± {deviation:.2g}", beside))
+    return TableFigure("numbers", text("what was found"), (text("quantity"), text("fitted"), text("true")), tuple(rows), tab=NUMBERS_TAB,
+                       caption=text("± is one standard deviation."))
+
+
+def _pole(pole: complex) -> str:
+    return f"{pole.real:.3f}" + (f" {'+' if pole.imag > 0 else '−'} {abs(pole.imag):.3f}j" if abs(pole.imag) > 1e-9 else "")

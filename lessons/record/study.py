@@ -1,0 +1,173 @@
+"""Fit a model to a record's first part and judge its filter by the rest."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from observer_lab.course.figures.latex import matrix
+from observer_lab.course.lazy import LazyMap, LazySequence, LazyValue
+from observer_lab.course.lesson import Check, Design, Formula, Outcome, Stage
+from observer_lab.engine.identification import FilteredRecord, RecordFit, filter_record, identify
+from observer_lab.plants.bodies.own_body import tubes_body
+from observer_lab.text import NO_WORDS, Text, error_words, joined, text
+
+from .data import Given, record_of
+
+WHITE = 0.01  # p-value below which innovations are not white
+DEVIATIONS = 3.0  # of a pole: within them the true one is expected
+
+
+@dataclass(frozen=True, eq=False)
+class Study:
+    """The record, what was fitted, and the filter with the Q of the design, judged by the rows from `first` on.
+
+    true_poles: of the plant behind a simulated record, each beside the nearest fitted one in `away` (in standard deviations).
+    """
+
+    given: Given
+    found: RecordFit
+    judged: FilteredRecord
+    true_poles: np.ndarray | None
+    away: float
+
+    @property
+    def first(self) -> int:
+        """The first row that judges."""
+        return self.judged.first
+
+    @property
+    def t(self) -> np.ndarray:
+        """Times of the rows that judge, in s."""
+        return self.found.record.t[self.first:]
+
+    def level(self, rows: np.ndarray) -> np.ndarray:
+        """Outputs of the rows that judge, about their level, as they were measured."""
+        return rows + self.found.trend.y_level
+
+    def estimate(self, smoothed: bool) -> np.ndarray:
+        """The estimated output of the rows that judge: by what came before and now, or by the whole record."""
+        plant = self.found.fitted.plant
+        means = self.judged.smoothed.means if smoothed else self.judged.track.means
+        return self.level((means @ plant.C.T + self.found.record.u @ plant.D.T)[self.first:])
+
+    @property
+    def predicted(self) -> np.ndarray:
+        """The one-step prediction of each output in the rows that judge."""
+        return self.level((self.found.record.y - self.judged.track.innovations)[self.first:])
+
+    @property
+    def measured(self) -> np.ndarray:
+        """The outputs of the rows that judge."""
+        return self.level(self.found.record.y[self.first:])
+
+
+Source = Callable[[Design], Given]
+
+
+def from_knobs(design: Design) -> Given:
+    """The record that the knobs name."""
+    return record_of(design["data"], int(design["seed"]))
+
+
+@lru_cache(maxsize=32)
+def _fitted(given: Given, order: int, share: float) -> RecordFit:
+    return identify(given.record, order=order, share=share)
+
+
+def compute(source: Source, design: Design) -> Outcome[Study]:
+    """Fit the model and its noises to the first share of the record, filter the whole, judge by the rest."""
+    given = source(design)
+    found = _fitted(given, int(design["order"]), design["share"] / 100)
+    judged = found.judged if design["factor"] == 1 else filter_record(
+        found.fitted, found.record, found.judged.first, factor=design["factor"])
+    study = Study(given, found, judged, *_beside(given, found))
+    plant = found.fitted.plant
+    metrics = LazyMap(lambda: _metrics(study))
+    gains = {"M": judged.track.schedule.gains[-1], "R": found.fitted.R, "Q": design["factor"] * found.fitted.Q,
+             "S": judged.track.schedule.S[-1]}
+    return Outcome(
+        design, gains, {"model": np.log(found.subspace.poles.astype(complex) + 1e-300) / plant.dt}, metrics,
+        LazySequence(lambda: _checks(study)), None, (), _stage(study, bool(design["smoother"])),
+        LazySequence(lambda: _formulas(study, gains)), LazyValue(lambda: _live(study)), study)
+
+
+def _beside(given: Given, found: RecordFit) -> tuple[np.ndarray | None, float]:
+    """The true poles, and how far the farthest true one is from its nearest fitted one in standard deviations; 0 where unknown."""
+    if given.truth is None:
+        return None, 0.0
+    true = np.sort_complex(given.truth.plant.poles)
+    gap = np.abs(true[:, None] - found.subspace.poles)
+    near = gap.argmin(axis=1)
+    return true, float((gap.min(axis=1) / np.maximum(found.subspace.deviations[near], 1e-12)).max())
+
+
+def _metrics(study: Study) -> dict[str, float]:
+    s, judged, fitted = study.found.subspace, study.judged, study.found.fitted
+    known = {
+        "mean_nis": judged.mean_nis, "nis_low": judged.band[0], "nis_high": judged.band[1], "fit": 100 * float(judged.fit[0]),
+        "white_p": 1.0 if judged.whiteness is None else judged.whiteness.p_value, "suggested": float(s.suggested),
+        "edge": s.edge, "last_value": float(s.singular_values[len(s.A) - 1]), "deviation": float(s.deviations.max()),
+        "away": study.away, "sensor": float(np.sqrt(fitted.R[0, 0])), "horizon": float(s.horizon),
+        "slowest": float(np.abs(s.poles).max()), "gain": float(np.linalg.norm(fitted.plant.C @ judged.track.schedule.gains[-1]))}
+    if study.given.clean is not None:
+        clean = study.given.clean[study.first:]
+        for name, smoothed in (("filter_error", False), ("smoother_error", True)):
+            known[name] = float(np.sqrt(np.mean((study.estimate(smoothed) - clean) ** 2)))
+    return known
+
+
+def _checks(study: Study) -> tuple[Check, ...]:
+    judged = study.judged
+    white = judged.whiteness
+    checks = [Check("nis", text("the mean NIS of the unused rows is in its band"), judged.consistent, judged.mean_nis)]
+    if white is not None:
+        checks.append(Check("white", text("the innovations of the unused rows are white"), white.p_value >= WHITE, white.p_value))
+    if study.true_poles is not None:
+        checks.append(Check("poles", text("every true pole is within three standard deviations of a fitted one"),
+                            study.away <= DEVIATIONS, study.away))
+    return tuple(checks)
+
+
+def _stage(study: Study, smoothed: bool) -> Stage:
+    """One tube for each output: what was measured (or is true), and as the ghost what the filter estimates."""
+    record, first = study.found.record, study.first
+    shown = study.measured if study.given.clean is None else study.given.clean[first:]
+    seen = np.isfinite(shown)
+    shown = np.where(seen, shown, study.predicted)
+    level = study.found.trend.y_level
+    size = np.maximum(np.abs(shown - level).max(axis=0), 1e-12)
+    strongest = np.abs(record.u[first:]).max(axis=0, initial=1e-12)
+    body = tubes_body(record.output_names, size.tolist(), tuple(range(record.y.shape[1])), strongest.tolist())
+    return Stage(body, study.t - study.t[0], shown - level, study.estimate(smoothed) - level, record.u[first:])
+
+
+def _formulas(study: Study, gains: dict[str, np.ndarray]) -> tuple[Formula, ...]:
+    plant = study.found.fitted.plant
+    return (
+        Formula("model", r"x_{k+1}=Ax_k+Bu_k+w_k,\quad y_k=Cx_k+Du_k+v_k", text("Fitted to the first part of the record.")),
+        Formula("A", "A=" + matrix(plant.A)),
+        Formula("C", "C=" + matrix(plant.C)),
+        Formula("Q", "Q=" + matrix(gains["Q"])),
+        Formula("R", "R=" + matrix(gains["R"])),
+    )
+
+
+def _live(study: Study) -> Text:
+    judged, order, suggested = study.judged, len(study.found.subspace.A), study.found.subspace.suggested
+    fit = text("The filter predicts {fit:.3g} % of the output's variation one step ahead.", fit=100 * float(judged.fit[0]))
+    if judged.mean_nis > judged.band[1]:
+        nis = text("Mean NIS {nis:.3g}, above its band ({low:.2f} to {high:.2f}): the filter is over-confident.",
+                   nis=judged.mean_nis, low=judged.band[0], high=judged.band[1])
+    elif judged.mean_nis < judged.band[0]:
+        nis = text("Mean NIS {nis:.3g}, below its band ({low:.2f} to {high:.2f}): the filter is under-confident.",
+                   nis=judged.mean_nis, low=judged.band[0], high=judged.band[1])
+    else:
+        nis = text("Mean NIS {nis:.3g}, inside its band ({low:.2f} to {high:.2f}): the filter is consistent.",
+                   nis=judged.mean_nis, low=judged.band[0], high=judged.band[1])
+    other = NO_WORDS if order == suggested else text("The singular values suggest order {suggested}, not {order}.",
+                                                     suggested=suggested, order=order)
+    return joined(nis, fit, other, *map(error_words, study.found.record.notes))

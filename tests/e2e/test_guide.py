@@ -1,0 +1,128 @@
+"""The guide in a browser: what a scene shows is in sight, what it asks for can be done, and its dialogs have an exit."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager
+from typing import Any
+
+import pytest
+from axe_playwright_python.sync_playwright import Axe
+from playwright.sync_api import Browser, Page, expect
+
+from observer_lab.lessons import LESSONS
+
+PATIENCE = 60_000  # ms: a busy machine is slow
+SIZES = ((1366, 768), (1280, 720), (1920, 1080), (390, 844))
+STAGE, STAGE_ON_A_PHONE = 0.6, 0.4  # least share of the window
+MEASURE = """() => {
+  const box = name => document.querySelector(name).getBoundingClientRect(), stage = box('canvas[data-engine]');
+  const card = ['.ol-card', '.ol-answer', '.ol-way'].map(box), sheet = innerWidth < 897 ? box('.ol-head').top : stage.height;
+  return {stage: stage.width * Math.min(stage.height, sheet) / (innerWidth * innerHeight), high: innerHeight, wide: innerWidth,
+          top: Math.min(...card.map(r => r.top)), bottom: Math.max(...card.map(r => r.bottom)),
+          left: Math.min(...card.map(r => r.left)), right: Math.max(...card.map(r => r.right))};
+}"""
+NAMELESS = """() => [...document.querySelectorAll('button')]
+  .filter(b => b.checkVisibility({visibilityProperty: true, opacityProperty: true}) && b.getBoundingClientRect().width > 0)
+  .filter(b => !(b.innerText.trim() || b.getAttribute('aria-label') || b.title)).map(b => b.outerHTML.slice(0, 120))"""
+THEMES = (("light", "en"), ("dark", "zh"))
+
+
+@pytest.fixture
+def opened(browser: Browser, serve: Callable[..., AbstractContextManager[str]]) -> Iterator[Callable[..., Page]]:
+    """Opens the guide of a lesson, or the front door without one, in a window of some size and theme."""
+    contexts, servers = [], []
+
+    def make(*options: str, size: tuple[int, int] = SIZES[0], dark: bool = False) -> Page:
+        server = serve(0, "--view", "guide", *options)
+        servers.append(server)
+        address = server.__enter__()
+        context = browser.new_context(viewport={"width": size[0], "height": size[1]}, reduced_motion="reduce",
+                                      color_scheme="dark" if dark else "light")
+        contexts.append(context)
+        page = context.new_page()
+        page.goto(address)
+        page.wait_for_selector(".ol-scene", timeout=PATIENCE)
+        expect(page.locator(".ol-cover")).to_be_hidden(timeout=PATIENCE)
+        return page
+    yield make
+    for context in contexts:
+        context.close()
+    for server in servers:
+        server.__exit__(None, None, None)
+
+
+def answer(page: Page, right: int) -> None:
+    """Choose an option, and wait for the verdict in the card."""
+    page.locator(".ol-option").nth(right).click(timeout=PATIENCE)
+    expect(page.locator(".ol-answer .ol-right, .ol-answer .ol-wrong")).to_be_visible(timeout=PATIENCE)
+
+
+def turn(page: Page, scene: str) -> None:
+    """Go on, and wait for the scene."""
+    page.locator(".ol-way button").last.click(timeout=PATIENCE)
+    expect(page.locator(f".ol-card[data-scene={scene}]")).to_be_visible(timeout=PATIENCE)
+
+
+@pytest.mark.parametrize("size", SIZES, ids=lambda size: f"{size[0]}x{size[1]}")
+@pytest.mark.parametrize(("theme", "language"), THEMES)
+def test_stage_and_card_are_in_sight(opened: Callable[..., Page], size: tuple[int, int], theme: str, language: str) -> None:
+    page = opened("--lesson", "separation", "--lang", language, size=size, dark=theme == "dark")
+    answer(page, 1)
+    found = page.evaluate(MEASURE)
+    assert found["stage"] >= (STAGE_ON_A_PHONE if size[0] < 897 else STAGE), found
+    assert found["top"] >= 0 and found["left"] >= 0 and found["bottom"] <= found["high"] and found["right"] <= found["wide"], found
+
+
+def test_a_newcomer_starts_and_the_page_performs_what_was_predicted(opened: Callable[..., Page]) -> None:
+    page = opened()
+    page.locator(".ol-begin .ol-next").click(timeout=PATIENCE)
+    expect(page.locator(".mantine-Modal-content")).to_have_count(0, timeout=PATIENCE)
+    assert page.locator(".ol-card").is_visible()
+
+
+def test_a_prediction_is_performed_before_its_verdict(opened: Callable[..., Page]) -> None:
+    page, path = opened("--lesson", "separation"), LESSONS["separation"].path
+    for scene in path[1:4]:
+        turn(page, scene.id)
+    assert page.locator(".ol-answer").inner_text().strip() == ""
+    answer(page, 0)
+    assert "B" in page.locator(".ol-answer .ol-wrong").inner_text()
+    expect(page.locator(".ol-option.ol-chosen")).to_have_count(1)
+
+
+@pytest.mark.parametrize("way", ["Escape", "cross", "beside"])
+def test_a_dialog_closes_by_escape_by_its_cross_and_by_a_press_beside_it(opened: Callable[..., Page], way: str) -> None:
+    page = opened("--lesson", "separation")
+    page.locator(".ol-menu").click(timeout=PATIENCE)
+    dialog = page.locator(".mantine-Modal-content")
+    expect(dialog).to_have_count(1, timeout=PATIENCE)
+    expect(page.locator(".ol-close")).to_be_visible(timeout=PATIENCE)
+    if way == "Escape":
+        page.keyboard.press("Escape")
+    elif way == "cross":
+        page.locator(".ol-close").click()
+    else:
+        page.mouse.click(5, 5)
+    expect(dialog).to_have_count(0, timeout=PATIENCE)
+
+
+def test_nothing_of_the_frame_that_has_no_name_or_address_shows(opened: Callable[..., Page]) -> None:
+    page = opened("--lesson", "separation")
+    assert page.evaluate(NAMELESS) == []
+    assert "ws://" not in page.inner_text("body") and "WebGL" not in page.inner_text("body")
+
+
+@pytest.mark.parametrize("size", [SIZES[0], SIZES[-1]], ids=["wide", "phone"])
+def test_the_rules_of_accessibility_find_nothing_serious(opened: Callable[..., Page], size: tuple[int, int]) -> None:
+    page = opened("--lesson", "separation", size=size)
+    assert serious(page) == []
+    page.locator(".ol-menu").click(timeout=PATIENCE)
+    expect(page.locator(".ol-close")).to_be_visible(timeout=PATIENCE)
+    assert serious(page) == []
+
+
+def serious(page: Page) -> list[tuple[str, list[Any]]]:
+    """What axe-core calls serious or critical, and where."""
+    found = Axe().run(page, options={"resultTypes": ["violations"]}).response["violations"]
+    return [(rule["id"], [node["html"][:160] for node in rule["nodes"]][:4]) for rule in found if rule["impact"] in ("serious", "critical")]

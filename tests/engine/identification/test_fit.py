@@ -1,0 +1,179 @@
+"""The fit of plant, noises and smoother beside what is known: exact plants, SciPy's equations, batch least squares, many seeds."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from record_laws import PLANTS, judged
+from scipy.linalg import block_diag, solve_discrete_are, toeplitz
+
+from observer_lab.engine import Belief, EngineError, KalmanFilter, Plant
+from observer_lab.engine.identification import Record, filter_record, fit_noise, identify, subspace
+from observer_lab.engine.identification.noise_fit import steady_gain
+from observer_lab.engine.identification.smoother import smooth
+from observer_lab.engine.identification.subspace import noise_edge
+
+
+def answer(A: np.ndarray, B: np.ndarray, C: np.ndarray, u: np.ndarray) -> np.ndarray:
+    x, out = np.zeros(len(A)), []
+    for row in u:
+        out.append(C @ x)
+        x = A @ x + B @ row
+    return np.array(out)
+
+
+@pytest.mark.parametrize("plant", PLANTS[:3], ids=lambda plant: plant.name)
+def test_without_noise_the_poles_are_exact(plant) -> None:
+    A, B, C = plant.sampled()
+    u = np.random.default_rng(2).standard_normal((900, 1))
+    found = subspace(u, answer(A, B, C, u), order=len(A))
+    np.testing.assert_allclose(np.sort_complex(found.poles), np.sort_complex(np.linalg.eigvals(A)), atol=1e-9)
+    assert found.suggested == len(A)
+
+
+def test_the_fitted_plant_answers_as_the_true_one() -> None:
+    A, B, C = PLANTS[0].sampled()
+    found = identify(PLANTS[0].record(3), order=2).fitted.plant
+    def impulse(A, B, C):
+        return np.array([C @ np.linalg.matrix_power(A, k) @ B for k in range(40)]).ravel()
+    true = impulse(A, B, C)
+    assert np.abs(impulse(found.A, found.B, found.C) - true).max() < 0.1 * np.abs(true).max()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("plant", PLANTS, ids=lambda plant: plant.name)
+def test_poles_and_nis_lie_within_what_is_said(plant) -> None:
+    """Three seeds of the hundred of `record_laws.py`, none of which may fail."""
+    assert [judged(plant, seed)[:2] for seed in range(3)] == [(True, True)] * 3
+
+
+@pytest.mark.slow
+def test_the_stated_deviation_is_the_spread_over_seeds() -> None:
+    plant = PLANTS[0]
+    true = np.sort_complex(np.linalg.eigvals(plant.sampled()[0]))
+    found = [subspace(record.u, record.y, order=2) for record in map(plant.record, range(24))]
+    spread = np.sqrt(np.mean([np.abs(f.poles - true) ** 2 for f in found], axis=0))
+    stated = np.mean([f.deviations for f in found], axis=0)
+    np.testing.assert_allclose(stated, spread, rtol=0.4)
+
+
+def test_noise_alone_stays_below_its_edge() -> None:
+    rng = np.random.default_rng(0)
+    a, b, count = 10, 20, 600
+    top = []
+    for _ in range(20):
+        X, Y = (np.linalg.qr(rng.standard_normal((count, k)))[0] for k in (a, b))
+        top.append(np.linalg.svd(X.T @ Y, compute_uv=False)[0])
+    edge = noise_edge(a, b, count)
+    assert max(top) < edge < 1.3 * np.mean(top)
+
+
+def test_the_steady_gain_is_that_of_scipy() -> None:
+    rng = np.random.default_rng(1)
+    for _ in range(20):
+        A, C, G = rng.standard_normal((4, 4)), rng.standard_normal((2, 4)), rng.standard_normal((4, 2))
+        A *= rng.uniform(0.3, 1.2) / np.abs(np.linalg.eigvals(A)).max()
+        Q, R = G @ G.T, np.diag(rng.uniform(0.1, 2.0, 2))
+        P = solve_discrete_are(A.T, C.T, Q, R)
+        S = C @ P @ C.T + R
+        K, found = steady_gain(A, C, Q, R)
+        np.testing.assert_allclose(K, A @ P @ C.T @ np.linalg.inv(S), atol=1e-9 * np.abs(K).max())
+        np.testing.assert_allclose(found, S, rtol=1e-9)
+
+
+@pytest.mark.slow
+def test_the_likely_noises_of_a_known_plant_are_near_the_true_ones() -> None:
+    known = PLANTS[0]
+    A, B, C = known.sampled()
+    plant = Plant(A, B, C, None, known.dt)
+    found = [fit_noise(plant, known.record(seed)) for seed in range(6)]
+    K, S = steady_gain(A, C, known.q**2 * B @ B.T, known.r**2 * np.eye(1))
+    gains = [steady_gain(A, C, f.Q, f.R)[0] for f in found]
+    np.testing.assert_allclose(np.mean(gains, axis=0), K, atol=0.3 * np.abs(K).max())
+    assert np.mean([f.R[0, 0] for f in found]) == pytest.approx(known.r**2, rel=0.1)
+    assert np.mean([steady_gain(A, C, f.Q, f.R)[1][0, 0] for f in found]) == pytest.approx(S[0, 0], rel=0.1)
+
+
+def test_no_noises_near_the_found_ones_are_more_likely() -> None:
+    """−2 log L of the record by its whole covariance matrix, without any filter."""
+    a, count = 0.8, 300
+    rng = np.random.default_rng(4)
+    x = np.zeros(count)
+    for k in range(1, count):
+        x[k] = a * x[k - 1] + 0.3 * rng.standard_normal()
+    y = x + 0.5 * rng.standard_normal(count)
+    found = fit_noise(Plant([[a]], [[1.0]], [[1.0]], None, 1.0), Record(np.arange(count), np.zeros((count, 1)), y))
+    shrink = (count - 1) / (count + 1)  # what the fit adds for rows to come
+
+    def level(q: float, r: float) -> float:
+        S = q / (1 - a**2) * toeplitz(a ** np.arange(count)) + r * np.eye(count)
+        return float(np.linalg.slogdet(S)[1] + y @ np.linalg.solve(S, y))
+    q, r = shrink * found.Q[0, 0], shrink * found.R[0, 0]
+    best = level(q, r)
+    assert all(level(q * g, r * h) > best - 0.3 for g in (0.5, 1.0, 2.0) for h in (0.7, 1.0, 1.4))
+    assert level(4 * q, r) > best + 1 and level(q, 2 * r) > best + 1
+
+
+@pytest.mark.parametrize("steps", [30, 400])
+def test_the_smoother_is_the_least_squares_over_the_whole_record(steps: int) -> None:
+    rng = np.random.default_rng(steps)
+    A, C = np.array([[0.9, 0.2], [-0.1, 0.8]]), np.array([[1.0, 0.0]])
+    Q, R, P0 = np.diag([0.1, 0.3]), np.eye(1) * 0.5, np.eye(2)
+    y = rng.standard_normal((steps, 1))
+    kf = KalmanFilter(A, np.zeros((2, 1)), C, Q, R)
+    found = smooth(kf, kf.run(Belief([0, 0], P0), y))
+    T = np.eye(2 * steps) - np.kron(np.eye(steps, k=-1), A)  # T x = (x₀, w₀, w₁, …)
+    W = block_diag(np.linalg.inv(P0), *[np.linalg.inv(Q)] * (steps - 1))
+    H = np.kron(np.eye(steps), C)
+    information = T.T @ W @ T + H.T @ H / R[0, 0]
+    np.testing.assert_allclose(found.means.ravel(), np.linalg.solve(information, H.T @ y / R[0, 0]).ravel(), atol=1e-8)
+    np.testing.assert_allclose(found.variances.ravel(), np.diag(np.linalg.inv(information)), atol=1e-8)
+
+
+def test_gaps_are_no_reason_to_stop() -> None:
+    record = PLANTS[0].record(1)
+    y = np.array(record.y)
+    y[300:330], y[700:705] = np.nan, np.nan
+    found = identify(Record(record.t, record.u, y), order=2)
+    assert found.judged.consistent and found.judged.whiteness is None
+    true = np.sort_complex(np.linalg.eigvals(PLANTS[0].sampled()[0]))
+    assert (np.abs(found.subspace.poles - true) < 4 * found.subspace.deviations).all()
+
+
+def test_units_change_nothing_but_units() -> None:
+    record = PLANTS[0].record(0)
+    plain, other = (identify(r, order=2) for r in (record, Record(record.t, 1e-6 * record.u, 1e9 * record.y + 3e9)))
+    np.testing.assert_allclose(other.subspace.poles, plain.subspace.poles, rtol=1e-6)
+    assert other.judged.mean_nis == pytest.approx(plain.judged.mean_nis, rel=1e-3)
+    assert other.fitted.R[0, 0] == pytest.approx(1e18 * plain.fitted.R[0, 0], rel=0.02)
+
+
+def test_without_inputs_the_noise_alone_is_modelled() -> None:
+    rng = np.random.default_rng(0)
+    y = np.zeros(1500)
+    for k in range(1, 1500):
+        y[k] = 0.9 * y[k - 1] + rng.standard_normal()
+    found = identify(Record(np.arange(1500), np.zeros((1500, 0)), y + 0.5 * rng.standard_normal(1500)), order=1)
+    assert found.subspace.poles[0].real == pytest.approx(0.9, abs=0.05) and found.judged.consistent
+
+
+def test_a_filter_with_a_wrong_q_leaves_its_band() -> None:
+    found = identify(replace(PLANTS[0], q=1.0, r=0.02).record(0), order=2)
+    assert found.judged.consistent
+    for factor, above in ((0.01, True), (100.0, False)):
+        wrong = filter_record(found.fitted, found.record, found.judged.first, factor=factor)
+        assert (wrong.mean_nis > wrong.band[1]) if above else (wrong.mean_nis < wrong.band[0])
+
+
+@pytest.mark.parametrize("act, words", [
+    (lambda: subspace(np.ones((400, 1)), np.random.default_rng(0).standard_normal((400, 1))), "do not excite"),
+    (lambda: subspace(np.zeros((30, 1)), np.ones((30, 1))), "too short"),
+    (lambda: subspace(np.zeros((400, 0)), np.random.default_rng(0).standard_normal((400, 1)), order=9, horizon=4), "order must be"),
+    (lambda: fit_noise(Plant([[0.5]], [[1, 1]], [[1]], None, 1.0), Record(np.arange(50), np.zeros(50), np.ones(50))), "2 inputs"),
+    (lambda: fit_noise(Plant([[0.5]], [[1]], [[1]], None, 2.0), Record(np.arange(50), np.zeros(50), np.ones(50))), "every 2 s"),
+])
+def test_what_cannot_be_fitted_is_refused(act, words: str) -> None:
+    with pytest.raises(EngineError, match=words):
+        act()

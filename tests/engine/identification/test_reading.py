@@ -1,0 +1,89 @@
+"""A record from a CSV text: what is read, and what is refused in one sentence."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from observer_lab.engine import EngineError
+from observer_lab.engine.identification import Record, load_record, read_record
+
+ROWS = 12
+
+
+def rows(*columns: object, mark: str = ",") -> str:
+    return "".join(mark.join(str(column(k) if callable(column) else column) for column in columns) + "\n" for k in range(ROWS))
+
+
+def test_names_and_units_of_the_head_are_kept() -> None:
+    record = read_record("t [ms], u1 [V],y1 (mm), other\n" + rows(lambda k: 10 * k, 1, lambda k: k * k, 7))
+    assert (record.input_names, record.output_names) == (("u1",), ("y1",))
+    assert (record.unit("u1"), record.unit("y1"), record.rows) == ("V", "mm", ROWS)
+    assert record.dt == pytest.approx(0.01)
+    np.testing.assert_array_equal(record.y[:, 0], np.arange(ROWS) ** 2)
+
+
+@pytest.mark.parametrize("text", [
+    "Time;gas;CO2\n" + rows(lambda k: f"{k},0", "1,5", lambda k: f"{k},25", mark=";"),
+    "Time\tgas\tCO2\n" + rows(lambda k: k, 1.5, lambda k: k + 0.25, mark="\t"),
+    "\ufeffTime gas CO2\n# a remark\n".lstrip("\ufeff") + rows(lambda k: k, 1.5, lambda k: k + 0.25, mark=" "),
+    "Time,gas,CO2\n" + rows(lambda k: f"2026-11-25T13:00:{k:02d}Z", 1.5, lambda k: k + 0.25),
+])
+def test_other_separators_decimal_commas_and_dates_are_read(text: str) -> None:
+    record = read_record(text, inputs=("gas",), outputs=("CO2",))
+    np.testing.assert_allclose(record.t, np.arange(ROWS))
+    np.testing.assert_allclose(record.u[:, 0], 1.5)
+    np.testing.assert_allclose(record.y[:, 0], np.arange(ROWS) + 0.25)
+
+
+def test_an_empty_output_cell_is_a_missing_measurement() -> None:
+    record = read_record("t,u,y\n" + rows(lambda k: k, 1, lambda k: "" if k == 4 else k))
+    assert np.flatnonzero(np.isnan(record.y[:, 0])).tolist() == [4]
+
+
+REFUSED = {
+    "holds no rows": "t,u,y\n",
+    "two columns are called u": "t,u,u\n" + rows(1, 2, 3),
+    "no column is called t": "a,u,y\n" + rows(1, 2, 3),
+    "no column is an output": "t,u,z\n" + rows(lambda k: k, 2, 3),
+    "unit furlong": "t [furlong],u,y\n" + rows(lambda k: k, 1, 2),
+    "2 instead of 3": "t,u,y\n" + rows(lambda k: k, 1, lambda k: k).replace("3,1,3\n", "3,1\n"),
+    "row 5, column y: broken": "t,u,y\n" + rows(lambda k: k, 1, lambda k: k).replace("3,1,3\n", "3,1,broken\n"),
+    "input u is missing in row 5": "t,u,y\n" + rows(lambda k: k, lambda k: "" if k == 3 else 1, lambda k: k),
+    "row 5 has no time": "t,u,y\n" + rows(lambda k: "" if k == 3 else k, 1, lambda k: k),
+    "row 5 is not later": "t,u,y\n" + rows(lambda k: 2 if k == 3 else k, 1, lambda k: k),
+    "not a date": "t,u,y\n" + rows(lambda k: "2026-11-25 13:00:00" if not k else "later", 1, lambda k: k),
+    "8 to 1000000 rows": "t,u,y\n1,2,3\n2,3,4\n",
+    "no measurement at all": "t,u,y\n" + rows(lambda k: k, 1, ""),
+}
+
+
+@pytest.mark.parametrize("words", REFUSED)
+def test_what_cannot_be_read_is_refused_in_one_sentence_that_says_where(words: str) -> None:
+    with pytest.raises(EngineError) as found:
+        read_record(REFUSED[words])
+    said = str(found.value)
+    assert words.lower() in said.lower() and said.endswith(".") and "\n" not in said
+
+
+@pytest.mark.parametrize("given, words", [({"time": "clock"}, "no column clock"), ({"inputs": ("y",), "outputs": ("y",)}, "only one of")])
+def test_columns_that_are_chosen_wrongly_are_refused(given: dict[str, object], words: str) -> None:
+    with pytest.raises(EngineError, match=words):
+        read_record("t,u,y\n" + rows(lambda k: k, 1, lambda k: k), **given)  # type: ignore[arg-type]
+
+
+def test_a_file_is_read_as_its_text_and_a_missing_or_binary_one_is_refused(tmp_path) -> None:
+    text = "t,u,y\n" + rows(lambda k: k, 1, lambda k: k)
+    (tmp_path / "a.csv").write_text("\ufeff" + text, encoding="utf-8")
+    (tmp_path / "b.csv").write_bytes(b"\xff\xfe\x00")
+    np.testing.assert_array_equal(load_record(tmp_path / "a.csv").y, read_record(text).y)
+    for name, words in (("none.csv", "cannot be read"), ("b.csv", "not UTF-8"), ("", "cannot be read")):
+        with pytest.raises(EngineError, match=words):
+            load_record(tmp_path / name)
+
+
+def test_the_step_is_that_of_all_rows_or_none() -> None:
+    t = np.arange(20.0)
+    assert Record(t, np.zeros((20, 0)), np.ones(20)).dt == 1
+    t[7] += 0.2
+    assert Record(t, np.zeros((20, 0)), np.ones(20)).dt == 0

@@ -1,0 +1,211 @@
+"""What is true of every path: few words, few things in sight, every action can be done, and forth and back shows the same."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+
+import pytest
+from fakes import FakeView
+from laws import each
+
+from observer_lab.course.lesson import Lesson
+from observer_lab.course.scenes import (
+    MAX_FIGURES,
+    MAX_KNOBS,
+    MAX_TEXT_WORDS,
+    MAX_TITLE_WORDS,
+    Choose,
+    Move,
+    Press,
+    Question,
+    Read,
+    Scene,
+    Solve,
+    entry_values,
+    minutes_of,
+    places_of,
+)
+from observer_lab.lessons import LESSONS
+from observer_lab.session.commands.commands import Kick, Play, SetKnobs
+from observer_lab.session.commands.guide import ChooseOption, GoToScene, TurnScene
+from observer_lab.session.handlers.guide import options_of
+from observer_lab.session.session import Session
+from observer_lab.text import languages
+
+PATHS = {id: lesson for id, lesson in LESSONS.items() if lesson.path}
+SCENES = (7, 12)  # of a path
+CORE_MINUTES, WHOLE_MINUTES = (10.0, 16.5), 45.0
+MAX_CHINESE = 90  # characters of a scene's text
+
+
+class Walker:
+    """A tab without a browser on a lesson's path, with a clock of its own."""
+
+    def __init__(self, lesson: str, language: str = "en") -> None:
+        self.now = 0.0
+        self.session = Session(LESSONS, FakeView(), lesson, language, clock=lambda: self.now, mode="guide")
+        self.session.open()
+
+    @property
+    def scene(self) -> Scene:
+        picture = self.session.picture
+        assert picture is not None and picture.scene is not None
+        return picture.scene
+
+    @property
+    def done(self) -> frozenset[str]:
+        assert self.session.picture is not None
+        return self.session.picture.state.done
+
+    def send(self, edit: object, seconds: float = 0.0) -> None:
+        self.session.post(edit)  # type: ignore[arg-type]
+        self.session.step()
+        self.wait(seconds)
+
+    def wait(self, seconds: float) -> None:
+        end = self.now + seconds
+        while self.now < end:
+            self.now += 0.11
+            self.session.step()
+
+    def do(self) -> None:
+        """Do what the scene asks for, as a person would."""
+        picture, scene = self.session.picture, self.scene
+        assert picture is not None
+        match scene.do:
+            case Choose():
+                self.send(ChooseOption(options_of(picture.lesson, scene, "en")[2]), 3.0)
+            case Press(button):
+                self.send(Kick() if button == "kick" else Play())
+            case Move(knobs):
+                self.send(SetKnobs({knobs[0]: another(picture.lesson, knobs[0], picture.design[knobs[0]])}))
+                self.wait(0.5)
+            case Solve(task):
+                found = next(t for t in picture.lesson.tasks if t.id == task)
+                self.send(SetKnobs(dict(found.solution)))
+                self.wait(0.5)
+            case Read():
+                self.wait(3.0 if scene.play else 0.0)
+
+
+def another(lesson: Lesson, name: str, value: object) -> object:
+    """Some other value of a knob."""
+    knob = lesson.knob(name)
+    if isinstance(value, bool):
+        return not value
+    if isinstance(value, tuple):
+        return tuple(p * 0.9 for p in value)
+    if isinstance(value, str):
+        return next(key for key, _ in knob.options if key != value)  # type: ignore[attr-defined]
+    low, high = knob.low, knob.high  # type: ignore[attr-defined]
+    return low if value != low else high
+
+
+def words_of(text: str) -> list[str]:
+    """The words of a text; a formula counts as one."""
+    return [word for word in re.sub(r"\$[^$]+\$", "formula", text).split() if re.search(r"\w", word)]
+
+
+def faults(lesson: Lesson) -> Iterator[str]:
+    """What a path lacks, or has too much of."""
+    path, start = lesson.path, lesson.start()
+    outcome = lesson.compute(start)
+    figures, boards = {f.id for f in lesson.figures(outcome)}, {b.id for b in outcome.boards}
+    formulas = {f.id for f in outcome.formulas}
+    ids = [scene.id for scene in path]
+    if not SCENES[0] <= len(path) <= SCENES[1] or len(set(ids)) < len(ids):
+        yield f"{len(path)} scenes"
+    if not CORE_MINUTES[0] <= minutes_of(path, True) <= CORE_MINUTES[1]:
+        yield f"core of {minutes_of(path, True)} minutes"
+    if minutes_of(path, False) > WHOLE_MINUTES:
+        yield f"{minutes_of(path, False)} minutes"
+    if not any(isinstance(scene.do, Choose) and scene.do.question is Question.FIRST for scene in path):
+        yield "no scene asks the lesson's prediction"
+    if lesson.again is not None and not any(isinstance(s.do, Choose) and s.do.question is Question.SECOND for s in path):
+        yield "no scene asks the lesson's second prediction"
+    if not any(isinstance(scene.do, (Move, Press, Solve)) for scene in path):
+        yield "nothing is done with a hand"
+    for k, scene in enumerate(path):
+        here = f"{scene.id}: "
+        reached = lesson.compute(lesson.apply(start, entry_values(path, k, start)))
+        shown = {f.id for f in lesson.figures(reached)}
+        if len(scene.knobs) > MAX_KNOBS or len(scene.figures) > MAX_FIGURES:
+            yield here + "too much in sight"
+        all_boards = boards | {b.id for b in reached.boards}
+        for what, names, known in (("figure", scene.figures, figures | shown), ("board", scene.boards, all_boards),
+                                   ("formula", scene.formulas, formulas | {f.id for f in reached.formulas})):
+            for name in names:
+                if name not in known:
+                    yield f"{here}no {what} {name}; there are {sorted(known)}"
+        if isinstance(scene.do, Move):
+            reach = {b.knob for b in reached.boards if b.id in scene.boards} | set(scene.knobs)
+            if not set(scene.do.knobs) & reach:
+                yield f"{here}no widget or board in sight moves {scene.do.knobs}"
+        if isinstance(scene.do, Press) and scene.do.button == "kick" and not lesson.kick:
+            yield here + "this lesson has no kick"
+        for language in languages():
+            yield from (f"{here}{language}: {fault}" for fault in wording(lesson, scene, language, reached.metrics))
+
+
+def wording(lesson: Lesson, scene: Scene, language: str, metrics: object) -> Iterator[str]:
+    """What is wrong with the words of a scene in a language."""
+    found = lesson.words[language].scenes.get(scene.id)
+    if found is None:
+        yield "no words"
+        return
+    if language == "en":
+        if len(words_of(found.text)) > MAX_TEXT_WORDS:
+            yield f"text of {len(words_of(found.text))} words"
+        if len(words_of(found.say)) > MAX_TEXT_WORDS:
+            yield f"verdict of {len(words_of(found.say))} words"
+        if len(words_of(found.title)) > MAX_TITLE_WORDS:
+            yield f"title of {len(words_of(found.title))} words"
+    elif len(re.sub(r"\$[^$]+\$", "式", found.text)) > MAX_CHINESE:
+        yield f"text of {len(found.text)} characters"
+    if not found.text or not found.title or not found.note:
+        yield "lacks its text, title or speaker's note"
+    if isinstance(scene.do, (Move, Press, Solve)) and not (found.do and found.say):
+        yield "does not say what to do, or what has come of it"
+    if isinstance(scene.do, Choose):
+        options, refutations, answer = options_of(lesson, scene, language)
+        if len(options) < 2 or not 0 <= answer < len(options) or not found.say:
+            yield "has no options, no answer or no verdict"
+        elif any(bool(words) == (k == answer) for k, words in enumerate(refutations)):
+            yield "a wrong option is not refuted, or the right one is"
+    for words in (found.text, found.say, found.do):
+        for name in places_of(words):
+            if name not in metrics and name not in {k.name for k in lesson.knobs}:  # type: ignore[operator]
+                yield f"no number {name}"
+
+
+def test_every_lesson_has_a_path_in_every_language() -> None:
+    assert set(PATHS) == set(LESSONS)
+
+
+@each("id", list(PATHS))
+def test_a_path_is_short_and_complete(id: str) -> None:
+    found = list(faults(LESSONS[id]))
+    assert not found, "\n".join(found)
+
+
+@pytest.mark.slow
+@each("id", list(PATHS))
+def test_every_action_can_be_done_and_forth_and_back_shows_the_same(id: str) -> None:
+    walker, states = Walker(id), []
+    path = LESSONS[id].path
+    for k, scene in enumerate(path):
+        assert walker.scene.id == scene.id
+        assert walker.session.picture is not None
+        states.append(dict(walker.session.picture.design.values))
+        assert isinstance(scene.do, Read) or scene.id not in walker.done, f"{scene.id} is done before anything was done"
+        walker.do()
+        assert scene.id in walker.done, f"{scene.id} is not done"
+        if k < len(path) - 1:
+            walker.send(TurnScene(1))
+    names = {name for scene in path for name in (*scene.set, *scene.play, *scene.knobs)}
+    for k in reversed(range(len(path))):
+        walker.send(GoToScene(k))
+        assert walker.session.picture is not None
+        now = dict(walker.session.picture.design.values)
+        assert {n: now[n] for n in names} == {n: states[k][n] for n in names}, path[k].id
