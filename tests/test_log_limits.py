@@ -65,6 +65,7 @@ def told() -> Iterator[io.StringIO]:
 def test_what_libraries_print_comes_as_lines_of_json(told: io.StringIO) -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("always")
+        logging.captureWarnings(False)  # pytest has put its own hook in since the fixture
         logging.captureWarnings(True)
         warnings.warn("of a library", stacklevel=1)
     thread = threading.Thread(target=lambda: 1 / 0)

@@ -124,7 +124,7 @@ def _map(outcome: Outcome[Study]) -> MapFigure:
     tail = NO_WORDS if inside else text("The optimum lies outside the map.")
     return MapFigure("index", text("J(a, b) against no mixing"), GRID_A, GRID_B, values, SUPPRESSION_CLASSES,
                      "a", "b", (float(np.clip(mixed.a, -A_EDGE, A_EDGE)), float(np.clip(mixed.b, -B_EDGE, B_EDGE))),
-                     caption=joined(text("On {share:.0f} % of the map J comes down by 3 dB or more; click a point to use it.",
+                     caption=joined(text("On {share:.3g} % of the map J comes down by 3 dB or more; click a point to use it.",
                                          share=share), tail), tab=CHANNEL_TAB)
 
 

@@ -11,6 +11,8 @@ from observer_lab.course.figures.records import Curve, LineFigure
 from observer_lab.engine import Plant
 from observer_lab.text import same, text
 
+from ..toolkit.shares import percent
+
 HORIZON_STEPS = 80
 HORIZON_TAB = text("Finite horizon")
 Weights = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
@@ -68,5 +70,5 @@ def horizon_figure(found: Horizon, S: np.ndarray, P: np.ndarray, K: np.ndarray) 
          Curve(text("tr P(t), from P(0) = 0 forwards"), forward, "estimate"),
          Curve(same("‖K(t)‖"), size, "force", "dash")),
         text("share of the settled value"), window=(0.0, 1.1), tab=HORIZON_TAB,
-        caption=text("T = {window:.3g} s. At t = 0 S has {back:.0f} % of what it settles to, at T P has {forward:.0f} %; at the end "
-                     "nothing is left to save, and K is 0.", window=float(found.t[-1]), back=100 * back[0], forward=100 * forward[-1]))
+        caption=text("T = {window:.3g} s. At t = 0 S has {back} % of what it settles to, at T P has {forward} %; at the end "
+                     "nothing is left to save, and K is 0.", window=float(found.t[-1]), back=percent(float(back[0])), forward=percent(float(forward[-1]))))

@@ -44,16 +44,16 @@ def together(s: Study) -> Text:
     said = max(sorted(set(named)), key=named.count)
     share = 100 * named.count(said) / len(named)
     if said == NO_FAULT:
-        words = text("With both faults no member gives an alarm for {share:.0f} % of the time.", share=share)
+        words = text("With both faults no member gives an alarm for {share:.3g} % of the time.", share=share)
     elif said == UNCLEAR_FAULT:
-        words = text("With both faults the alarms fit no row for {share:.0f} % of the time: something fails, but the bank cannot say what.",
+        words = text("With both faults the alarms fit no row for {share:.3g} % of the time: something fails, but the bank cannot say what.",
                      share=share)
     elif FAULT_PLACES[said] in (s.case.place, also.place):
         other = also.place if FAULT_PLACES[said] == s.case.place else s.case.place
-        words = text("With both faults the alarms fit the row of {who} for {share:.0f} % of the time: {other} goes unnoticed.",
+        words = text("With both faults the alarms fit the row of {who} for {share:.3g} % of the time: {other} goes unnoticed.",
                      who=FAULT_PLACES[said], share=share, other=other)
     else:
-        words = text("With both faults the alarms fit the row of {who}, which is healthy, for {share:.0f} % of the time.",
+        words = text("With both faults the alarms fit the row of {who}, which is healthy, for {share:.3g} % of the time.",
                      who=FAULT_PLACES[said], share=share)
     return claim(words, share, above=0.0)
 

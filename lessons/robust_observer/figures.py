@@ -163,7 +163,7 @@ def _map(outcome: Outcome[Story]) -> MapFigure:
                      ((text("less than now"), "force"), (text("up to twice"), "second"),
                       (text("more than twice"), "muted"), (same("|N| > 20"), "error")),
                      *labels, marked=mark, tab=J_TAB,
-                     caption=text("On {share:.0f} % of the map J would be no larger than {now:.3g}.",
+                     caption=text("On {share:.3g} % of the map J would be no larger than {now:.3g}.",
                                   share=100 * share, now=now))
 
 

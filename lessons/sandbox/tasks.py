@@ -20,13 +20,13 @@ def _through_the_limit(outcome: Outcome[Study]) -> Verdict:
     """Inputs clipped, and the error lives by itself all the same."""
     share, meter = outcome.metrics["clipped_share"], outcome.metrics["separation_meter"]
     if not MIN_CLIPPED_SHARE <= share <= MAX_CLIPPED_SHARE:
-        return Verdict(False, text("An input is clipped for {share:.0f} % of the run; {least:.0f} to {most:.0f} % are wanted.",
+        return Verdict(False, text("An input is clipped for {share:.3g} % of the run; {least:.0f} to {most:.0f} % are wanted.",
                                    share=100 * share, least=100 * MIN_CLIPPED_SHARE, most=100 * MAX_CLIPPED_SHARE))
     if meter > UNION_TOLERANCE:
-        return Verdict(False, text("Clipped for {share:.0f} % of the run, but the separation meter reads "
+        return Verdict(False, text("Clipped for {share:.3g} % of the run, but the separation meter reads "
                                    "{meter:.2g}.",
                                    share=100 * share, meter=meter))
-    return Verdict(True, text("Clipped for {share:.0f} % of the run, and the meter reads 0.", share=100 * share))
+    return Verdict(True, text("Clipped for {share:.3g} % of the run, and the meter reads 0.", share=100 * share))
 
 
 def _wrong_belief(outcome: Outcome[Study]) -> Verdict:

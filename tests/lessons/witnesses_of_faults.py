@@ -118,11 +118,11 @@ WITNESSES: Mapping[str, Witness] = {
     "noise than three.": _beside,
     "A lasting lie of {fault} goes unseen beside {other}: the member that ignores {other} and {third} takes it for what those two can do.":
         _unseen,
-    "With both faults no member gives an alarm for {share:.0f} % of the time.": _most_often(NOBODY),
-    "With both faults the alarms fit no row for {share:.0f} % of the time: something fails, but the bank cannot say what.":
+    "With both faults no member gives an alarm for {share:.3g} % of the time.": _most_often(NOBODY),
+    "With both faults the alarms fit no row for {share:.3g} % of the time: something fails, but the bank cannot say what.":
         _most_often(UNCLEAR),
-    "With both faults the alarms fit the row of {who} for {share:.0f} % of the time: {other} goes unnoticed.": _most_often(None),
-    "With both faults the alarms fit the row of {who}, which is healthy, for {share:.0f} % of the time.": _most_often(None),
+    "With both faults the alarms fit the row of {who} for {share:.3g} % of the time: {other} goes unnoticed.": _most_often(None),
+    "With both faults the alarms fit the row of {who}, which is healthy, for {share:.3g} % of the time.": _most_often(None),
     "The bank of pairs names {first} and {second} {delay:.2f} s after the second fault, rightly.": _pair,
     "The bank of pairs names no pair: at the end {quiet} of its {count} members are quiet, not one.": _no_pair,
     "The bank of pairs names no pair: its one quiet member at the end was not quiet before, or too briefly.": _no_pair,

@@ -41,13 +41,14 @@ def execute(options: argparse.Namespace) -> int:
     from ..records import design_with, lesson_with
 
     origin = find_lesson(options.lesson)
-    look = read_view(options.state, options.lang)
     if options.data is None:
         design = read_design(origin, options.plant, options.state, options.changes)
+        look = read_view(options.state, options.lang)
         lesson, token = fit_lesson(origin, design.plant), write_token(origin, replace(look, design=design))
     else:
         if options.plant is not None or options.state is not None:
             raise CommandError("Give --data without --plant and --state: the record brings its own model.")
+        look = read_view(None, options.lang)
         lesson = lesson_with(origin, options.data, options.columns)
         design, token = design_with(lesson, options.changes), ""  # no token can carry a record
     try:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from scipy.signal import firwin, oaconvolve
 
 from ..systems.errors import EngineError, phrase
 from ..systems.gates.argument_checks import SECONDS, choice, instance, number, optional, takes
@@ -80,6 +79,8 @@ def _on_grid(record: Record, step: float, own: float) -> Record:
 
 def _thinned(record: Record, factor: int) -> Record:
     """Every `factor`-th row of both, behind a linear-phase low-pass filter."""
+    from scipy.signal import firwin, oaconvolve  # late: it brings all of scipy.stats, 0.6 s
+
     taps = firwin(2 * TAPS * factor + 1, CUT_OFF / factor)
     edge = TAPS * factor
 

@@ -294,7 +294,7 @@ class Presenter:
 
     def saved(self) -> SavedState:
         """The state as a link carries it."""
-        return self.picture.saved(self.design, self.view.eye())
+        return replace(self.picture, state=self.state).saved(self.design, self.view.eye())
 
     def _write_down(self) -> None:
         self.desk.text = write_lesson_state(self.lesson, self.desk.history, self.state)

@@ -169,7 +169,7 @@ def test_a_filter_with_a_wrong_q_leaves_its_band() -> None:
 
 @pytest.mark.parametrize("act, words", [
     (lambda: subspace(np.ones((400, 1)), np.random.default_rng(0).standard_normal((400, 1))), "do not excite"),
-    (lambda: subspace(np.zeros((30, 1)), np.ones((30, 1))), "too short"),
+    (lambda: subspace(np.zeros((30, 1)), np.ones((30, 1))), "complete windows"),
     (lambda: subspace(np.zeros((400, 0)), np.random.default_rng(0).standard_normal((400, 1)), order=9, horizon=4), "order must be"),
     (lambda: fit_noise(Plant([[0.5]], [[1, 1]], [[1]], None, 1.0), Record(np.arange(50), np.zeros(50), np.ones(50))), "2 inputs"),
     (lambda: fit_noise(Plant([[0.5]], [[1]], [[1]], None, 2.0), Record(np.arange(50), np.zeros(50), np.ones(50))), "every 2 s"),
