@@ -62,12 +62,11 @@ def mode_row(picture: Picture, hand: str) -> str:
                    for value, words in items)
     more += f'<button type="button" class="ol-item ol-notes">{html.escape(phrases.NOTES(lang))}</button>'
     title = f"{picture.lesson.number} · {picture.lesson.words[lang].title}"
-    if talk is not None:
-        title = f"{words_in(talk.title, lang)} · {title}"
+    whole = title if talk is None else f"{words_in(talk.title, lang)} · {title}"
     hall = " ol-present" if now == "present" else ""
     return (f'<div class="ol-head{hall}"><button type="button" class="ol-menu" data-to="{hand}" data-value="course" '
             f'aria-label="{html.escape(phrases.COURSE(lang), quote=True)}">☰</button>'
-            f'<span class="ol-lesson">{html.escape(title)}</span>'
+            f'<span class="ol-lesson" title="{html.escape(whole, quote=True)}">{html.escape(title)}</span>'
             f'<span class="ol-modes" role="tablist">{modes}</span>'
             f'<details class="ol-more"><summary aria-label="{html.escape(phrases.MORE(lang), quote=True)}">⋯</summary>'
             f"<div>{more}</div></details></div>")
