@@ -114,6 +114,14 @@ def test_a_token_that_is_soon_guessed_and_workers_where_there_can_be_none_are_re
     assert "leave out --workers" in refused(capsys, "serve", "--port", "0", "--workers", "2")
 
 
+def test_a_lecture_that_cannot_be_given_is_refused_before_anything_is_served(capsys, tmp_path: Path) -> None:
+    (bad := tmp_path / "talk.toml").write_text('title = "a"\n[[stops]]\nlesson = "duality"\nscene = "no"\n', encoding="utf-8")
+    assert "duality has no scene no" in refused(capsys, "serve", "--port", "0", "--lecture", str(bad))
+    assert "cannot be read" in refused(capsys, "serve", "--port", "0", "--lecture", str(tmp_path / "nowhere.toml"))
+    good = str(ROOT / "assets" / "lectures" / "demo-10.toml")
+    assert "names its own lessons" in refused(capsys, "serve", "--port", "0", "--lecture", good, "--lesson", "kalman")
+
+
 @pytest.mark.slow
 def test_an_address_that_others_reach_says_what_that_means() -> None:
     with started("--host", "0.0.0.0", "--public", "--port", "0") as (server, url):

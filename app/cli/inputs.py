@@ -10,6 +10,7 @@ from pathlib import Path
 from observer_lab.lessons import LESSONS
 
 from ..course.knobs import KnobError
+from ..course.lectures import Lecture, read_lecture
 from ..course.lesson import Design, Lesson
 from ..engine import EngineError, load_plant
 from ..plants.examples import EXAMPLES, example
@@ -88,6 +89,14 @@ def read_saved_state(state: str) -> SavedState:
     for note in saved.notes:
         print(f"observer-lab: {note}", file=sys.stderr)
     return saved
+
+
+def read_lecture_file(name: str) -> Lecture:
+    """The lecture of a TOML file. Raises CommandError."""
+    try:
+        return read_lecture(read_text(name, "lecture", "give a TOML file"), LESSONS)
+    except KnobError as problem:
+        raise CommandError(str(problem)) from problem
 
 
 def read_view(state: str | None, language: str | None) -> SavedState:

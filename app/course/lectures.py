@@ -16,9 +16,12 @@ A lecture is a small TOML file. A title or a note is one text, or one text for e
 
 from __future__ import annotations
 
+import json
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
 from typing import Any
 
 from ..text import text
@@ -28,6 +31,8 @@ from .lesson import Lesson
 LECTURE_KEYS, STOP_KEYS = ("title", "minutes", "stops"), ("lesson", "scene", "minutes", "note")
 MAX_STOPS, MAX_MINUTES = 100, 240.0
 MAX_TITLE_CHARS, MAX_NOTE_CHARS, MAX_SHOWN_CHARS = 120, 1000, 40
+MAX_LECTURE_CHARS = 60_000  # characters of a lecture's file
+PREPARED_FOLDER = Path(__file__).parents[2] / "assets" / "lectures"
 
 
 @dataclass(frozen=True)
@@ -61,6 +66,8 @@ def words_in(words: Mapping[str, str], language: str) -> str:
 
 def read_lecture(text_of_file: str, lessons: Mapping[str, Lesson]) -> Lecture:
     """The lecture of a TOML text, all of whose scenes exist in `lessons`. Raises KnobError, in one sentence."""
+    if len(text_of_file) > MAX_LECTURE_CHARS:
+        raise KnobError(text("The lecture is too long; it may have {most} characters.", most=MAX_LECTURE_CHARS))
     try:
         data = tomllib.loads(text_of_file)
     except tomllib.TOMLDecodeError as error:
@@ -79,6 +86,40 @@ def read_lecture(text_of_file: str, lessons: Mapping[str, Lesson]) -> Lecture:
     if minutes is None:
         raise KnobError(text("The minutes of the lecture must be a positive number."))
     return Lecture(title, found, minutes)
+
+
+def write_lecture(lecture: Lecture) -> str:
+    """A lecture as the TOML text that `read_lecture` reads."""
+    lines = [f"title = {_toml_words(lecture.title)}", f"minutes = {lecture.minutes:g}"]
+    for stop in lecture.stops:
+        lines += ["", "[[stops]]", f"lesson = {_toml_text(stop.lesson)}", f"scene = {_toml_text(stop.scene)}",
+                  f"minutes = {stop.minutes:g}"]
+        lines += [f"note = {_toml_words(stop.note)}"] if stop.note else []
+    return "\n".join(lines) + "\n"
+
+
+def prepared_lectures(lessons: Mapping[str, Lesson]) -> tuple[Lecture, ...]:
+    """The lectures that come with the lab and whose scenes all exist in `lessons`, the shortest first."""
+    found = []
+    for words in _prepared_files():
+        try:
+            found.append(read_lecture(words, lessons))
+        except KnobError:  # of lessons that are not here
+            continue
+    return tuple(sorted(found, key=lambda lecture: lecture.minutes))
+
+
+@lru_cache(maxsize=1)
+def _prepared_files() -> tuple[str, ...]:
+    return tuple(path.read_text(encoding="utf-8") for path in sorted(PREPARED_FOLDER.glob("*.toml")))
+
+
+def _toml_words(words: Mapping[str, str]) -> str:
+    return "{" + ", ".join(f"{_toml_text(language)} = {_toml_text(said)}" for language, said in words.items()) + "}"
+
+
+def _toml_text(words: str) -> str:
+    return json.dumps(words, ensure_ascii=False).replace("\x7f", "\\u007f")  # of JSON's strings TOML reads all but this one
 
 
 def _stop(number: int, data: object, lessons: Mapping[str, Lesson]) -> Stop:

@@ -15,6 +15,7 @@ from dataclasses import replace
 from typing import assert_never
 
 from ..course.knobs import KnobError
+from ..course.lectures import Lecture
 from ..course.lesson import Lesson
 from ..course.scenes import Mode
 from ..engine import EngineError
@@ -36,7 +37,7 @@ from .commands.commands import (
 from .commands.exams import Examining
 from .commands.files import Comparing, FileReady, Shelving, Taking
 from .commands.guide import Guiding
-from .handlers import design, downloads, exams, guide, page, pins, playback, saved_designs, sharing, tasks
+from .handlers import design, downloads, exams, guide, lectures, page, pins, playback, saved_designs, sharing, tasks
 from .handlers.presenter import Presenter
 from .handlers.reload import RECALL_TIMEOUT_S, MemoryRequest, restore_memory
 from .runtime.background_jobs import BackgroundJobs
@@ -62,7 +63,7 @@ class Session:
 
     def __init__(self, lessons: Mapping[str, Lesson], view: View, lesson: str, language: str = "en",
                  clock: Callable[[], float] = time.monotonic, plant: str = "",
-                 state: str = "", insists: bool = False, sealed: bool = False, mode: Mode = "lab") -> None:
+                 state: str = "", insists: bool = False, sealed: bool = False, mode: Mode = "lab", talk: Lecture | None = None) -> None:
         """`state` is a token, or the words of a saved file, that the tab opens with if nothing else is known of it.
 
         A new tab goes on where the browser's last one was, unless the server `insists` on its lesson or its state.
@@ -73,6 +74,7 @@ class Session:
             raise KeyError(f"There is no lesson {lesson}; there are {', '.join(lessons)}.")
         self._mailbox, self._state = Mailbox(), state
         first = State(language=language, fresh=secrets.token_hex(8), plant=plant, withheld=sealed, sealed=sealed, mode=mode,
+                      talk=talk, lecture=talk is not None,
                       newcomer=mode == "guide" and not insists and not state)
         self._show = Presenter(lessons, view, lesson, first, clock)
         self._show.insists = insists or bool(state)
@@ -109,7 +111,7 @@ class Session:
     def open(self) -> None:
         """Compute the lesson's present design and lay the screen out."""
         self._show.open()
-        guide.enter(self._show)
+        lectures.begin(self._show)
         guide.greet(self._show)
 
     def step(self, wait: float | None = 0.0) -> None:
@@ -184,7 +186,7 @@ class Session:
         elif isinstance(command, Shelving):
             saved_designs.obey(self._show, command)
         elif isinstance(command, Guiding):
-            guide.obey(self._show, command)
+            lectures.obey(self._show, command)
         elif isinstance(command, Paging):
             page.obey(self._show, command)
         else:

@@ -10,6 +10,7 @@ import pytest
 from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import Browser, Page, expect
 
+from observer_lab.course.lectures import PREPARED_FOLDER, read_lecture
 from observer_lab.lessons import LESSONS
 
 PATIENCE = 60_000  # ms: a busy machine is slow
@@ -25,6 +26,7 @@ MEASURE = """() => {
 NAMELESS = """() => [...document.querySelectorAll('button')]
   .filter(b => b.checkVisibility({visibilityProperty: true, opacityProperty: true}) && b.getBoundingClientRect().width > 0)
   .filter(b => !(b.innerText.trim() || b.getAttribute('aria-label') || b.title)).map(b => b.outerHTML.slice(0, 120))"""
+LECTURE = PREPARED_FOLDER / "demo-10.toml"
 THEMES = (("light", "en"), ("dark", "zh"))
 
 
@@ -111,6 +113,38 @@ def test_nothing_of_the_frame_that_has_no_name_or_address_shows(opened: Callable
     page = opened("--lesson", "separation")
     assert page.evaluate(NAMELESS) == []
     assert "ws://" not in page.inner_text("body") and "WebGL" not in page.inner_text("body")
+
+
+SMALL_PRINT = """() => {
+  const least = innerHeight / 40, seen = e => e.checkVisibility({visibilityProperty: true, opacityProperty: true});
+  const walk = document.createTreeWalker(document.querySelector('.ol-card').closest('[data-dock-region], [class*=Paper], body'), NodeFilter.SHOW_TEXT);
+  const found = [];
+  while (walk.nextNode()) {
+    const e = walk.currentNode.parentElement, size = parseFloat(getComputedStyle(e).fontSize);
+    if (walk.currentNode.data.trim() && !e.closest('style, script, svg, canvas, math') && seen(e) && e.getBoundingClientRect().width > 1
+        && size < least - 0.01) found.push(`${size.toFixed(1)} px: ${e.className}: ${walk.currentNode.data.trim().slice(0, 40)}`);
+  }
+  return found;
+}"""
+
+
+@pytest.mark.parametrize("language", ["en", "zh"])
+def test_a_lecture_is_given_in_letters_for_a_hall_with_notes_in_a_window_of_their_own(opened: Callable[..., Page], language: str) -> None:
+    page = opened("--lecture", str(LECTURE), "--lang", language, size=(1920, 1080))
+    expect(page.locator(".ol-where span").first).to_have_text("1/7", timeout=PATIENCE)
+    assert page.evaluate(SMALL_PRINT) == []
+    page.locator(".ol-more summary").click()
+    with page.expect_popup() as popup:
+        page.locator(".ol-notes").click()
+    notes = popup.value
+    expect(notes.locator("#clock")).to_contain_text("/ 10 min", timeout=PATIENCE)
+    first = notes.locator("#note").inner_text()
+    assert first == read_lecture(LECTURE.read_text("utf-8"), LESSONS).stops[0].note[language]
+    notes.keyboard.press("ArrowRight")
+    expect(page.locator(".ol-where span").first).to_have_text("2/7", timeout=PATIENCE)
+    expect(notes.locator("#note")).not_to_have_text(first, timeout=PATIENCE)
+    answer(page, 0)
+    assert page.evaluate(SMALL_PRINT) == []
 
 
 @pytest.mark.parametrize("size", [SIZES[0], SIZES[-1]], ids=["wide", "phone"])

@@ -60,6 +60,7 @@ class ServeRequest:
     token: str | None = field(default=None, repr=False)
     data: str | None = None
     columns: str | None = None
+    lecture: str | None = None
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -85,6 +86,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--data", metavar="FILE", help=DATA_HELP)
     parser.add_argument("--columns", metavar="LIST", help=COLUMNS_HELP)
     parser.add_argument("--state", metavar="TOKEN|FILE", help=STATE_HELP)
+    parser.add_argument("--lecture", metavar="FILE", help="give this lecture: a TOML file of scenes with minutes and notes")
     parser.add_argument("--exam", action="store_true", help="note answers to exams and tell nothing of them; no tab can practise")
     parser.add_argument("--public", action="store_true", help="yes, listen on an address that other machines can reach")
     parser.add_argument("--allow-host", action="append", default=[], type=host_name, metavar="NAME", dest="names",
@@ -103,7 +105,7 @@ def execute(options: argparse.Namespace) -> int:
                               options.plant, tuple(options.names), options.public, options.log_json, options.data_dir,
                               tuple(options.frames), options.state, options.exam, options.workers, options.exact_port,
                               options.view, options.worker_timeout,
-                              options.token, options.data, options.columns))
+                              options.token, options.data, options.columns, options.lecture))
 
 
 class Ending:
@@ -146,7 +148,7 @@ def _serve(request: ServeRequest, end: Ending) -> None:
 
     from ...engine.kernels import prepare_kernels
     from ...session.state.token import write_token
-    from ..inputs import find_lesson, fit_lesson, read_plant, read_saved_state
+    from ..inputs import find_lesson, fit_lesson, read_lecture_file, read_plant, read_saved_state
 
     _keep_log(request)
     allow_many_files()
@@ -155,9 +157,12 @@ def _serve(request: ServeRequest, end: Ending) -> None:
         raise CommandError("Give --data without --plant and --state: the record brings its own model.")
     if request.state is not None and (request.lesson or request.plant):
         raise CommandError("Give --state without --lesson and --plant: a state brings its own.")
+    if request.lecture is not None and (request.lesson or request.plant or request.state or request.data):
+        raise CommandError("Give --lecture without --lesson, --plant, --state and --data: a lecture names its own lessons.")
+    talk = None if request.lecture is None else read_lecture_file(request.lecture)
     saved = None if request.state is None else read_saved_state(request.state)
     first = SANDBOX if plant and SANDBOX in LESSONS else OPENING if request.mode == "lab" else FIRST
-    lesson = saved.design.lesson if saved else request.lesson or first
+    lesson = saved.design.lesson if saved else request.lesson or (talk.stops[0].lesson if talk else first)
     opening = find_lesson(RECORD if request.data is not None and request.lesson is None else lesson)
     lessons = LESSONS
     if request.data is not None:
@@ -176,8 +181,8 @@ def _serve(request: ServeRequest, end: Ending) -> None:
 
     def server(listener: socket.socket, seat: WorkerSlot) -> LabServer:
         return LabServer(lessons, request.host, 0, opening.id, request.language, plant=plant, names=request.names, state=state,
-                         insists=bool(request.lesson or plant or request.data), sealed=request.exam, access=access,
-                         frames=request.frames, listener=listener, seat=seat, mode=request.mode)
+                         insists=bool(request.lesson or plant or request.data or talk), sealed=request.exam, access=access,
+                         frames=request.frames, listener=listener, seat=seat, mode="present" if talk else request.mode, talk=talk)
 
     def tell() -> None:
         log.info("serving %s", url)

@@ -12,8 +12,10 @@ import viser
 
 from ...course.course_map import Progress
 from ...course.learning_paths import next_lessons, paths_with_lessons
+from ...course.lectures import MAX_LECTURE_CHARS, prepared_lectures, words_in, write_lecture
 from ...course.lesson import Lesson
 from ...session.commands.commands import Edit, OpenLesson, ToggleCourse
+from ...session.commands.guide import OpenLecture
 from ...session.state.view import Picture, progress_of
 from ...text import listed, same
 from ..viser_private import viser_internals
@@ -71,7 +73,29 @@ class CourseDialog(Dialog):
             for way, on_it in paths_with_lessons(lessons).items():
                 with parts.add_tab(way.title(lang)):
                     gui.add_html(f'<p class="ol-note">{html.escape(way.said(lang))}</p>{self._cards(on_it, picture, progress)}')
+            with parts.add_tab(phrases.LECTURES(lang)):
+                self._offer_lectures(picture)
             self.closed_by(gui.add_button(phrases.CLOSE(lang), color="gray"))
+
+    def _offer_lectures(self, picture: Picture) -> None:
+        """A button for each prepared lecture, and one that opens a file."""
+        gui, lang = self._client.gui, picture.state.language
+        gui.add_html(f'<p class="ol-note">{html.escape(phrases.LECTURE_HINT(lang))}</p>')
+        for lecture in prepared_lectures({lesson.id: lesson for lesson in picture.catalogue}):
+            told = phrases.LECTURE_STOPS.format(minutes=lecture.minutes, count=len(lecture.stops))(lang)
+            self._give(gui.add_button(f"{words_in(lecture.title, lang)} · {told}"), write_lecture(lecture))
+        upload = gui.add_upload_button(phrases.UPLOAD_LECTURE(lang), color="gray", mime_type=".toml,.txt")
+
+        @upload.on_upload
+        async def _(event: viser.GuiEvent) -> None:
+            self.close_later()
+            self._post(OpenLecture(event.target.value.content[:4 * MAX_LECTURE_CHARS + 1]))
+
+    def _give(self, button: viser.GuiButtonHandle, words: str) -> None:
+        @button.on_click
+        async def _(_: viser.GuiEvent) -> None:
+            self.close_later()
+            self._post(OpenLecture(words))
 
     def _begin(self, picture: Picture, progress: Mapping[str, Progress]) -> str:
         """One large button: into the first lesson, or on with the one that was open."""

@@ -19,7 +19,7 @@ from ...session.commands.commands import (
     ToggleHelp,
     ToggleTheme,
 )
-from ...session.commands.guide import ChooseOption, GoToScene, SetMode, TurnScene
+from ...session.commands.guide import ChooseOption, EndLecture, GoToScene, RecordStop, SaveLecture, SetMode, TurnScene
 from ...session.state.view import Picture
 from ..charts.charts import Chart
 from ..charts.print_sizes import Sizes
@@ -38,7 +38,7 @@ class GuidePanel:
 
     def __init__(self, client: viser.ClientHandle, picture: Picture, post: Post) -> None:
         gui, self._client, self._told = client.gui, client, dict[str, object]()
-        self._post, self._scene = post, picture.state.scene
+        self._post, self._stop = post, picture.place[0]
         self._hand = viser_internals.node_id(hidden_input(gui, self._heard))
         self._head = gui.add_html(mode_row(picture, self._hand))
         self._card = gui.add_html("")
@@ -67,7 +67,8 @@ class GuidePanel:
         edits: dict[str, Callable[[], Edit]] = {
             "mode": lambda: SetMode(value), "scene": lambda: GoToScene(_whole(value)), "turn": lambda: TurnScene(_whole(value)),
             "option": lambda: ChooseOption(_whole(value)), "course": ToggleCourse, "language": SetLanguage, "theme": ToggleTheme,
-            "take": ToggleDownloads, "help": ToggleHelp, "reset": lambda: GoToScene(self._scene), "lesson": lambda: OpenLesson(value)}
+            "take": ToggleDownloads, "help": ToggleHelp, "reset": lambda: GoToScene(self._stop),
+            "end": EndLecture, "record": RecordStop, "save": SaveLecture, "lesson": lambda: OpenLesson(value)}
         if kind in edits:
             self._post(edits[kind]())
 
@@ -76,7 +77,7 @@ class GuidePanel:
         scene = picture.scene
         if scene is None:
             return
-        self._scene = picture.state.scene
+        self._stop = picture.place[0]
         write_content(self._head, mode_row(picture, self._hand))
         write_content(self._card, card_html(picture, self._hand))
         for name, (_, widget) in self._widgets.items():
@@ -90,15 +91,13 @@ class GuidePanel:
 
     def _tell_notes(self, picture: Picture) -> None:
         """Give the speaker's window the notes of the scene, what comes next, and the planned time."""
-        words, path, lang = picture.lesson.words[picture.state.language].scenes, picture.lesson.path, picture.state.language
-        at = picture.state.scene
-        told: dict[str, object] = {"note": words[path[at].id].note, "title": words[path[at].id].title,
-                "next": words[path[at + 1].id].title if at + 1 < len(path) else "", "minutes": round(minutes_of(path, False)),
-                "words": {"notes": phrases.NOTES(lang), "next": phrases.NEXT_IS(lang)}}
+        lang, talk = picture.state.language, picture.state.talk
+        minutes = minutes_of(picture.lesson.path, False) if talk is None else talk.minutes
+        told: dict[str, object] = {"note": picture.note, "title": picture.scene_words.title, "next": picture.next_title,
+                                   "minutes": round(minutes), "words": {"notes": phrases.NOTES(lang), "next": phrases.NEXT_IS(lang)}}
         if told != self._told:
             self._told = told
-            viser_internals.run_script(self._client, "presenter", hand=self._hand, note=told["note"], title=told["title"],
-                                       next=told["next"], minutes=told["minutes"], words=told["words"])
+            viser_internals.run_script(self._client, "presenter", hand=self._hand, **told)
 
     def progress(self, fraction: float | None) -> None:
         """The guide starts no long computation."""

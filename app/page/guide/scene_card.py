@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from ...course.lectures import words_in
 from ...course.scenes import Choose, Read, Scene, fill_numbers
 from ...session.handlers.guide import options_of
 from ...session.state.view import Picture
@@ -50,15 +51,22 @@ def mode_row(picture: Picture, hand: str) -> str:
     modes = "".join(f'<button type="button" class="ol-mode" role="tab" aria-selected="{"true" if mode == now else "false"}" '
                     f'data-to="{hand}" data-value="mode:{mode}">{html.escape(words(lang))}</button>' for mode, words in MODE_WORDS)
     theme = phrases.LIGHT if picture.state.is_dark else phrases.DARK_THEME
-    items = [("language", " / ".join(name_of(code) for code in languages())), ("theme", theme(lang)), ("take", phrases.TAKE(lang)),
+    talk = picture.state.talk
+    items = [("end", phrases.END_LECTURE(lang))] if talk is not None else []
+    items += [("record", phrases.RECORD_STOP(lang))]
+    if picture.state.recorded:
+        items += [("save", phrases.SAVE_LECTURE.format(count=len(picture.state.recorded))(lang))]
+    items += [("language", " / ".join(name_of(code) for code in languages())), ("theme", theme(lang)), ("take", phrases.TAKE(lang)),
              ("help", phrases.HELP(lang)), ("reset", phrases.RESET(lang))]
     more = "".join(f'<button type="button" class="ol-item" data-to="{hand}" data-value="{value}">{html.escape(words)}</button>'
                    for value, words in items)
     more += f'<button type="button" class="ol-item ol-notes">{html.escape(phrases.NOTES(lang))}</button>'
+    title = f"{picture.lesson.number} · {picture.lesson.words[lang].title}"
+    whole = title if talk is None else f"{words_in(talk.title, lang)} · {title}"
     hall = " ol-present" if now == "present" else ""
     return (f'<div class="ol-head{hall}"><button type="button" class="ol-menu" data-to="{hand}" data-value="course" '
             f'aria-label="{html.escape(phrases.COURSE(lang), quote=True)}">☰</button>'
-            f'<span class="ol-lesson">{picture.lesson.number} · {html.escape(picture.lesson.words[lang].title)}</span>'
+            f'<span class="ol-lesson" title="{html.escape(whole, quote=True)}">{html.escape(title)}</span>'
             f'<span class="ol-modes" role="tablist">{modes}</span>'
             f'<details class="ol-more"><summary aria-label="{html.escape(phrases.MORE(lang), quote=True)}">⋯</summary>'
             f"<div>{more}</div></details></div>")
@@ -68,11 +76,13 @@ def card_html(picture: Picture, hand: str) -> str:
     """The scene's title, text and options, and what is to be done."""
     scene, words = picture.scene, picture.scene_words
     assert scene is not None
-    at, count = picture.lesson.path.index(scene) + 1, len(picture.lesson.path)
+    at, count = picture.place
+    in_lecture = picture.state.talk is not None
+    done = [k < at for k in range(count)] if in_lecture else [each.id in picture.state.done for each in picture.lesson.path]
     dots = "".join(f'<button type="button" class="ol-dot" data-to="{hand}" data-value="scene:{k}" '
-                   f'aria-label="{k + 1}" aria-current="{"step" if k + 1 == at else "false"}"'
-                   f'{" data-done" if each.id in picture.state.done else ""}></button>' for k, each in enumerate(picture.lesson.path))
-    parts = [f'<div class="ol-where"><span>{at}/{count}</span><nav class="ol-dots">{dots}</nav></div>',
+                   f'aria-label="{k + 1}" aria-current="{"step" if k == at else "false"}"'
+                   f'{" data-done" if is_done else ""}></button>' for k, is_done in enumerate(done))
+    parts = [f'<div class="ol-where"><span>{at + 1}/{count}</span><nav class="ol-dots">{dots}</nav></div>',
              f'<h2 class="ol-scene">{html.escape(words.title)}</h2>', f'<div class="ol-text">{paragraphs(picture, words.text)}</div>']
     if isinstance(scene.do, Choose):
         parts.append(_options(picture, scene, hand))
@@ -94,7 +104,7 @@ def verdict_html(picture: Picture, hand: str) -> str:
     """What is said once the scene's action is done, and the buttons back and next."""
     scene, words, lang = picture.scene, picture.scene_words, picture.state.language
     assert scene is not None
-    done, at, last = scene.id in picture.state.done, picture.state.scene, len(picture.lesson.path) - 1
+    done, (at, count) = scene.id in picture.state.done, picture.place
     said = ""
     if isinstance(scene.do, Choose) and scene.id in picture.state.chosen:
         said = _verdict(picture, scene) if done else f'<p class="ol-note">{html.escape(phrases.WATCH(lang))}</p>'
@@ -103,8 +113,10 @@ def verdict_html(picture: Picture, hand: str) -> str:
     skip = not done
     back = "" if at == 0 else (f'<button type="button" class="ol-do" data-to="{hand}" data-value="turn:-1">'
                                f"{html.escape(phrases.BACK_SCENE(lang))}</button>")
-    if at < last:
+    if at + 1 < count:
         words_on, value = (phrases.SKIP_SCENE if skip else phrases.NEXT_SCENE), "turn:1"
+    elif picture.state.talk is not None:
+        words_on, value = phrases.END_LECTURE, "end"
     else:
         words_on, value = phrases.TO_LAB, "mode:lab"
     on = (f'<button type="button" class="{"ol-do" if skip else "ol-next"}" data-to="{hand}" data-value="{value}">'

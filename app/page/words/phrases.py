@@ -6,6 +6,12 @@ from ...text import text, text_in
 
 LESSON = text("lesson")
 START, CONTINUE = text("Start"), text("Continue")
+END_LECTURE, LECTURES = text("End the lecture"), text("Lectures")
+RECORD_STOP, SAVE_LECTURE = text("Note this scene for a lecture (B)"), text("Save the lecture of {count} scenes")
+UPLOAD_LECTURE = text("Open a lecture file")
+LECTURE_HINT = text("A lecture is a TOML file: scenes of any lessons in order, with minutes and notes. To make one, press B at each "
+                    "scene in the guide, then save it from the menu ⋯.")
+LECTURE_STOPS = text("{minutes:.0f} min, {count} scenes")
 NOTES, NEXT_IS = text("Speaker's notes"), text("next")
 PLANNED = text("15 / 45 / 90 min")
 GUIDE, LAB, PRESENT = text("Guide"), text("Lab"), text("Present")

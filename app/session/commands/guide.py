@@ -33,4 +33,27 @@ class ChooseOption:
     index: object
 
 
-Guiding = SetMode | GoToScene | TurnScene | ChooseOption
+@dataclass(frozen=True)
+class OpenLecture:
+    """Give the lecture of a TOML file, from its first stop."""
+
+    words: object
+
+
+@dataclass(frozen=True)
+class EndLecture:
+    """Leave the lecture; the lesson that is open stays open, as a guide."""
+
+
+@dataclass(frozen=True)
+class RecordStop:
+    """Note the scene that is open as the next stop of a lecture that is being recorded."""
+
+
+@dataclass(frozen=True)
+class SaveLecture:
+    """Hand over what was recorded as a TOML file, and begin a new recording."""
+
+
+Lecturing = OpenLecture | EndLecture | RecordStop | SaveLecture
+Guiding = Lecturing | SetMode | GoToScene | TurnScene | ChooseOption

@@ -27,6 +27,7 @@ from .commands import (
     Undo,
 )
 from .files import PinDesign
+from .guide import RecordStop
 
 
 @dataclass(frozen=True)
@@ -62,5 +63,6 @@ SHORTCUTS: tuple[Shortcut, ...] = (
     Shortcut(text("Start or cancel the long computation"), RunJob(), "J"),
     Shortcut(text("Check the first unsolved task"), CheckNextTask(), "T"),
     Shortcut(text("Take it with you"), ToggleDownloads(), "E"),
+    Shortcut(text("Note this scene for a lecture"), RecordStop(), "B"),
     Shortcut(text("This list"), ToggleHelp(), "H"),
 )

@@ -12,7 +12,7 @@ from ...course.lesson import Lesson
 from ...course.scenes import MODES, Choose, Move, Press, Question, Read, Scene, Solve, entry_values
 from ...text import text
 from ..commands.commands import Kick, Play
-from ..commands.guide import ChooseOption, GoToScene, Guiding, SetMode, TurnScene
+from ..commands.guide import ChooseOption, GoToScene, SetMode, TurnScene
 from ..state.validate import check_number
 from ..state.view import Performance
 from .presenter import Presenter
@@ -20,15 +20,15 @@ from .presenter import Presenter
 STEP_S, STEPS = 0.1, 16  # between two moves of a knob that the page performs, and how many they are
 
 
-def obey(show: Presenter, command: Guiding) -> None:
+def obey(show: Presenter, command: SetMode | GoToScene | TurnScene | ChooseOption) -> None:
     """Do what a command of the guide asks. Raises KnobError."""
     match command:
         case SetMode(mode):
             _set_mode(show, mode)
         case GoToScene(index):
-            _enter(show, int(check_number(index)))
+            enter_scene(show, int(check_number(index)))
         case TurnScene(steps):
-            _enter(show, show.state.scene + steps)
+            enter_scene(show, show.state.scene + steps)
         case ChooseOption(index):
             _choose(show, int(check_number(index)))
         case _:
@@ -46,7 +46,7 @@ def _set_mode(show: Presenter, mode: object) -> None:
 def enter(show: Presenter) -> None:
     """Open the path's scene where it has not been begun; a path that was left stands as it was left."""
     if show.picture.guided and not show.state.done and not show.state.chosen:
-        _enter(show, show.state.scene)
+        enter_scene(show, show.state.scene)
 
 
 def greet(show: Presenter) -> None:
@@ -56,7 +56,7 @@ def greet(show: Presenter) -> None:
         show.view.open_course(show.desks.progress(show.lesson.id, show.state))
 
 
-def _enter(show: Presenter, index: int) -> None:
+def enter_scene(show: Presenter, index: int) -> None:
     """Show a scene: its values on the knobs, the run at its start. Beyond the ends of the path nothing happens."""
     path = show.lesson.path
     if not show.picture.guided or not 0 <= index < len(path):

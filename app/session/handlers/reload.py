@@ -82,7 +82,8 @@ def _go_on(show: Presenter, memory: TabMemory) -> None:
     show.lesson = show.lessons[memory.lesson]
     show.state = replace(show.state, language=memory.language, lecture=memory.lecture, dark=memory.dark,
                          plant=memory.plant or show.state.plant, key=memory.key, fresh=memory.fresh or show.state.fresh,
-                         withheld=memory.withheld or show.state.withheld, mode=memory.mode or show.state.mode)
+                         withheld=memory.withheld or show.state.withheld, mode=memory.mode or show.state.mode,
+                         talk=memory.talk, stop=memory.stop)
     if show.shown is not None:
         show.open()
 
@@ -90,7 +91,7 @@ def _go_on(show: Presenter, memory: TabMemory) -> None:
 def _begin_from(show: Presenter, earlier: TabMemory) -> None:
     """A new tab: what was predicted, solved, pinned and designed before is there; exams are drawn anew."""
     state = show.state
-    memory = replace(earlier, fresh=state.fresh, withheld=state.withheld)
+    memory = replace(earlier, fresh=state.fresh, withheld=state.withheld, talk=None)
     if not show.insists:
         _go_on(show, memory)
         return

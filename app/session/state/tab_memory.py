@@ -14,6 +14,7 @@ from dataclasses import dataclass, field
 from ...course.course_map import Progress
 from ...course.exercises.typed_answers import MAX_TYPED_CHARACTERS
 from ...course.knobs import KnobError
+from ...course.lectures import Lecture, read_lecture, write_lecture
 from ...course.lesson import Lesson, Verdict
 from ...course.pinned_designs import MAX_PINS as MOST_PINS
 from ...course.pinned_designs import Pin
@@ -46,6 +47,8 @@ class TabMemory:
     fresh: str = ""
     withheld: bool = False
     mode: Mode | None = None
+    talk: Lecture | None = None
+    stop: int = 0
     desks: Mapping[str, object] = field(default_factory=dict)
 
 
@@ -74,6 +77,8 @@ def write_memory(lesson: str, state: State, desks: Iterable[tuple[str, str]]) ->
     """The tab as JSON: the lesson that is open and, latest first, as many written desks as there is room for."""
     head = {"version": VERSION, "lesson": lesson, "language": state.language, "lecture": state.lecture,
             "dark": state.dark, "key": state.key, "fresh": state.fresh, "withheld": state.withheld, "mode": state.mode}
+    if state.talk is not None:
+        head["talk"] = [write_lecture(state.talk), state.stop]
     if state.plant:
         head["yours"] = json.loads(state.plant)
     start = json.dumps(head, ensure_ascii=False)[:-1] + ', "desks": {'
@@ -101,8 +106,18 @@ def read_memory(written: str | None, lessons: Mapping[str, Lesson]) -> TabMemory
     return TabMemory(lesson, language if language in languages() else "en", data.get("lecture") is True,
                   dark if isinstance(dark := data.get("dark"), bool) else None,
                   _plant(data.get("yours")), _short(data.get("key")), _short(data.get("fresh")), data.get("withheld") is True,
-                  mode if (mode := data.get("mode")) in MODES else None,
+                  mode if (mode := data.get("mode")) in MODES else None, *_talk(data.get("talk"), lessons),
                   {name: desk for name, desk in desks.items() if name in lessons})
+
+
+def _talk(data: object, lessons: Mapping[str, Lesson]) -> tuple[Lecture | None, int]:
+    """The lecture that was being given and its stop; none where it cannot be read."""
+    match data:
+        case [str(words), int(stop)]:
+            with suppress(KnobError):
+                talk = read_lecture(words, lessons)
+                return talk, min(max(0, stop), len(talk.stops) - 1)
+    return None, 0
 
 
 def read_lesson_state(data: object, lesson: str, lessons: Mapping[str, Lesson]) -> LessonState | None:

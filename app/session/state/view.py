@@ -12,6 +12,7 @@ from ...course.course_map import Progress
 from ...course.error_window import run_end
 from ...course.figures.records import Figure, TableFigure
 from ...course.lazy import FigureSet
+from ...course.lectures import Lecture, Stop, words_in
 from ...course.lesson import Board, Design, Lesson, Outcome
 from ...course.pinned_designs import Ghost, Pin, Pinned, boards_with_pins, comparison_table, figures_with_pins, ghosts_of_pins
 from ...course.scenes import Mode, Scene, SceneWords
@@ -75,6 +76,9 @@ class State:
     done: frozenset[str] = frozenset()  # scenes whose action the person has done
     chosen: Mapping[str, int] = field(default_factory=dict)  # the option chosen in a scene, by its id; −1 where it was skipped
     performance: Performance | None = None  # what the page still does by itself
+    talk: Lecture | None = None  # the lecture that is being given
+    stop: int = 0  # which of its stops is open
+    recorded: tuple[Stop, ...] = ()  # stops that were noted for a lecture of one's own
 
     @property
     def is_dark(self) -> bool:
@@ -150,6 +154,31 @@ class Picture:
         """The words of that scene."""
         assert self.scene is not None
         return self.lesson.words[self.state.language].scenes[self.scene.id]
+
+    @property
+    def place(self) -> tuple[int, int]:
+        """Which stop is open, from 0, and how many there are: those of the lecture, else the scenes of the path."""
+        talk = self.state.talk
+        return (self.state.stop, len(talk.stops)) if talk is not None else (self.state.scene, len(self.lesson.path))
+
+    @property
+    def note(self) -> str:
+        """The speaker's note: of the lecture's stop where it has one, else of the scene."""
+        talk, language = self.state.talk, self.state.language
+        own = words_in(talk.stops[self.state.stop].note, language) if talk is not None else ""
+        return own or self.scene_words.note
+
+    @property
+    def next_title(self) -> str:
+        """The title of what comes next, "" at the end."""
+        (at, count), talk = self.place, self.state.talk
+        if at + 1 >= count:
+            return ""
+        lesson, scene = self.lesson, self.lesson.path[at + 1].id if talk is None else ""
+        if talk is not None:
+            stop = talk.stops[at + 1]
+            lesson, scene = next(each for each in self.catalogue if each.id == stop.lesson), stop.scene
+        return lesson.words[self.state.language].scenes[scene].title
 
     @property
     def veiled(self) -> bool:
