@@ -127,8 +127,8 @@ class Panel:
                 text = self._gui.add_markdown("")
                 typed = picture.state.tasks.get(task.id, TaskState()).typed
                 field = None if task.typed is None else self._gui.add_text(phrases.RESULT(lang), typed)
-                offered = (phrases.CHECK_BUTTON, phrases.HINT) if picture.state.sealed else (phrases.CHECK_BUTTON, phrases.HINT,
-                                                                                            phrases.SOLUTION)
+                offered = (phrases.CHECK_BUTTON, phrases.HINT) if not picture.state.offers_solution(self._lesson.id, task.id) else (
+                    phrases.CHECK_BUTTON, phrases.HINT, phrases.SOLUTION)
                 row = self._gui.add_button_group("", tuple(word(lang) for word in offered))
                 self._tasks[task.id] = text, row
                 self._listen(row, task.id, field)
@@ -160,7 +160,7 @@ class Panel:
         self._again.show(picture)
         for task_id in self._tasks:
             task = picture.state.tasks.get(task_id, TaskState())
-            self._show_task(task_id, replace(task, solution=task.solution and not picture.state.sealed))
+            self._show_task(task_id, replace(task, solution=task.solution and picture.state.offers_solution(self._lesson.id, task_id)))
         self._exams.show(picture)
 
     def _show_numbers(self, picture: Picture) -> None:

@@ -11,6 +11,7 @@ from typing import Protocol
 from ...course.course_map import Progress
 from ...course.error_window import run_end
 from ...course.figures.records import Figure, TableFigure
+from ...course.handin.served_course import ServedCourse
 from ...course.lazy import FigureSet
 from ...course.lesson import Board, Design, Lesson, Outcome
 from ...course.pinned_designs import Ghost, Pin, Pinned, boards_with_pins, comparison_table, figures_with_pins, ghosts_of_pins
@@ -59,6 +60,8 @@ class State:
     fresh: str = ""  # a random one for as long as there is none
     withheld: bool = False  # whether answers to exams are noted and nothing is told of them
     sealed: bool = False  # whether the server has settled that, so that no tab can practise
+    course: ServedCourse | None = field(default=None, repr=False)  # the course that the server offers; it never leaves the server
+    hand_ins: Mapping[str, str] = field(default_factory=dict)  # the last token of each item, by the item's name
     landscape: bool = False
     plant: str = ""  # the plant that the person brought last, shown now or not
     tab: str | None = None  # the English name of the figures' tab that is open, None for the first
@@ -85,6 +88,10 @@ class State:
     def student(self) -> str:
         """The key that numbers are drawn for."""
         return self.key or self.fresh
+
+    def offers_solution(self, lesson: str, task: str) -> bool:
+        """Whether the page may show a task's solution."""
+        return not self.sealed if self.course is None else self.course.practised("task", lesson, task)
 
     @property
     def moving(self) -> bool:
