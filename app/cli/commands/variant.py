@@ -51,7 +51,8 @@ def execute(options: argparse.Namespace) -> int:
         item = student_item(course, options.key, lesson.id, exam, variant)
         if not options.json:
             print(exam_sheet(lesson, exam, item, options.lang))
-        records.append({"item": place.name, "variant": variant, "given": plain(dict(item.given)), "answer": exam.digits.written(item.answer)})
+        answer = exam.digits.written(item.answer)
+        records.append({"item": place.name, "variant": variant, "given": plain(dict(item.given)), "answer": answer})
     if options.json:
         print_json({"course": course.id, "key": options.key, "items": records})
     return 0

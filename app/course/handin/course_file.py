@@ -1,4 +1,4 @@
-"""Read a course file: which exams and tasks count, how often, until when, and the secret of the course.
+"""Read a course file: which exams and tasks count, how often and until when, and its secret.
 
 A course file is TOML. What stands at its head holds for every lesson; a lesson may say otherwise:
 

@@ -76,7 +76,7 @@ def read_hand_in(course: Course, token: str) -> HandIn:
     message, _, signature = token.rpartition(".")
     hand_in = _content(message.partition(".")[2])
     if hand_in is not None and hand_in.course != course.id:
-        raise HandInError(Refusal.OTHER_COURSE, f"it is for course {hand_in.course[:60]!a}, not {course.id}")
+        raise HandInError(Refusal.OTHER_COURSE, f"it names course {hand_in.course[:60]!a}, not {course.id}")
     if hand_in is None or not course.keys.signed(message, signature):
         raise HandInError(Refusal.FORGED, "its signature is not that of this course")
     return hand_in
