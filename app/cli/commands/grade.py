@@ -55,8 +55,8 @@ def execute(options: argparse.Namespace) -> int:
 
 def _tell(findings: tuple[Finding, ...], refused: list[Finding], students: int, written: list[str]) -> None:
     kinds = Counter(str(one.refusal) for one in refused)
-    found = ", ".join(f"{count} {kind}" for kind, count in kinds.items())
-    print(f"hand-ins: {len(findings)}, counted: {len(findings) - len(refused)}, students: {students}" + (f"; not counted: {found}" if found else ""))
+    left = f"; not counted: {', '.join(f'{count} {kind}' for kind, count in kinds.items())}" if kinds else ""
+    print(f"hand-ins: {len(findings)}, counted: {len(findings) - len(refused)}, students: {students}{left}")
     for one in refused:
         who = f"{one.hand_in.student}, {one.hand_in.item}" if one.hand_in else ascii(one.token[:SHOWN_CHARACTERS])[1:-1] or "nothing"
         print(f"  {one.refusal}: {who} ({one.source}): {one.why}")
