@@ -59,9 +59,14 @@ def _tell(findings: tuple[Finding, ...], refused: list[Finding], students: int, 
     print(f"hand-ins: {len(findings)}, counted: {len(findings) - len(refused)}, students: {students}{left}")
     for one in refused:
         who = f"{one.hand_in.student}, {one.hand_in.item}" if one.hand_in else ascii(one.token[:SHOWN_CHARACTERS])[1:-1] or "nothing"
-        print(f"  {one.refusal}: {who} ({one.source}): {one.why}")
+        print(f"  {one.refusal}: {who} ({_printable(one.source)}): {one.why}")
     for place in written:
         print(f"wrote {place}")
+
+
+def _printable(words: str) -> str:
+    """The name of a file without what would command a terminal."""
+    return "".join(letter if letter.isprintable() else "?" for letter in words)
 
 
 def _record(one: Finding) -> dict[str, object]:
