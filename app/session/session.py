@@ -14,6 +14,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import assert_never
 
+from ..course.handin.served_course import ServedCourse
 from ..course.knobs import KnobError
 from ..course.lectures import Lecture
 from ..course.lesson import Lesson
@@ -34,10 +35,10 @@ from .commands.commands import (
     Studying,
     WindowChanged,
 )
-from .commands.exams import Examining
+from .commands.exams import Examining, HandingIn
 from .commands.files import Comparing, FileReady, Shelving, Taking
 from .commands.guide import Guiding
-from .handlers import design, downloads, exams, guide, lectures, page, pins, playback, saved_designs, sharing, tasks
+from .handlers import design, downloads, exams, guide, hand_in, lectures, page, pins, playback, saved_designs, sharing, tasks
 from .handlers.presenter import Presenter
 from .handlers.reload import RECALL_TIMEOUT_S, MemoryRequest, restore_memory
 from .runtime.background_jobs import BackgroundJobs
@@ -63,18 +64,20 @@ class Session:
 
     def __init__(self, lessons: Mapping[str, Lesson], view: View, lesson: str, language: str = "en",
                  clock: Callable[[], float] = time.monotonic, plant: str = "",
-                 state: str = "", insists: bool = False, sealed: bool = False, mode: Mode = "lab", talk: Lecture | None = None) -> None:
+                 state: str = "", insists: bool = False, sealed: bool = False, mode: Mode = "lab", talk: Lecture | None = None,
+                 course: ServedCourse | None = None) -> None:
         """`state` is a token, or the words of a saved file, that the tab opens with if nothing else is known of it.
 
         A new tab goes on where the browser's last one was, unless the server `insists` on its lesson or its state.
 
         Exams are drawn for a random key until the person gives one; a `sealed` tab only notes answers to them.
+        With a `course` its numbers are drawn instead, and its answers are handed in.
         """
         if lesson not in lessons:
             raise KeyError(f"There is no lesson {lesson}; there are {', '.join(lessons)}.")
         self._mailbox, self._state = Mailbox(), state
         first = State(language=language, fresh=secrets.token_hex(8), plant=plant, withheld=sealed, sealed=sealed, mode=mode,
-                      talk=talk, lecture=talk is not None,
+                      talk=talk, lecture=talk is not None, course=course,
                       newcomer=mode == "guide" and not insists and not state)
         self._show = Presenter(lessons, view, lesson, first, clock)
         self._show.insists = insists or bool(state)
@@ -177,6 +180,8 @@ class Session:
             tasks.obey(self._show, command)
         elif isinstance(command, Examining):
             exams.obey(self._show, command)
+        elif isinstance(command, HandingIn):
+            hand_in.obey(self._show, command)
         elif isinstance(command, Sharing):
             sharing.obey(self._show, command)
         elif isinstance(command, Taking):

@@ -117,7 +117,7 @@ def test_nothing_of_the_frame_that_has_no_name_or_address_shows(opened: Callable
 
 SMALL_PRINT = """() => {
   const least = innerHeight / 40, seen = e => e.checkVisibility({visibilityProperty: true, opacityProperty: true});
-  const walk = document.createTreeWalker(document.querySelector('.ol-card').closest('[data-dock-region], [class*=Paper], body'), NodeFilter.SHOW_TEXT);
+  const walk = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
   const found = [];
   while (walk.nextNode()) {
     const e = walk.currentNode.parentElement, size = parseFloat(getComputedStyle(e).fontSize);

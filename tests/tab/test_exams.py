@@ -54,7 +54,7 @@ def test_another_variant_asks_other_numbers_and_forgets_no_answer() -> None:
     answer(tab, "1.5")
     first = item(tab)
     tab.do(AnotherVariant("twice"))
-    assert item(tab) != first and last_answer(tab.picture.state, exam_of(tab)) == "" and verdict(tab) is None
+    assert item(tab) != first and last_answer(tab.picture.state, "toy", exam_of(tab)) == "" and verdict(tab) is None
     assert [a.variant for a in tab.picture.state.exams["twice"].answers] == [1]
 
 
@@ -85,7 +85,7 @@ def test_withheld_notes_and_tells_nothing_then_or_later() -> None:
     answer(tab, f"{asked.answer:.2f}")
     tab.do(AnotherVariant("twice"))  # there is one variant for all
     assert item(tab) == asked != practised and verdict(tab) is None
-    assert last_answer(tab.picture.state, exam_of(tab)) == f"{asked.answer:.2f}"
+    assert last_answer(tab.picture.state, "toy", exam_of(tab)) == f"{asked.answer:.2f}"
     assert "olved" not in json.dumps(json.loads(tab.view.kept or "")["desks"]["toy"]["exams"])
     tab.do(WithholdResults(False))
     assert item(tab) == practised and verdict(tab) is None
@@ -107,7 +107,7 @@ def test_what_is_no_number_costs_one_sentence_and_is_not_noted(said: str) -> Non
     tab = keyed("me")
     answer(tab, "3")
     answer(tab, said)
-    assert len(tab.view.scolded()) == 1 and last_answer(tab.picture.state, exam_of(tab)) == "3"
+    assert len(tab.view.scolded()) == 1 and last_answer(tab.picture.state, "toy", exam_of(tab)) == "3"
 
 
 @pytest.mark.parametrize("key", [None, 3, "k" * 10_000, "\ud800", "<b>"])

@@ -7,7 +7,7 @@ import argparse
 from ...text.languages import languages
 from ..options import whole_number
 
-HELP = "the exams of a lesson for a student's key, with answers"
+HELP = "the exams of a lesson for a student's key outside a course, with answers"
 MAX_VARIANT = 10**6
 
 
@@ -27,14 +27,11 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(options: argparse.Namespace) -> int:
     """Print each exam in Markdown: statement, answer, derivation. Raises CommandError at a lesson that there is not."""
-    from ...course.exercises.derivation import fill_placeholders
     from ...course.exercises.exam import seed_of
-    from ...text import joined, same
+    from ...course.handin.exam_sheet import exam_sheet
     from ..inputs import find_lesson
 
-    lesson, lang = find_lesson(options.lesson), options.lang
+    lesson = find_lesson(options.lesson)
     for exam in lesson.exams:
-        words, item = lesson.words[lang].exams[exam.id], exam.item(seed_of(options.key, lesson.id, exam.id, options.variant))
-        statement = joined(same(fill_placeholders(words.statement, item.given)), exam.digits.asked)(lang)
-        print(f"## {words.title}\n{statement}\n\n**{exam.digits.written(item.answer)}**\n\n{exam.derived(words.derivation, item)}\n")
+        print(exam_sheet(lesson, exam, exam.item(seed_of(options.key, lesson.id, exam.id, options.variant)), options.lang))
     return 0

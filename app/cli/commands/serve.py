@@ -61,6 +61,7 @@ class ServeRequest:
     data: str | None = None
     columns: str | None = None
     lecture: str | None = None
+    course: str | None = None
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -88,6 +89,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--state", metavar="TOKEN|FILE", help=STATE_HELP)
     parser.add_argument("--lecture", metavar="FILE", help="give this lecture: a TOML file of scenes with minutes and notes")
     parser.add_argument("--exam", action="store_true", help="note answers to exams and tell nothing of them; no tab can practise")
+    parser.add_argument("--course", metavar="FILE", help="a course file: what is handed in, what is for practice; see README.md")
     parser.add_argument("--public", action="store_true", help="yes, listen on an address that other machines can reach")
     parser.add_argument("--allow-host", action="append", default=[], type=host_name, metavar="NAME", dest="names",
                         help="a name that people reach this server by, as that of a proxy; may be repeated")
@@ -105,7 +107,7 @@ def execute(options: argparse.Namespace) -> int:
                               options.plant, tuple(options.names), options.public, options.log_json, options.data_dir,
                               tuple(options.frames), options.state, options.exam, options.workers, options.exact_port,
                               options.view, options.worker_timeout,
-                              options.token, options.data, options.columns, options.lecture))
+                              options.token, options.data, options.columns, options.lecture, options.course))
 
 
 class Ending:
@@ -148,6 +150,7 @@ def _serve(request: ServeRequest, end: Ending) -> None:
 
     from ...engine.kernels import prepare_kernels
     from ...session.state.token import write_token
+    from ..courses import served_course
     from ..inputs import find_lesson, fit_lesson, read_lecture_file, read_plant, read_saved_state
 
     _keep_log(request)
@@ -161,6 +164,9 @@ def _serve(request: ServeRequest, end: Ending) -> None:
         raise CommandError("Give --lecture without --lesson, --plant, --state and --data: a lecture names its own lessons.")
     talk = None if request.lecture is None else read_lecture_file(request.lecture)
     saved = None if request.state is None else read_saved_state(request.state)
+    if request.course is not None and request.exam:
+        raise CommandError("Give --course without --exam: the course file says what is withheld.")
+    course = None if request.course is None else served_course(request.course)
     first = SANDBOX if plant and SANDBOX in LESSONS else OPENING if request.mode == "lab" else FIRST
     lesson = saved.design.lesson if saved else request.lesson or (talk.stops[0].lesson if talk else first)
     opening = find_lesson(RECORD if request.data is not None and request.lesson is None else lesson)
@@ -181,8 +187,9 @@ def _serve(request: ServeRequest, end: Ending) -> None:
 
     def server(listener: socket.socket, seat: WorkerSlot) -> LabServer:
         return LabServer(lessons, request.host, 0, opening.id, request.language, plant=plant, names=request.names, state=state,
-                         insists=bool(request.lesson or plant or request.data or talk), sealed=request.exam, access=access,
-                         frames=request.frames, listener=listener, seat=seat, mode="present" if talk else request.mode, talk=talk)
+                         insists=bool(request.lesson or plant or request.data or talk), sealed=request.exam or course is not None,
+                         access=access, frames=request.frames, listener=listener, seat=seat,
+                         mode="present" if talk else request.mode, talk=talk, course=course)
 
     def tell() -> None:
         log.info("serving %s", url)

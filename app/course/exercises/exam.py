@@ -165,9 +165,14 @@ def _item(exam: Exam, seed: str) -> ExamItem:
     raise RuntimeError(f"exam {exam.id} draws nothing fit with seed {seed}")
 
 
+def canonical_key(student: str) -> str:
+    """A student's key without what does not count: capitals, widths of letters, blanks at its ends and runs of blanks."""
+    return " ".join(unicodedata.normalize("NFKC", student).casefold().split())[:LONGEST_KEY]
+
+
 def seed_of(student: str, lesson: str, exam: str, variant: int) -> str:
-    """The seed for a student's key, however it is written: blanks and capitals do not count. Variant 0 is the withheld one."""
-    key = " ".join(unicodedata.normalize("NFKC", student).casefold().split())[:LONGEST_KEY]
+    """The seed for a student's key where no course draws the numbers. Variant 0 is the withheld one."""
+    key = canonical_key(student)
     return hashlib.sha256("\n".join((key, lesson, exam, str(variant))).encode("utf-8", "surrogatepass")).hexdigest()
 
 

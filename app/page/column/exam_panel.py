@@ -13,12 +13,13 @@ from ...course.exercises.derivation import fill_placeholders
 from ...course.exercises.exam import Exam
 from ...session.commands.commands import Edit
 from ...session.commands.exams import AnotherVariant, AnswerExam, SetKey, WithholdResults
-from ...session.handlers.exams import last_answer, present_item, present_verdict
+from ...session.handlers.exams import is_withheld, last_answer, present_item, present_verdict
 from ...session.state.view import Picture
 from ...text import joined, same
 from ..viser_private.widget_values import ReadBack
 from ..words import phrases
 from ..words.prose import equation_html, judged_html, render_markdown, with_minus
+from .hand_in_box import HandInBox
 
 EQUATION = re.compile(r"\$\$(.+?)\$\$", re.S)
 
@@ -34,7 +35,11 @@ class ExamPanel:
             return
         with gui.add_folder(phrases.EXAM(self._lang), expand_by_default=False):
             key = gui.add_text(phrases.KEY(self._lang), picture.state.key, hint=phrases.KEY_HINT(self._lang))
-            if picture.state.sealed:
+            course = picture.state.course
+            if course is not None:
+                told = phrases.COURSE_NOTE.format(title=course.course.title)(self._lang)
+                gui.add_html(f'<p class="ol-note">{html.escape(told)}</p>')
+            elif picture.state.sealed:
                 gui.add_html(f'<p class="ol-note">{phrases.NOTES_ALONE(self._lang)}</p>')
             mode = gui.add_dropdown(phrases.MODE(self._lang), tuple(self._modes), initial_value=self._mode(picture),
                                     visible=not picture.state.sealed, hint=phrases.MODE_HINT(self._lang))
@@ -65,11 +70,12 @@ class _Form:
         self._exam, self._lang = exam, picture.state.language
         self._words = picture.lesson.words[self._lang].exams[exam.id]
         self._statement = gui.add_markdown("")
-        self._answer = gui.add_text(phrases.ANSWER(self._lang), last_answer(picture.state, exam))
+        self._answer = gui.add_text(phrases.ANSWER(self._lang), last_answer(picture.state, picture.lesson.id, exam))
         row = gui.add_button_group("", (phrases.CHECK_BUTTON(self._lang), phrases.ANOTHER(self._lang)))
         note = gui.add_button(phrases.NOTE(self._lang))
         self._buttons: tuple[Any, Any] = row, note
         self._told = gui.add_html("")
+        self._hand_in = HandInBox(gui, picture, "exam", exam.id, post, lambda: self._answer.value)
 
         @row.on_click
         async def _(event: viser.GuiEvent) -> None:
@@ -87,20 +93,24 @@ class _Form:
         item = present_item(state, picture.lesson.id, exam)
         statement = render_markdown(joined(same(fill_placeholders(self._words.statement, item.given)), exam.digits.asked)(self._lang))
         if self._statement.content != statement:
-            if self._statement.content and self._answer.value != last_answer(state, exam):  # other numbers, another answer
-                self._answer.value = last_answer(state, exam)
+            said = last_answer(state, picture.lesson.id, exam)
+            if self._statement.content and self._answer.value != said:  # other numbers, another answer
+                self._answer.value = said
             self._statement.content = statement
-        for handle, seen in zip(self._buttons, (not state.withheld, state.withheld), strict=True):
+        withheld = is_withheld(state, picture.lesson.id, exam)
+        for handle, seen in zip(self._buttons, (not withheld, withheld and not self._hand_in.asked), strict=True):
             if handle.visible != seen:
                 handle.visible = seen
+        self._hand_in.show(picture)
         told = self._told_of(picture)
         if self._told.content != told:
             self._told.content = told
 
     def _told_of(self, picture: Picture) -> str:
-        said, verdict = last_answer(picture.state, self._exam), present_verdict(picture.state, picture.lesson.id, self._exam)
+        state, lesson = picture.state, picture.lesson.id
+        said, verdict = last_answer(state, lesson, self._exam), present_verdict(state, lesson, self._exam)
         if verdict is None:
-            noted = picture.state.withheld and said
+            noted = is_withheld(state, lesson, self._exam) and said
             return f'<div class="ol-note">{with_minus(html.escape(phrases.NOTED.format(said=said)(self._lang)))}</div>' if noted else ""
         if picture.state.predicted is None:  # formulas would answer the prediction
             return judged_html(verdict.solved, verdict.text(self._lang)) + f'<p class="ol-note">{phrases.HOW_LATER(self._lang)}</p>'

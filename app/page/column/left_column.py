@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import viser
@@ -19,6 +20,7 @@ from .compare_panel import ComparePanel
 from .course_page import CourseGuide
 from .derivation_panel import DerivationPanel
 from .exam_panel import ExamPanel
+from .hand_in_box import HandInBox
 from .knob_rows import KnobRows
 from .plant_picker import PlantRow
 from .prediction_panel import PredictionPanel
@@ -38,6 +40,7 @@ class Panel:
         self._words = picture.lesson.words[self._lang]
         self._formulas: dict[str, viser.GuiHtmlHandle] = {}
         self._tasks: dict[str, tuple[viser.GuiMarkdownHandle, viser.GuiButtonGroupHandle]] = {}
+        self._hand_ins: list[HandInBox] = []
         self._plants: PlantRow | None = None
         self._head(picture)
         self._prediction = PredictionPanel(gui, picture, post)
@@ -127,11 +130,12 @@ class Panel:
                 text = self._gui.add_markdown("")
                 typed = picture.state.tasks.get(task.id, TaskState()).typed
                 field = None if task.typed is None else self._gui.add_text(phrases.RESULT(lang), typed)
-                offered = (phrases.CHECK_BUTTON, phrases.HINT) if picture.state.sealed else (phrases.CHECK_BUTTON, phrases.HINT,
-                                                                                            phrases.SOLUTION)
+                offered = (phrases.CHECK_BUTTON, phrases.HINT) if not picture.state.offers_solution(self._lesson.id, task.id) else (
+                    phrases.CHECK_BUTTON, phrases.HINT, phrases.SOLUTION)
                 row = self._gui.add_button_group("", tuple(word(lang) for word in offered))
                 self._tasks[task.id] = text, row
                 self._listen(row, task.id, field)
+                self._hand_ins.append(HandInBox(self._gui, picture, "task", task.id, self._post, partial(_typed, field)))
 
     def _listen(self, row: viser.GuiButtonGroupHandle, task_id: str, field: viser.GuiInputHandle[str] | None) -> None:
         commands: dict[str, Edit] = {phrases.HINT(self._lang): ShowHint(task_id), phrases.SOLUTION(self._lang): ShowSolution(task_id)}
@@ -140,7 +144,7 @@ class Panel:
         async def _(event: viser.GuiEvent) -> None:
             word = event.target.value
             if word == phrases.CHECK_BUTTON(self._lang):
-                self._post(CheckTask(task_id, "" if field is None else field.value))
+                self._post(CheckTask(task_id, _typed(field)))
             elif word in commands:
                 self._post(commands[word])
 
@@ -160,7 +164,9 @@ class Panel:
         self._again.show(picture)
         for task_id in self._tasks:
             task = picture.state.tasks.get(task_id, TaskState())
-            self._show_task(task_id, replace(task, solution=task.solution and not picture.state.sealed))
+            self._show_task(task_id, replace(task, solution=task.solution and picture.state.offers_solution(self._lesson.id, task_id)))
+        for box in self._hand_ins:
+            box.show(picture)
         self._exams.show(picture)
 
     def _show_numbers(self, picture: Picture) -> None:
@@ -187,6 +193,11 @@ class Panel:
     def progress(self, fraction: float | None) -> None:
         """How far the long job is."""
         self._rows.progress(fraction)
+
+
+def _typed(field: viser.GuiInputHandle[str] | None) -> str:
+    """What is typed in the field of a task, "" where it has none."""
+    return "" if field is None else field.value
 
 
 def _write(handle: Any, content: str) -> None:

@@ -14,6 +14,7 @@ from importlib import import_module
 import viser
 from PIL import Image
 
+from ...course.handin.served_course import ServedCourse
 from ...course.lectures import Lecture
 from ...course.lesson import Lesson
 from ...course.scenes import Mode
@@ -50,12 +51,14 @@ class LabServer:
                  lesson: str = "separation", language: str = "en", max_sessions: int = 200, plant: str = "",
                  names: Iterable[str] = (), state: str = "", insists: bool = False, sealed: bool = False, access: AccessToken | None = None,
                  frames: Iterable[str] = (), listener: socket.socket | None = None, seat: WorkerSlot | None = None,
-                 mode: Mode = "lab", talk: Lecture | None = None) -> None:
+                 mode: Mode = "lab", talk: Lecture | None = None, course: ServedCourse | None = None) -> None:
         """`state` is what a tab opens with that brings none, as a token or the words of a file. A new tab goes on where the last one
         of its browser was, unless the server `insists` on its lesson or has a state. `sealed` offers no practice of exams.
         `frames` are the sites that may show the page inside theirs.
 
         `mode` is how a tab shows a lesson that has a path: scene by scene, or all at once.
+
+        `course` draws the numbers of exams and signs hand-ins.
 
         `listener` stands in the place of host and port where one listens already, `seat` in that of `max_sessions` where several
         processes count together.
@@ -66,7 +69,7 @@ class LabServer:
         share_one_arena()
         self._lessons = lessons
         self._lesson, self._language, self._plant, self._state = lesson, language, plant, state
-        self._insists, self._sealed, self._mode, self._talk = insists, sealed, mode, talk
+        self._insists, self._sealed, self._mode, self._talk, self._course = insists, sealed, mode, talk, course
         self._sessions: dict[int, Session] = {}
         self._screens: dict[int, Screen] = {}
         self._seat = seat or WorkerSlot(SharedCounters(), 0, max_sessions)
@@ -114,7 +117,8 @@ class LabServer:
     def _open(self, client: viser.ClientHandle) -> None:
         screen = Screen(client)
         session = Session(self._lessons, screen, self._lesson, self._language, plant=self._plant,
-                          state=self._state, insists=self._insists, sealed=self._sealed, mode=self._mode, talk=self._talk)
+                          state=self._state, insists=self._insists, sealed=self._sealed, mode=self._mode, talk=self._talk,
+                          course=self._course)
         screen.attach(session.post)
         viser_internals.may_leave(client)
         viser_internals.accept_values_only(client, lambda: session.post(Refuse(phrases.NONSENSE)))

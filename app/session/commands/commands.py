@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from ...text import Text
-from .exams import Examining
+from .exams import Examining, HandingIn
 from .files import Comparing, Shelving, Taking
 from .guide import Guiding
 
@@ -295,5 +295,5 @@ Studying = Predict | Reveal | PredictAgain | ShowAgain | CheckTask | CheckNextTa
 Sharing = OpenState | PlaceOpened | ToggleDownloads | SaveState
 Paging = (OpenLesson | TurnPage | SetLanguage | ToggleLecture | ToggleTheme | WindowChanged | ToggleLandscape | LookFrom | ToggleHelp
           | ToggleCourse | Answer | RunOnTabThread | MemoryRecalled)
-Command = Playing | Designing | Studying | Examining | Sharing | Taking | Comparing | Shelving | Paging | Guiding
+Command = Playing | Designing | Studying | Examining | HandingIn | Sharing | Taking | Comparing | Shelving | Paging | Guiding
 Edit = SetKnobs | Command

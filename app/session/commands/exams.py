@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ...course.handin.course_file import Kind
+
 
 @dataclass(frozen=True)
 class AnswerExam:
@@ -34,4 +36,21 @@ class WithholdResults:
     on: object
 
 
+@dataclass(frozen=True)
+class HandIn:
+    """Sign an answer to an exam, or a solved task, as a hand-in; `said` is the answer as it was typed."""
+
+    kind: Kind
+    item: str
+    said: object = ""
+
+
+@dataclass(frozen=True)
+class SaveHandIn:
+    """Give the person the last hand-in of an item as a file; `item` is its name in the course."""
+
+    item: str
+
+
 Examining = AnswerExam | AnotherVariant | SetKey | WithholdResults
+HandingIn = HandIn | SaveHandIn

@@ -11,6 +11,7 @@ from typing import assert_never
 
 from ...course.exercises.exam import Exam, ExamItem, number_of, seed_of
 from ...course.exercises.typed_answers import MAX_TYPED_CHARACTERS, UnreadableInput, explain_unreadable
+from ...course.handin.served_course import WITHHELD
 from ...course.knobs import KnobError
 from ...course.lesson import Verdict
 from ...text import text
@@ -19,47 +20,55 @@ from ..state.view import MOST_ANSWERS, MOST_VARIANTS, ExamAnswer, ExamState, Sta
 from .presenter import Presenter
 
 SEALED = text("This server notes answers to exams and tells nothing of them; practise on one that was started without --exam.")
-WITHHELD = 0  # the variant that is asked where nothing is told
+COURSE_DECIDES = text("The course file says which exams are for practice.")
 
 
 def obey(show: Presenter, command: Examining) -> None:
     """Do what a command about exams asks. Raises KnobError."""
     match command:
         case AnswerExam(exam, said):
-            _note(show, _find(show, exam), said)
+            note_answer(show, find_exam(show, exam), said)
         case AnotherVariant(exam):
-            _turn(show, _find(show, exam))
+            _turn(show, find_exam(show, exam))
         case SetKey(key):
             show.change(replace(show.state, key=key.strip()[:MAX_TYPED_CHARACTERS] if isinstance(key, str) else ""))
         case WithholdResults(on):
             if show.state.sealed and on is not True:
-                raise KnobError(SEALED)
+                raise KnobError(SEALED if show.state.course is None else COURSE_DECIDES)
             show.change(replace(show.state, withheld=on is True))
         case _:
             assert_never(command)
 
 
-def present_variant(state: State, exam: Exam) -> int:
+def is_withheld(state: State, lesson: str, exam: Exam) -> bool:
+    """Whether nothing is told of answers to an exam: the course file decides, or the person where there is none."""
+    return state.withheld if state.course is None else not state.course.practised("exam", lesson, exam.id)
+
+
+def present_variant(state: State, lesson: str, exam: Exam) -> int:
     """The variant that is asked now."""
-    return WITHHELD if state.withheld else state.exams.get(exam.id, ExamState()).variant
+    return WITHHELD if is_withheld(state, lesson, exam) else state.exams.get(exam.id, ExamState()).variant
 
 
 def present_item(state: State, lesson: str, exam: Exam) -> ExamItem:
     """The numbers that are asked now."""
-    return exam.item(seed_of(state.student, lesson, exam.id, present_variant(state, exam)))
+    variant = present_variant(state, lesson, exam)
+    if state.course is not None:
+        return state.course.exam_item(state.student, lesson, exam, variant)
+    return exam.item(seed_of(state.student, lesson, exam.id, variant))
 
 
-def last_answer(state: State, exam: Exam) -> str:
+def last_answer(state: State, lesson: str, exam: Exam) -> str:
     """The last answer to what is asked now, "" where there is none."""
-    now = state.student, present_variant(state, exam)
+    now = state.student, present_variant(state, lesson, exam)
     answers = state.exams.get(exam.id, ExamState()).answers
     return next((a.said for a in reversed(answers) if (a.student, a.variant) == now), "")
 
 
 def present_verdict(state: State, lesson: str, exam: Exam) -> Verdict | None:
     """What is told of the last answer; None without one, and where nothing is told."""
-    said = last_answer(state, exam)
-    if not said or state.withheld:
+    said = last_answer(state, lesson, exam)
+    if not said or is_withheld(state, lesson, exam):
         return None
     try:
         mine = number_of(said)
@@ -75,7 +84,8 @@ def present_verdict(state: State, lesson: str, exam: Exam) -> Verdict | None:
     return Verdict(False, text("{said} is not it; compare with how it goes.", said=said))
 
 
-def _find(show: Presenter, exam_id: object) -> Exam:
+def find_exam(show: Presenter, exam_id: object) -> Exam:
+    """The exam of that id. Raises KnobError."""
     for exam in show.lesson.exams:
         if exam.id == exam_id:
             return exam
@@ -90,7 +100,8 @@ def _see(show: Presenter, exam: Exam, seen: ExamState) -> None:
     show.change(replace(show.state, exams={**show.state.exams, exam.id: seen}))
 
 
-def _note(show: Presenter, exam: Exam, said: object) -> None:
+def note_answer(show: Presenter, exam: Exam, said: object) -> str:
+    """Note an answer as it was typed; the words that were noted. Raises KnobError where they are no number."""
     words = said.strip()[:MAX_TYPED_CHARACTERS] if isinstance(said, str) else ""
     if not words:
         raise KnobError(text("Type an answer first."))
@@ -99,12 +110,13 @@ def _note(show: Presenter, exam: Exam, said: object) -> None:
     except UnreadableInput as problem:
         raise KnobError(explain_unreadable(words, problem)) from None
     state, seen = show.state, _seen(show, exam)
-    now = ExamAnswer(state.student, present_variant(state, exam), words)
+    now = ExamAnswer(state.student, present_variant(state, show.lesson.id, exam), words)
     others = tuple(a for a in seen.answers if (a.student, a.variant) != (now.student, now.variant))
     _see(show, exam, replace(seen, answers=(*others, now)[-MOST_ANSWERS:]))
+    return words
 
 
 def _turn(show: Presenter, exam: Exam) -> None:
     seen = _seen(show, exam)
-    if not show.state.withheld:
+    if not is_withheld(show.state, show.lesson.id, exam):
         _see(show, exam, replace(seen, variant=seen.variant % MOST_VARIANTS + 1))

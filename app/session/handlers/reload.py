@@ -83,7 +83,7 @@ def _go_on(show: Presenter, memory: TabMemory) -> None:
     show.state = replace(show.state, language=memory.language, lecture=memory.lecture, dark=memory.dark,
                          plant=memory.plant or show.state.plant, key=memory.key, fresh=memory.fresh or show.state.fresh,
                          withheld=memory.withheld or show.state.withheld, mode=memory.mode or show.state.mode,
-                         talk=memory.talk, stop=memory.stop)
+                         talk=memory.talk, stop=memory.stop, hand_ins=_signed(show, memory))
     if show.shown is not None:
         show.open()
 
@@ -96,9 +96,15 @@ def _begin_from(show: Presenter, earlier: TabMemory) -> None:
         _go_on(show, memory)
         return
     show.desks.take_back(memory.desks)
-    show.state = replace(state, dark=memory.dark, plant=state.plant or memory.plant, key=memory.key)
+    show.state = replace(state, dark=memory.dark, plant=state.plant or memory.plant, key=memory.key, hand_ins=_signed(show, memory))
     if show.shown is not None:
         show.open()
+
+
+def _signed(show: Presenter, memory: TabMemory) -> dict[str, str]:
+    """The hand-ins that this server's course has signed."""
+    course = show.state.course
+    return {} if course is None else {name: token for name, token in memory.hand_ins.items() if course.handed(name, token)}
 
 
 def _put_beside(show: Presenter, memory: TabMemory) -> None:
@@ -106,6 +112,7 @@ def _put_beside(show: Presenter, memory: TabMemory) -> None:
     desk = show.desk
     show.change(replace(show.state, predicted=desk.predicted, revealed=desk.revealed, again=desk.again, tasks=desk.tasks, exams=desk.exams,
                         pins=desk.pins, plant=show.state.plant or memory.plant, key=show.state.key or memory.key,
-                        fresh=memory.fresh or show.state.fresh, withheld=show.state.withheld or memory.withheld))
+                        fresh=memory.fresh or show.state.fresh, withheld=show.state.withheld or memory.withheld,
+                        hand_ins={**_signed(show, memory), **show.state.hand_ins}))
     if met:
         show.view.say(LATE_MEMORY, False)

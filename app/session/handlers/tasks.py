@@ -9,7 +9,7 @@ from typing import assert_never
 
 from ...course.exercises.typed_answers import MAX_TYPED_CHARACTERS
 from ...course.knobs import KnobError
-from ...course.lesson import Task
+from ...course.lesson import Task, Verdict
 from ...engine import EngineError
 from ...text import text
 from ..commands.commands import (
@@ -33,6 +33,7 @@ log = logging.getLogger(__name__)
 
 JUST_ENDED = 0.7  # s after a long job in which its button means "cancel" to a hand that was about to press it
 NO_SOLUTIONS = text("This server shows no solutions to tasks; practise on one that was started without --exam.")
+COURSE_NO_SOLUTION = text("The course shows no solution to this task.")
 CANCELLED = text("Computation cancelled; the last picture stays.")
 
 
@@ -49,14 +50,14 @@ def obey(show: Presenter, command: Studying) -> None:
         case ShowAgain():
             _show_again(show)
         case CheckTask(task, said):
-            _check(show, _find(show, task), said)
+            check_task(show, task, said)
         case CheckNextTask():
             _check_next(show)
         case ShowHint(task):
             _hint(show, _find(show, task))
         case ShowSolution(task):
-            if show.state.sealed:
-                raise KnobError(NO_SOLUTIONS)
+            if not show.state.offers_solution(show.lesson.id, task):
+                raise KnobError(NO_SOLUTIONS if show.state.course is None else COURSE_NO_SOLUTION)
             _solve(show, _find(show, task))
         case RunJob():
             _start_or_cancel(show)
@@ -109,18 +110,21 @@ def _see(show: Presenter, task: Task, seen: TaskState) -> None:
     show.change(replace(show.state, tasks={**show.state.tasks, task.id: seen}))
 
 
-def _check(show: Presenter, task: Task, said: object) -> None:
+def check_task(show: Presenter, task_id: object, said: object) -> Verdict:
+    """Judge a task by the present design and by what was typed, and show the verdict. Raises KnobError where there is no such task."""
+    task = _find(show, task_id)
     words = said[:MAX_TYPED_CHARACTERS] if isinstance(said, str) else ""
     verdict = task.judge(show.picture.outcome, words)
     _see(show, task, replace(_seen(show, task), verdict=verdict, typed=words))
     show.view.say(verdict.text, not verdict.solved)
+    return verdict
 
 
 def _check_next(show: Presenter) -> None:
     for task in show.lesson.tasks:
         seen = _seen(show, task)
         if seen.verdict is None or not seen.verdict.solved:
-            _check(show, task, seen.typed)
+            check_task(show, task.id, seen.typed)
             return
 
 

@@ -49,6 +49,7 @@ class TabMemory:
     mode: Mode | None = None
     talk: Lecture | None = None
     stop: int = 0
+    hand_ins: Mapping[str, str] = field(default_factory=dict)
     desks: Mapping[str, object] = field(default_factory=dict)
 
 
@@ -79,6 +80,8 @@ def write_memory(lesson: str, state: State, desks: Iterable[tuple[str, str]]) ->
             "dark": state.dark, "key": state.key, "fresh": state.fresh, "withheld": state.withheld, "mode": state.mode}
     if state.talk is not None:
         head["talk"] = [write_lecture(state.talk), state.stop]
+    if state.hand_ins:
+        head["hand_ins"] = dict(state.hand_ins)
     if state.plant:
         head["yours"] = json.loads(state.plant)
     start = json.dumps(head, ensure_ascii=False)[:-1] + ', "desks": {'
@@ -106,7 +109,7 @@ def read_memory(written: str | None, lessons: Mapping[str, Lesson]) -> TabMemory
     return TabMemory(lesson, language if language in languages() else "en", data.get("lecture") is True,
                   dark if isinstance(dark := data.get("dark"), bool) else None,
                   _plant(data.get("yours")), _short(data.get("key")), _short(data.get("fresh")), data.get("withheld") is True,
-                  mode if (mode := data.get("mode")) in MODES else None, *_talk(data.get("talk"), lessons),
+                  mode if (mode := data.get("mode")) in MODES else None, *_talk(data.get("talk"), lessons), _hand_ins(data.get("hand_ins")),
                   {name: desk for name, desk in desks.items() if name in lessons})
 
 
@@ -184,6 +187,11 @@ def _exams(data: object, lesson: Lesson) -> dict[str, ExamState]:
                 given = (ExamAnswer(_short(who), int(count), _short(said)) for who, count, said in _triples(answers[-MOST_ANSWERS:]))
                 out[exam.id] = ExamState(variant, tuple(given))
     return out
+
+
+def _hand_ins(data: object) -> dict[str, str]:
+    """Tokens by the name of their item; whether they are signed is judged where a course is known."""
+    return {name: token for name, token in data.items() if isinstance(token, str)} if isinstance(data, dict) else {}
 
 
 def _triples(answers: list[object]) -> Iterator[tuple[str, int, str]]:

@@ -1,4 +1,4 @@
-// Tells which of the figures' tabs and which step of thought is open, opens the tab that a link names, and copies links.
+// Tells which of the figures' tabs and which step of thought is open, opens the tab that a link names, and copies links and hand-ins.
 ({widget, tabs, steps, tab}) => {
   const lab = window.observerLabAddress;
   if (!lab) return;
@@ -15,8 +15,8 @@
   };
   lab.look = look;
   const copy = async button => {
-    const field = document.querySelector('input.ol-link');
-    field.value = location.origin + location.pathname + '#' + button.dataset.token;
+    const field = button.parentElement.querySelector('input.ol-link');
+    field.value = button.dataset.text ?? location.origin + location.pathname + '#' + button.dataset.token;
     field.select();
     const done = navigator.clipboard ? await navigator.clipboard.writeText(field.value).then(() => true, () => false)
       : document.execCommand('copy');

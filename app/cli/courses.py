@@ -1,0 +1,70 @@
+"""Read course files and hand-ins from files, and give a course the clock of this machine."""
+
+from __future__ import annotations
+
+import re
+import time
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from observer_lab.lessons import LESSONS
+
+from ..course.handin.course_file import Course, CourseFileError, read_course
+from ..course.handin.hand_in import MAX_TOKEN_CHARACTERS, PREFIX
+from ..course.handin.served_course import ServedCourse
+from .inputs import read_text
+from .options import CommandError
+
+WORD = re.compile(r"[^\s<>\"',;()]+")
+MIN_TOKEN_CHARACTERS = 40  # a word of a file that is as long, and no address, is taken for a hand-in that lost its beginning
+
+
+def course_in(name: str) -> Course:
+    """The course of a file, with the secret that it holds or names. Raises CommandError, in one sentence that names the file."""
+    beside = Path(name).parent
+
+    def read_secret(file: str) -> str:
+        return read_text(str(beside / file), "secret", "write the secret of the course into it, as `openssl rand -hex 32` draws one")
+
+    try:
+        return read_course(read_text(name, "course", "give a course file; README.md shows one"), LESSONS, read_secret)
+    except CourseFileError as problem:
+        raise CommandError(f"The course file {name[:80]} cannot be used: {problem}.") from problem
+
+
+def served_course(name: str) -> ServedCourse:
+    """The course of a file for a server. Hand-ins bear the time of this machine: it must be right."""
+    return ServedCourse(course_in(name), time.time)
+
+
+def tokens_in(given: Sequence[str]) -> Iterator[tuple[str, str]]:
+    """(where it was found, token) for each hand-in: given as such, in a file, or in the files of a folder. Raises CommandError."""
+    for word in given:
+        if word.casefold().startswith(f"{PREFIX}."):
+            yield "command line", word
+        elif Path(word).is_dir():
+            for path in sorted(file for file in Path(word).rglob("*") if file.is_file()):
+                yield from _tokens_of_any(str(path))
+        else:
+            yield from _tokens_of(word)
+
+
+def _tokens_of_any(name: str) -> Iterator[tuple[str, str]]:
+    """Those of a file that somebody uploaded: one that is no text must not end the grading of all others."""
+    try:
+        yield from _tokens_of(name)
+    except CommandError:
+        yield name, ""
+
+
+def _tokens_of(name: str) -> Iterator[tuple[str, str]]:
+    content = read_text(name, "hand-in", "give a hand-in, a file or a folder of files")
+    words = [word for word in WORD.findall(content) if _may_be_token(word)]
+    if not words:
+        yield name, ""
+    for word in words:
+        yield name, word[:MAX_TOKEN_CHARACTERS + 1]
+
+
+def _may_be_token(word: str) -> bool:
+    return word.casefold().startswith(f"{PREFIX}.") or (len(word) >= MIN_TOKEN_CHARACTERS and "/" not in word)

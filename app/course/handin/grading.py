@@ -1,0 +1,91 @@
+"""Grade hand-ins: verify each, judge its answer, and name those that do not count."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from ..exercises.exam import canonical_key, number_of
+from ..exercises.typed_answers import UnreadableInput
+from ..lesson import Lesson
+from .course_file import Course, CourseItem
+from .hand_in import SOLVED, HandIn, HandInError, Refusal, read_hand_in
+from .served_course import student_item
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What one token is worth: its points where it counts, else why it does not. `source` says where it was found."""
+
+    source: str
+    token: str
+    hand_in: HandIn | None = None
+    refusal: Refusal | None = None
+    why: str = ""
+    points: float = 0.0
+
+
+def grade(course: Course, lessons: Mapping[str, Lesson], tokens: Iterable[tuple[str, str]]) -> tuple[Finding, ...]:
+    """A finding for each (source, token), in the same order.
+
+    Of a student's hand-ins of one item the first `tries` count, by the time of their signature; a late one uses up no try.
+    """
+    found = [_verified(course, source, token) for source, token in tokens]
+    used: Counter[tuple[str, str]] = Counter()
+    seen: set[str] = set()
+    valid = [(one.hand_in.issued, place, one.hand_in) for place, one in enumerate(found) if one.hand_in is not None and one.refusal is None]
+    for _, place, hand_in in sorted(valid, key=lambda one: one[:2]):
+        found[place] = _counted(course, lessons, found[place], hand_in, seen, used)
+    return tuple(found)
+
+
+def best_points(course: Course, findings: Sequence[Finding]) -> dict[str, dict[str, float]]:
+    """Student → item → points of the best hand-in that counts; students as they wrote their key first, in order."""
+    spelled: dict[str, str] = {}
+    marks: dict[str, dict[str, float]] = {}
+    for one in findings:
+        if one.hand_in is not None and one.refusal is None:
+            student = spelled.setdefault(canonical_key(one.hand_in.student), one.hand_in.student)
+            row = marks.setdefault(student, {})
+            row[one.hand_in.item] = max(one.points, row.get(one.hand_in.item, 0.0))
+    return {student: marks[student] for student in sorted(marks, key=canonical_key)}
+
+
+def _verified(course: Course, source: str, token: str) -> Finding:
+    """A finding whose signature, item and deadline are judged, and not yet its answer nor how often it came."""
+    try:
+        hand_in = read_hand_in(course, token)
+    except HandInError as problem:
+        return Finding(source, token, None, problem.kind, str(problem))
+    item = course.items.get(hand_in.item)
+    if item is None or item.practice:
+        return Finding(source, token, hand_in, Refusal.NOT_ASKED, f"the course file asks for no {hand_in.item}")
+    if item.deadline is not None and hand_in.issued > item.deadline.timestamp():
+        return Finding(source, token, hand_in, Refusal.LATE, f"it was signed at {hand_in.time:%Y-%m-%d %H:%M:%S} UTC, after "
+                                                             f"{item.deadline.isoformat(' ', 'minutes')}")
+    return Finding(source, token, hand_in)
+
+
+def _counted(course: Course, lessons: Mapping[str, Lesson], one: Finding, hand_in: HandIn, seen: set[str],
+             used: Counter[tuple[str, str]]) -> Finding:
+    item, owner = course.items[hand_in.item], (canonical_key(hand_in.student), hand_in.item)
+    if one.token in seen:
+        return replace(one, refusal=Refusal.DOUBLED, why="the same hand-in was given before")
+    seen.add(one.token)
+    if used[owner] >= item.tries:
+        return replace(one, refusal=Refusal.DOUBLED, why=f"the first {item.tries} of this student and item count already")
+    used[owner] += 1
+    return replace(one, points=item.points if _right(course, lessons[item.lesson], item, hand_in) else 0.0)
+
+
+def _right(course: Course, lesson: Lesson, item: CourseItem, hand_in: HandIn) -> bool:
+    """Whether the answer is right. A task was judged by the server, on the design that stood there, before it signed."""
+    if item.kind == "task":
+        return hand_in.answer == SOLVED
+    exam = next(exam for exam in lesson.exams if exam.id == item.id)
+    try:
+        said = number_of(hand_in.answer)
+    except UnreadableInput:
+        return False
+    return exam.digits.accepts(student_item(course, hand_in.student, lesson.id, exam).answer, said)

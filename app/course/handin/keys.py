@@ -1,0 +1,51 @@
+"""Derive the keys of a course from its secret, each student's seeds and the signatures of hand-ins."""
+
+from __future__ import annotations
+
+import base64
+import hmac
+from dataclasses import dataclass, field
+
+SALT = b"observer-lab course keys 1"  # ties what is derived to this use; another scheme takes another salt
+
+
+def derive_key(secret: bytes, salt: bytes, info: bytes) -> bytes:
+    """A key of 32 bytes for one purpose.
+
+    HKDF with SHA-256 and one block of output:
+
+        PRK = HMAC(salt, secret),  key = HMAC(PRK, info ‖ 0x01).
+
+    Keys for two different `info` tell nothing of each other nor of the secret, as long as HMAC is a pseudorandom function.
+    Source: RFC 5869, sections 2.2 and 2.3.
+    """
+    return hmac.digest(hmac.digest(salt, secret, "sha256"), info + b"\x01", "sha256")
+
+
+@dataclass(frozen=True)
+class CourseKeys:
+    """The two keys of a course: one draws numbers, one signs hand-ins. They stand in no text of this record."""
+
+    _numbers: bytes = field(repr=False)
+    _signing: bytes = field(repr=False)
+
+    @classmethod
+    def of(cls, course: str, secret: str) -> CourseKeys:
+        """The keys of the course with this id. Courses with the same secret have independent keys."""
+        numbers, signing = (derive_key(secret.encode(), SALT, f"{purpose}\n{course}".encode()) for purpose in ("numbers", "hand-ins"))
+        return cls(numbers, signing)
+
+    def seed(self, student: str, item: str, variant: int) -> str:
+        """The seed of an item for a student: HMAC over student, item and variant, in hexadecimal digits.
+
+        `student` is a key as `canonical_key` gives it; neither it nor the name of an item holds a line break.
+        """
+        return hmac.digest(self._numbers, f"{student}\n{item}\n{variant}".encode("utf-8", "surrogatepass"), "sha256").hex()
+
+    def sign(self, message: str) -> str:
+        """The signature of a message: HMAC-SHA-256 in base64 for addresses, without padding."""
+        return base64.urlsafe_b64encode(hmac.digest(self._signing, message.encode(), "sha256")).decode().rstrip("=")
+
+    def signed(self, message: str, signature: str) -> bool:
+        """Whether the signature of a message is ours; compared in constant time, as text, so that each has one spelling."""
+        return hmac.compare_digest(self.sign(message).encode(), signature.encode("utf-8", "surrogatepass"))

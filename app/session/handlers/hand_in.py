@@ -1,0 +1,68 @@
+"""Handle the commands that sign a hand-in for a course and give it as a file."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import assert_never
+
+from ...course.handin.course_file import CourseItem, Kind
+from ...course.handin.hand_in import SOLVED, written_key
+from ...course.handin.served_course import ServedCourse
+from ...course.knobs import KnobError
+from ...text import text
+from ..commands.exams import HandIn, HandingIn, SaveHandIn
+from .exams import find_exam, note_answer
+from .presenter import Presenter
+from .tasks import check_task
+
+NOT_IN_COURSE = text("This server collects no hand-in of this; a course file names what it collects.")
+NEEDS_KEY = text("Type your key first: letters, digits, dots and dashes, as your lecturer lists you.")
+OWN_PLANT = text("Hand in with the lesson's own plant; choose it above.")
+NOT_SOLVED = text("Solve the task first; then hand it in.")
+NOTHING_SIGNED = text("There is no hand-in of this yet.")
+SIGNED = text("Signed. Copy or save the hand-in, and give it to your lecturer.")
+SIGNED_LATE = text("Signed after the deadline. Your lecturer sees that this hand-in is late.")
+
+
+def obey(show: Presenter, command: HandingIn) -> None:
+    """Do what a command about hand-ins asks. Raises KnobError and what a lesson raises."""
+    match command:
+        case HandIn(kind, item, said):
+            _sign(show, kind, item, said)
+        case SaveHandIn(item):
+            token = show.state.hand_ins.get(item)
+            if token is None:
+                raise KnobError(NOTHING_SIGNED)
+            show.view.download(f"{item.replace(' ', '-')}.hand-in.txt", f"{token}\n".encode())
+        case _:
+            assert_never(command)
+
+
+def _sign(show: Presenter, kind: Kind, id: str, said: object) -> None:
+    course, item = _asked(show, kind, id)
+    student = written_key(show.state.key)
+    if not student:
+        raise KnobError(NEEDS_KEY)
+    answer = note_answer(show, find_exam(show, id), said) if kind == "exam" else _solved(show, id, said)
+    token = course.hand_in(item, student, answer)
+    show.change(replace(show.state, hand_ins={**show.state.hand_ins, item.name: token}))
+    late = course.late(item)
+    show.view.say(SIGNED_LATE if late else SIGNED, late)
+
+
+def _asked(show: Presenter, kind: Kind, id: str) -> tuple[ServedCourse, CourseItem]:
+    course = show.state.course
+    item = None if course is None else course.asked(kind, show.lesson.id, id)
+    if course is None or item is None:
+        raise KnobError(NOT_IN_COURSE)
+    return course, item
+
+
+def _solved(show: Presenter, task: str, said: object) -> str:
+    """The answer of a task that the present design solves, on the lesson's own plant: on another it may be trivial."""
+    if show.design.plant:
+        raise KnobError(OWN_PLANT)
+    show.complete()
+    if not check_task(show, task, said).solved:
+        raise KnobError(NOT_SOLVED)
+    return SOLVED
