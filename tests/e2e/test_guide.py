@@ -143,6 +143,7 @@ def test_a_lecture_is_given_in_letters_for_a_hall_with_notes_in_a_window_of_thei
     notes.keyboard.press("ArrowRight")
     expect(page.locator(".ol-where span").first).to_have_text("2/7", timeout=PATIENCE)
     expect(notes.locator("#note")).not_to_have_text(first, timeout=PATIENCE)
+    expect(page.locator(".ol-more[open]")).to_have_count(0)
     answer(page, 0)
     assert page.evaluate(SMALL_PRINT) == []
 

@@ -1,8 +1,10 @@
-// Closes the dialog that is open by Escape, and by a press beside it.
+// Closes the dialog that is open by Escape, and by a press beside it; the menu of more, also once something is chosen in it.
 () => {
   if (window.observerLabDialogs) return;
   window.observerLabDialogs = true;
   const close = () => document.querySelector('.ol-close')?.click();
-  document.addEventListener('keydown', event => { if (event.key === 'Escape') close(); });
+  const fold = () => document.querySelectorAll('.ol-more[open]').forEach(menu => { menu.open = false; });
+  document.addEventListener('keydown', event => { if (event.key === 'Escape') { fold(); close(); } });
+  document.addEventListener('click', event => { if (!event.target?.closest?.('.ol-more summary')) fold(); });
   document.addEventListener('pointerdown', event => { if (event.target?.matches?.('.mantine-Modal-inner,.mantine-Modal-overlay')) close(); });
 }
