@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
+from collections.abc import Mapping
 from pathlib import Path
 from types import MappingProxyType
 
-from observer_lab.course.glossary import Glossary, read_glossary
+from observer_lab.course.glossary import Glossary, glossaries_in
 from observer_lab.course.lesson import Lesson
 
 from .arm.lesson import LESSON as arm
@@ -63,7 +63,6 @@ def folder(id: str) -> Path:
     return Path(__file__).parent / id.replace("-", "_")
 
 
-@lru_cache(maxsize=1)
-def glossaries() -> MappingProxyType[str, Glossary]:
+def glossaries() -> Mapping[str, Glossary]:
     """The glossary of all lessons by language. Raises ProseError."""
-    return MappingProxyType(read_glossary(Path(__file__).parent))
+    return glossaries_in(Path(__file__).parent)

@@ -17,11 +17,11 @@ import html
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from pathlib import Path
 
 from ..text.languages import folder_of, languages
-from .prose import ProseError
+from .prose_error import ProseError
 
 FILE = "glossary.md"
 
@@ -59,7 +59,7 @@ class Glossary:
         for token in TOKEN.finditer(text):
             if out and token.start() < out[-1].end:
                 continue
-            hit = next(filter(None, (each.match(text, token.start()) for each in self._patterns.get(token[0].lower(), ()))), None)
+            hit = next(filter(None, (_matcher(form).match(text, token.start()) for form in self._forms.get(token[0].lower(), ()))), None)
             if hit is not None:
                 out.append(Found(hit.start(), hit.end(), self._by_form[_key(hit[0])]))
         return tuple(out)
@@ -77,13 +77,13 @@ class Glossary:
         return {_key(form): each for each in reversed(self.entries) for form in _inflected(each.forms)}
 
     @cached_property
-    def _patterns(self) -> Mapping[str, list[re.Pattern[str]]]:
-        """Patterns of the forms by their first token, the longest form first."""
-        out: dict[str, list[re.Pattern[str]]] = {}
+    def _forms(self) -> Mapping[str, list[str]]:
+        """The forms by their first token, the longest form first."""
+        out: dict[str, list[str]] = {}
         for form in sorted({form for each in self.entries for form in _inflected(each.forms)}, key=lambda form: (-len(form), form)):
             token = TOKEN.match(form)
             assert token is not None, form
-            out.setdefault(token[0].lower(), []).append(_matcher(form))
+            out.setdefault(token[0].lower(), []).append(form)
         return out
 
 
@@ -110,6 +110,7 @@ def _key(form: str) -> str:
     return re.sub(r"[\s\-–]+", " ", form.lower().replace("'", "’"))
 
 
+@lru_cache(maxsize=4096)
 def _matcher(form: str) -> re.Pattern[str]:
     """A pattern for a form: an abbreviation as it is written, other words in any case, with blank or hyphen between them."""
     parts = [re.escape(part).replace("’", "['’]") for part in re.split(r"[\s\-–]+", form)]
@@ -130,6 +131,14 @@ def read_glossary(folder: Path) -> dict[str, Glossary]:
         own = parse_glossary(path.read_text(encoding="utf-8"), language, formulas) if path.is_file() else english
         out[language] = replace(own, language=language)
     return out
+
+
+@lru_cache(maxsize=8)
+def glossaries_in(folder: Path) -> Mapping[str, Glossary]:
+    """The glossary by language of the lessons in a folder; no terms where the folder has none. Raises ProseError."""
+    if not (folder / FILE).is_file():
+        return {language: Glossary(language, ()) for language in languages()}
+    return read_glossary(folder)
 
 
 def parse_glossary(text: str, language: str = "en", formulas: Mapping[str, str] | None = None) -> Glossary:
@@ -187,15 +196,15 @@ def _marked(text: str, glossary: Glossary, known: set[str]) -> str:
     """Plain words with the first use of each term marked; `known` are the terms marked before and grows."""
     parts, at = [], 0
     for found in glossary.find(text):
-        key = _attribute(found.entry.id)
+        key = as_attribute(found.entry.id)
         if key not in known:
             known.add(key)
             parts += [text[at:found.start], f'<abbr class="ol-term" tabindex="0" data-term="{key}" '
-                      f'title="{_attribute(found.entry.text)}">{text[found.start:found.end]}</abbr>']
+                      f'title="{as_attribute(found.entry.text)}">{text[found.start:found.end]}</abbr>']
             at = found.end
     return "".join([*parts, text[at:]])
 
 
-def _attribute(words: str) -> str:
+def as_attribute(words: str) -> str:
     """Words as the value of an attribute, also where a page reads braces as code."""
     return html.escape(words).replace("{", "&#123;").replace("}", "&#125;")

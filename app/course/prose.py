@@ -45,11 +45,9 @@ from pathlib import Path
 
 from ..text.languages import folder_of, languages
 from .exercises.derivation import DerivationStep, derived_step
+from .glossary import Glossary, glossaries_in
+from .prose_error import ProseError as ProseError
 from .scenes import SceneWords
-
-
-class ProseError(ValueError):
-    """A lesson's text file that does not have the agreed form."""
 
 
 @dataclass(frozen=True)
@@ -100,6 +98,12 @@ class Prose:
     again: PredictionWords | None = None
     scenes: Mapping[str, SceneWords] = field(default_factory=dict)  # of the lesson's path, from `path.md`
     references: tuple[str, ...] = ()  # what to read on, from the end of the notes for the teacher
+    terms: tuple[Path, str] | None = field(default=None, compare=False)  # the folder and the language of the glossary
+
+    @property
+    def glossary(self) -> Glossary | None:
+        """The terms that the texts of this lesson may use, None of a lesson without a glossary."""
+        return None if self.terms is None else glossaries_in(self.terms[0])[self.terms[1]]
 
 
 def read_prose(folder: Path) -> dict[str, Prose]:
@@ -110,7 +114,8 @@ def read_prose(folder: Path) -> dict[str, Prose]:
     own, name = folder / "en.md", f"{_id(folder)}.md"
     files = {lang: (folder_of(lang) or folder) / name for lang in languages()}
     return {lang: replace(parse_prose((path if path.is_file() else own).read_text(encoding="utf-8"), f"{lang}/{name}"),
-                          references=_references(folder, lang), scenes=read_scenes(folder, lang)) for lang, path in files.items()}
+                          references=_references(folder, lang), scenes=read_scenes(folder, lang),
+                          terms=(folder.parent, lang)) for lang, path in files.items()}
 
 
 def read_notes(folder: Path, language: str) -> str:

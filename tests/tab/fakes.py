@@ -115,6 +115,9 @@ class FakeView:
     def open_figure(self, figure: str) -> None:
         self.calls.append(("figure", figure))
 
+    def open_glossary(self) -> None:
+        self.calls.append(("glossary", None))
+
     def open_help(self) -> None:
         self.calls.append(("help", None))
 

@@ -115,9 +115,9 @@ class CourseDialog(Dialog):
         return f'<div class="ol-cards">{"".join(cards)}</div>'
 
     def _card(self, lesson: Lesson, picture: Picture, far: Progress) -> str:
-        lang, words, minutes = picture.state.language, lesson.words[picture.state.language], lesson.place.minutes
+        lang, words = picture.state.language, lesson.words[picture.state.language]
         needs = [same(str(each.number)) for each in picture.catalogue if each.id in lesson.place.needs]
-        told = phrases.NEEDING.format(minutes=minutes, lessons=listed(needs)) if needs else phrases.ON_ITS_OWN.format(minutes=minutes)
+        told = phrases.NEEDING.format(lessons=listed(needs)) if needs else phrases.ON_ITS_OWN
         done = [f"✓ {phrases.PREDICTED(lang)}"] if far.predicted else []
         done += [_tasks(far, lesson, lang)] if far.solved else []
         inner = (f'<i class="ol-shot ol-shot-{lesson.id}"></i><b>{lesson.number} · {html.escape(words.title)}</b>'

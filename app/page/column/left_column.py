@@ -15,7 +15,7 @@ from ...session.state.view import Picture, TaskState
 from ...text import languages, name_of
 from ..viser_private.widget_values import ReadBack
 from ..words import phrases
-from ..words.prose import judged_html, mathml, render_markdown, with_minus
+from ..words.prose import explained_html, judged_html, mathml, render_markdown, with_minus
 from .compare_panel import ComparePanel
 from .course_page import CourseGuide
 from .derivation_panel import DerivationPanel
@@ -99,10 +99,10 @@ class Panel:
     def _introduce(self, lecture: bool) -> None:
         """What the question is about; folded in a hall, where somebody tells it."""
         if not lecture:
-            self._gui.add_markdown(render_markdown(self._words.introduction))
+            self._gui.add_markdown(explained_html(self._words, render_markdown(self._words.introduction)))
             return
         with self._gui.add_folder(phrases.SETTING(self._lang), expand_by_default=False):
-            self._gui.add_markdown(render_markdown(self._words.introduction))
+            self._gui.add_markdown(explained_html(self._words, render_markdown(self._words.introduction)))
 
     def _part(self, name: str) -> None:
         """Where a part of the column begins, for the style sheet."""
@@ -119,7 +119,7 @@ class Panel:
     def _explain(self) -> None:
         for index, (heading, text) in enumerate(self._words.steps):
             with self._gui.add_folder(heading, expand_by_default=index == self._step):
-                self._gui.add_markdown(render_markdown(text))
+                self._gui.add_markdown(explained_html(self._words, render_markdown(text)))
 
     def _make_tasks(self, picture: Picture) -> None:
         if not self._lesson.tasks:

@@ -19,7 +19,7 @@ from ...session.commands.commands import (
     ToggleHelp,
     ToggleTheme,
 )
-from ...session.commands.guide import ChooseOption, EndLecture, GoToScene, RecordStop, SaveLecture, SetMode, TurnScene
+from ...session.commands.guide import ChooseOption, EndLecture, GoToScene, RecordStop, SaveLecture, SetMode, ToggleGlossary, TurnScene
 from ...session.state.view import Picture
 from ..charts.charts import Chart
 from ..charts.print_sizes import Sizes
@@ -67,7 +67,7 @@ class GuidePanel:
         edits: dict[str, Callable[[], Edit]] = {
             "mode": lambda: SetMode(value), "scene": lambda: GoToScene(_whole(value)), "turn": lambda: TurnScene(_whole(value)),
             "option": lambda: ChooseOption(_whole(value)), "course": ToggleCourse, "language": SetLanguage, "theme": ToggleTheme,
-            "take": ToggleDownloads, "help": ToggleHelp, "reset": lambda: GoToScene(self._stop),
+            "take": ToggleDownloads, "help": ToggleHelp, "terms": ToggleGlossary, "reset": lambda: GoToScene(self._stop),
             "end": EndLecture, "record": RecordStop, "save": SaveLecture, "lesson": lambda: OpenLesson(value)}
         if kind in edits:
             self._post(edits[kind]())
@@ -97,7 +97,8 @@ class GuidePanel:
                                    "minutes": round(minutes), "words": {"notes": phrases.NOTES(lang), "next": phrases.NEXT_IS(lang)}}
         if told != self._told:
             self._told = told
-            viser_internals.run_script(self._client, "presenter", hand=self._hand, **told)
+            viser_internals.run_script(self._client, "presenter", hand=self._hand, note=told["note"], title=told["title"],
+                                       next=told["next"], minutes=told["minutes"], words=told["words"])
 
     def progress(self, fraction: float | None) -> None:
         """The guide starts no long computation."""

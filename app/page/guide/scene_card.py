@@ -14,7 +14,7 @@ from ...session.handlers.guide import options_of
 from ...session.state.view import Picture
 from ...text import format_number, languages, name_of
 from ..words import phrases
-from ..words.prose import judged_html, mathml, render_markdown, with_minus
+from ..words.prose import explained_html, judged_html, mathml, render_markdown, with_minus
 
 LETTERS = "ABCDEFGH"
 MODE_WORDS = (("guide", phrases.GUIDE), ("lab", phrases.LAB), ("present", phrases.PRESENT))
@@ -36,8 +36,9 @@ def live_numbers(picture: Picture, words: str) -> str:
 
 def paragraphs(picture: Picture, words: str) -> str:
     """Text of a scene as HTML: Markdown's emphasis, equations, and the live numbers."""
-    return "".join(f"<p>{_emphasised(render_markdown(with_minus(live_numbers(picture, part))))}</p>"
+    text = "".join(f"<p>{_emphasised(render_markdown(with_minus(live_numbers(picture, part))))}</p>"
                    for part in words.split("\n\n") if part.strip())
+    return explained_html(picture.lesson.words[picture.state.language], text)
 
 
 def _emphasised(words: str) -> str:
@@ -57,7 +58,7 @@ def mode_row(picture: Picture, hand: str) -> str:
     if picture.state.recorded:
         items += [("save", phrases.SAVE_LECTURE.format(count=len(picture.state.recorded))(lang))]
     items += [("language", " / ".join(name_of(code) for code in languages())), ("theme", theme(lang)), ("take", phrases.TAKE(lang)),
-             ("help", phrases.HELP(lang)), ("reset", phrases.RESET(lang))]
+             ("terms", phrases.GLOSSARY(lang)), ("help", phrases.HELP(lang)), ("reset", phrases.RESET(lang))]
     more = "".join(f'<button type="button" class="ol-item" data-to="{hand}" data-value="{value}">{html.escape(words)}</button>'
                    for value, words in items)
     more += f'<button type="button" class="ol-item ol-notes">{html.escape(phrases.NOTES(lang))}</button>'

@@ -22,6 +22,7 @@ PAGE_SCRIPTS = (
     "folders",  # let Tab reach the heads of folders and Enter or Space open them: viser opens folders by the mouse alone
     "keys",  # keep from viser's camera the keys that mean something else here: the arrows of a widget, the letters of commands
     "options",  # let a button of our own HTML, with mathematics in it, answer for a widget
+    "terms",  # show what a term means where the pointer or the focus is on it
     "dialogs",  # close a dialog by Escape, and by a press beside it
     "again",  # bring a second question into view when it comes under the knobs
     "reading",  # say what the curves of a chart are where the pointer is; viser hands no function to its charts that could

@@ -19,10 +19,7 @@ from ..charts.print_sizes import Sizes, listen_to_the_window
 from ..charts.style_sheet import sheet_of
 from ..column.answer_mark import AnsweredMark
 from ..column.column_widths import Columns
-from ..column.course_page import CourseDialog
-from ..column.dialog import Dialog
-from ..column.download_dialog import DownloadDialog
-from ..column.key_list import HelpDialog
+from ..column.dialogs import Dialogs
 from ..column.left_column import Panel
 from ..guide.guide_panel import GuidePanel
 from ..replay.playback import Player
@@ -59,9 +56,7 @@ class Screen(Browser):
         self._notes: list[Any] = []
         self._looked = False
         self._columns = Columns()
-        self._help = HelpDialog(client, self._post)
-        self._take: DownloadDialog | None = None
-        self._course: CourseDialog | None = None
+        self._dialogs: Dialogs | None = None
         self._player: Player | None = None
 
     def attach(self, post: Post) -> None:
@@ -77,7 +72,7 @@ class Screen(Browser):
             viser_internals.run_script(self._client, "keep", lesson=picture.lesson.id, large=picture.state.lecture)
             gui.reset()
             self._client.scene.reset()
-            self._boards, self._charts, self._map, self._help, self._columns = {}, {}, None, HelpDialog(self._client, self._post), Columns()
+            self._boards, self._charts, self._map, self._columns = {}, {}, None, Columns()
             gui.configure_theme(show_logo=False, show_share_button=False, brand_color=(0, 114, 178),
                                 dark_mode=picture.state.is_dark)
             gui.set_panel_label("Observer Lab")
@@ -92,8 +87,7 @@ class Screen(Browser):
                 self._right_panel(picture)
             self._transport = PlaybackControls(gui, picture, self._post)
             self._mark = AnsweredMark(gui, self._post)
-            self._take = DownloadDialog(self._client, picture, self._post, self._home)
-            self._course = CourseDialog(self._client, self._post)
+            self._dialogs = Dialogs(self._client, picture, self._post, self._home)
             (gui.main_panel.dock_right if picture.guided else gui.main_panel.dock_left)()
             self._columns.add(gui.main_panel, sizes.right if picture.guided else sizes.left)
             self._columns.watch(self._client, self._post)
@@ -227,30 +221,27 @@ class Screen(Browser):
             page_scripts.open_tab(self._client, found.tab(picture.state.language), figure)
             self._client.flush()
 
+    def open_glossary(self) -> None:
+        """The page of all terms; asked for again it closes."""
+        if self._dialogs is not None and self._picture is not None:
+            self._dialogs.glossary(self._picture)
+
     def open_help(self) -> None:
         """The list of keys; the same key closes it."""
-        self._close_others(self._help)
-        self._help.toggle(self._picture.state.language if self._picture is not None else "en")
+        if self._dialogs is not None and self._picture is not None:
+            self._dialogs.help(self._picture)
 
     def open_course(self, progress: Mapping[str, Progress]) -> None:
         """The page of all lessons; the same key closes it."""
-        if self._course is not None and self._picture is not None:
-            self._close_others(self._course)
-            self._course.toggle(self._picture, progress)
+        if self._dialogs is not None and self._picture is not None:
+            self._dialogs.course(self._picture, progress)
             self._client.flush()
 
     def offer(self, token: str) -> None:
         """Open the dialog in which a state can be taken away, or close it."""
-        if self._take is not None and self._picture is not None:
-            self._close_others(self._take)
-            self._take.toggle(token, self._picture)
+        if self._dialogs is not None and self._picture is not None:
+            self._dialogs.take(self._picture, token)
             self._client.flush()
-
-    def _close_others(self, dialog: Dialog) -> None:
-        """Of all dialogs one is open at a time."""
-        for other in filter(None, (self._help, self._take, self._course)):
-            if other is not dialog:
-                other.close()
 
     # --- parts -----------------------------------------------------------------------------------------------------
     def _right_panel(self, picture: Picture) -> None:

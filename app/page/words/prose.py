@@ -9,6 +9,8 @@ from functools import lru_cache
 
 from latex2mathml.converter import convert
 
+from ...course.glossary import as_attribute, explained
+from ...course.prose import Prose
 from ...text import superscript
 
 
@@ -53,6 +55,21 @@ def render_markdown(markdown: str) -> str:
 def _tied(formula: str, mark: str) -> str:
     """A formula and the mark behind it, which is not to begin the next line."""
     return f'<span class="ol-tied">{formula}{mark}</span>' if mark else formula
+
+
+TERM = re.compile(r'data-term="([^"]*)"')
+
+
+def explained_html(words: Prose, markup: str) -> str:
+    """Markup of a lesson in which the first use of each term of the glossary carries its explanation and its formula."""
+    glossary = words.glossary
+    if glossary is None:
+        return markup
+
+    def with_formula(term: re.Match[str]) -> str:
+        entry = glossary.entry(html.unescape(term[1]))
+        return term[0] if entry is None else f'{term[0]} data-formula="{as_attribute(mathml(entry.formula, True))}"'
+    return TERM.sub(with_formula, explained(markup, glossary))
 
 
 def equation_html(equation: str) -> str:

@@ -34,6 +34,11 @@ class ChooseOption:
 
 
 @dataclass(frozen=True)
+class ToggleGlossary:
+    """Open or close the page of all terms."""
+
+
+@dataclass(frozen=True)
 class OpenLecture:
     """Give the lecture of a TOML file, from its first stop."""
 

@@ -27,7 +27,7 @@ from .commands import (
     Undo,
 )
 from .files import PinDesign
-from .guide import RecordStop
+from .guide import RecordStop, ToggleGlossary
 
 
 @dataclass(frozen=True)
@@ -64,5 +64,6 @@ SHORTCUTS: tuple[Shortcut, ...] = (
     Shortcut(text("Check the first unsolved task"), CheckNextTask(), "T"),
     Shortcut(text("Take it with you"), ToggleDownloads(), "E"),
     Shortcut(text("Note this scene for a lecture"), RecordStop(), "B"),
+    Shortcut(text("Glossary"), ToggleGlossary(), "I"),
     Shortcut(text("This list"), ToggleHelp(), "H"),
 )

@@ -23,6 +23,7 @@ from ..commands.commands import (
     TurnPage,
     WindowChanged,
 )
+from ..commands.guide import ToggleGlossary
 from ..state.validate import check_number, check_pixels
 from . import guide
 from .presenter import Presenter
@@ -57,6 +58,8 @@ def obey(show: Presenter, command: Paging) -> None:
             show.view.camera(place)
         case ToggleHelp():
             show.view.open_help()
+        case ToggleGlossary():
+            show.view.open_glossary()
         case ToggleCourse():
             show.view.open_course(show.desks.progress(show.lesson.id, show.state))
         case Answer(question):

@@ -191,6 +191,10 @@ class View(Protocol):
     def open_figure(self, figure: str) -> None:
         """Bring the figure of that id to the front, if the lesson has it."""
 
+    def open_glossary(self) -> None:
+        """Open the page of all terms, or close it."""
+        ...
+
     def open_help(self) -> None:
         """Show or close the list of keyboard commands."""
 
