@@ -109,6 +109,30 @@ def test_a_dialog_closes_by_escape_by_its_cross_and_by_a_press_beside_it(opened:
     expect(dialog).to_have_count(0, timeout=PATIENCE)
 
 
+def test_a_term_is_explained_where_it_stands_by_pointer_key_and_tap_and_in_a_list(opened: Callable[..., Page]) -> None:
+    page = opened("--lesson", "separation", "--lang", "en")
+    term, tip = page.locator(".ol-card .ol-term").first, page.locator("#ol-tip")
+    ways = (term.hover, lambda: page.mouse.move(300, 300)), (term.focus, term.blur), (term.click, lambda: page.keyboard.press("Escape"))
+    for show, hide in ways:
+        show()
+        expect(tip).to_be_visible(timeout=PATIENCE)
+        assert len(tip.inner_text().split()) >= 15 and tip.locator("math").count() == 1
+        hide()
+        expect(tip).to_be_hidden(timeout=PATIENCE)
+    page.locator(".ol-more summary").click()
+    page.locator(".ol-item[data-value=terms]").click()
+    expect(page.locator(".ol-terms dt")).to_have_count(len(LESSONS["separation"].words["en"].glossary.entries), timeout=PATIENCE)
+
+
+def test_the_switch_between_guide_lab_and_present_is_in_sight_in_all_of_them(opened: Callable[..., Page]) -> None:
+    page = opened("--lesson", "separation")
+    for mode, sign in (("lab", ".ol-question"), ("present", ".ol-present"), ("lab", ".ol-question"), ("guide", ".ol-card")):
+        page.locator(f".ol-mode[data-value='mode:{mode}']").click(timeout=PATIENCE)
+        expect(page.locator(sign).first).to_be_visible(timeout=PATIENCE)
+        expect(page.locator(f".ol-mode[data-value='mode:{mode}']")).to_have_attribute("aria-selected", "true", timeout=PATIENCE)
+        assert "WebGL" not in page.inner_text("body")
+
+
 def test_nothing_of_the_frame_that_has_no_name_or_address_shows(opened: Callable[..., Page]) -> None:
     page = opened("--lesson", "separation")
     assert page.evaluate(NAMELESS) == []

@@ -11,10 +11,14 @@ from typing import Any
 import viser
 
 from ...session.commands.commands import CheckTask, Edit, OpenLesson, SetLanguage, ShowHint, ShowSolution, ToggleLecture, ToggleTheme
+from ...session.commands.guide import SetMode
 from ...session.state.view import Picture, TaskState
 from ...text import languages, name_of
+from ..viser_private import viser_internals
+from ..viser_private.hidden_input import hidden_input
 from ..viser_private.widget_values import ReadBack
 from ..words import phrases
+from ..words.mode_switch import mode_switch
 from ..words.prose import explained_html, judged_html, mathml, render_markdown, with_minus
 from .compare_panel import ComparePanel
 from .course_page import CourseGuide
@@ -77,6 +81,9 @@ class Panel:
         pages: dict[str, Edit] = {phrases.LECTURE(lang): ToggleLecture(), theme(lang): ToggleTheme()}
         keys = {title: lesson_id for lesson_id, title in titles.items()}
         question = f'<div class="ol-question">{self._words.question}</div>'
+        if self._lesson.path:
+            hand = hidden_input(gui, lambda said: self._post(SetMode(said.removeprefix("mode:"))))
+            gui.add_html(f'<div class="ol-head">{mode_switch("lab", lang, viser_internals.node_id(hand))}</div>')
         if picture.state.lecture:
             gui.add_html(question)
         self._choice = gui.add_dropdown(phrases.LESSON(lang), tuple(titles.values()),

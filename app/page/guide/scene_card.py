@@ -14,10 +14,10 @@ from ...session.handlers.guide import options_of
 from ...session.state.view import Picture
 from ...text import format_number, languages, name_of
 from ..words import phrases
+from ..words.mode_switch import mode_switch
 from ..words.prose import explained_html, judged_html, mathml, render_markdown, with_minus
 
 LETTERS = "ABCDEFGH"
-MODE_WORDS = (("guide", phrases.GUIDE), ("lab", phrases.LAB), ("present", phrases.PRESENT))
 
 
 def live_numbers(picture: Picture, words: str) -> str:
@@ -49,8 +49,6 @@ def _emphasised(words: str) -> str:
 def mode_row(picture: Picture, hand: str) -> str:
     """The switch between guide, lab and present, and the button of the page of lessons."""
     lang, now = picture.state.language, picture.state.mode
-    modes = "".join(f'<button type="button" class="ol-mode" role="tab" aria-selected="{"true" if mode == now else "false"}" '
-                    f'data-to="{hand}" data-value="mode:{mode}">{html.escape(words(lang))}</button>' for mode, words in MODE_WORDS)
     theme = phrases.LIGHT if picture.state.is_dark else phrases.DARK_THEME
     talk = picture.state.talk
     items = [("end", phrases.END_LECTURE(lang))] if talk is not None else []
@@ -68,7 +66,7 @@ def mode_row(picture: Picture, hand: str) -> str:
     return (f'<div class="ol-head{hall}"><button type="button" class="ol-menu" data-to="{hand}" data-value="course" '
             f'aria-label="{html.escape(phrases.COURSE(lang), quote=True)}">☰</button>'
             f'<span class="ol-lesson" title="{html.escape(whole, quote=True)}">{html.escape(title)}</span>'
-            f'<span class="ol-modes" role="tablist">{modes}</span>'
+            f"{mode_switch(now, lang, hand)}"
             f'<details class="ol-more"><summary aria-label="{html.escape(phrases.MORE(lang), quote=True)}">⋯</summary>'
             f"<div>{more}</div></details></div>")
 
