@@ -4,5 +4,5 @@
   window.observerLabDialogs = true;
   const close = () => document.querySelector('.ol-close')?.click();
   document.addEventListener('keydown', event => { if (event.key === 'Escape') close(); });
-  document.addEventListener('pointerdown', event => { if (event.target?.matches?.('.mantine-Modal-inner,.mantine-Modal-overlay')) close(); });
+  document.addEventListener('pointerdown', event => { if (event.target?.matches?.(window.observerLabViser.parts.besideDialog)) close(); });
 }
