@@ -11,8 +11,8 @@ import pytest
 from matplotlib._pylab_helpers import Gcf
 from matplotlib.colors import to_hex, to_rgb
 
+from observer_lab.colours import COLOURS
 from observer_lab.course.figures.records import (
-    COLOURS,
     LOG_AXIS_FLOOR,
     Curve,
     Figure,

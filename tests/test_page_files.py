@@ -6,11 +6,13 @@ import ast
 import json
 import re
 from pathlib import Path
+from string import Template
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from observer_lab.colours import COLOURS
 from observer_lab.page import web
 from observer_lab.page.charts.style_sheet import sheet
 from observer_lab.page.replay import replay
@@ -45,7 +47,7 @@ def test_every_script_is_called_with_just_what_it_takes() -> None:
 
 @pytest.mark.parametrize("name", STYLES)
 def test_every_style_is_used_and_closed(name: str) -> None:
-    text = web.file_text(name)
+    text = Template(web.file_text(name)).safe_substitute(COLOURS)
     assert text.strip() in sheet(True, True, ("$figure",), True) + app_page("en") + replay.style()
     assert text.count("{") == text.count("}") and "<" not in text and "%(" not in text
 

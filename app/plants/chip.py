@@ -8,6 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from ..colours import COLOURS, rgb
 from ..engine import Plant
 from ..text import text
 from .bodies.body import (
@@ -35,8 +36,8 @@ CHIP_X, BOARD_TOP = -0.62, 0.30  # middle of the chip, top of the board
 CORE, CASE = 0.95, 1.42  # where the two columns stand
 LOWEST_LEVEL, ZERO_LEVEL = 0.46, 0.95  # lowest level of a column, its level at ambient temperature
 MAX_COLUMN_RISE, MAX_COLUMN_FALL = 1.15, 0.42  # highest and lowest drawn level from there
-GLOW = ((-30.0, (74, 112, 160)), (0.0, (138, 147, 160)), (30.0, (226, 150, 60)), (70.0, (205, 50, 30)),
-        (120.0, (255, 225, 170)))  # temperature above ambient in K, colour
+GLOW = tuple((kelvin, rgb(COLOURS[role])) for kelvin, role in (
+    (-30.0, "cold"), (0.0, "steel"), (30.0, "warm-steel"), (70.0, "hot"), (120.0, "white-hot")))  # temperature above ambient in K, colour
 
 
 @dataclass(frozen=True)

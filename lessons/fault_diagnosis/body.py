@@ -9,14 +9,15 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
+from observer_lab.colours import COLOURS, rgb
 from observer_lab.plants.bodies.body import METAL, Ball, Body, Box, Part, Pose, Rod, Vector, pose_between
 from observer_lab.plants.bodies.deck_body import deck_body
 from observer_lab.plants.platform.model import Parameters
 from observer_lab.text import text
 
 DECK_PARAMETERS = Parameters()
-FAILING, HONEST, COIL, STEEL_GREY = (204, 121, 167), (86, 180, 233), (184, 115, 51), (138, 147, 160)
-FLAG, POLE = "#E69F00", "#3A404A"
+FAILING, HONEST, COIL, STEEL_GREY = (rgb(COLOURS[role]) for role in ("error", "second", "copper", "steel"))
+FLAG, POLE = COLOURS["disturbance"], COLOURS["dark"]
 BELOW: Vector = (0.0, 0.0, -9.0)
 SIDES = (("left", -1.0), ("right", 1.0))
 GAUGE_AT, GAUGE_UP, GAUGE_Y = 1.02, 0.17, -0.42  # where the horizontal sensors stand on the deck
@@ -33,7 +34,7 @@ def _carried(deck: Pose, across: float, up: float, y: float) -> Vector:
 
 def _parts() -> tuple[Part, ...]:
     gauges = tuple(part for side, _ in SIDES for part in (
-        Part(f"gauge {side}", Box((0.3, 0.26, 0.16)), "#56B4E9"), Part(f"needle {side}", Rod(0.035), METAL)))
+        Part(f"gauge {side}", Box((0.3, 0.26, 0.16)), COLOURS["second"]), Part(f"needle {side}", Rod(0.035), METAL)))
     own = tuple(replace(part, twin=False) if part.name.startswith(("sensor", "test mass")) else part for part in BASE.parts)
     return (*own, *gauges, Part("flag pole", Rod(0.025), POLE), Part("flag", Ball(0.13), FLAG))
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
+from observer_lab.colours import COLOURS, rgb
 from observer_lab.plants.bodies.body import (
     DARK_GREY,
     METAL,
@@ -28,7 +29,7 @@ from observer_lab.plants.bodies.body import (
 )
 from observer_lab.text import text
 
-LIT_COLOUR, UNLIT_COLOUR = (255, 214, 90), (58, 64, 74)
+LIT_COLOUR, UNLIT_COLOUR = rgb(COLOURS["lamp"]), rgb(COLOURS["dark"])
 LAMPS = (("sensor", -0.75), ("input", 0.75))
 LAMP_Y, LAMP_HEIGHT = -1.35, 0.42  # in front of the plant
 SLICES, RIDGE_WIDTH, CREST = 21, 3.4, 0.95  # of the ridge

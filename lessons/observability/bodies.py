@@ -12,6 +12,7 @@ from dataclasses import replace
 from functools import lru_cache
 from types import MappingProxyType
 
+from observer_lab.colours import COLOURS, rgb
 from observer_lab.plants.bodies.body import (
     METAL,
     PLANT_COLOUR,
@@ -35,12 +36,12 @@ from observer_lab.text import Text, text
 CLOUD, MIDDLE = 0.3, (0.0, -0.1, 3.2)  # stage units per typical size, and where the cloud hangs
 MIN_HALF_AXIS = 0.025  # an ellipsoid is never drawn thinner
 MAX_DRAWN_DISTANCE, ARM = 3.4, 3.1  # typical sizes: nothing is drawn farther out; how long the axes and the needle are
-ORANGE, OFF, ON = "#D55E00", (196, 201, 209), (0, 114, 178)
+OFF, ON = rgb(COLOURS["off"]), rgb(COLOURS["plant"])
 HALF_TURN = (0.0, 1.0, 0.0, 0.0)  # half a turn: a rod that hangs instead of standing
 DECK_PARAMETERS = Parameters()
 
 CLOUD_PARTS = (
-    Part("cloud", Ball(1.0), ORANGE, opacity=0.38),
+    Part("cloud", Ball(1.0), COLOURS["estimate"], opacity=0.38),
     Part("truth", Ball(0.055), PLANT_COLOUR),
     Part("axis right", Rod(0.012), STEEL),
     Part("axis away", Rod(0.012), STEEL),

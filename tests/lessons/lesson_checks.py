@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from observer_lab.course.figures.records import COLOURS, Figure, LineFigure, MapFigure, MatrixFigure, PlaneFigure, TableFigure
+from observer_lab.colours import COLOURS
+from observer_lab.course.figures.records import Figure, LineFigure, MapFigure, MatrixFigure, PlaneFigure, TableFigure
 from observer_lab.course.knobs import Choice, Knob, Number, Poles, Switch, Track
 from observer_lab.course.lesson import Design, Lesson, Outcome, Task
 from observer_lab.lessons import LESSONS

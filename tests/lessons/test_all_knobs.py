@@ -14,7 +14,7 @@ from laws import each, holds_for_all
 from lesson_checks import boards_of, check_figures, contents, every_lesson, others, satisfied, shown
 from strategies import designs
 
-from observer_lab.course.figures.records import COLOURS
+from observer_lab.colours import COLOURS
 from observer_lab.course.knobs import Choice, Knob, KnobError, Number, Poles, Switch
 from observer_lab.course.lesson import KEYS, Design, Lesson
 from observer_lab.engine import EngineError

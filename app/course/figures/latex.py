@@ -6,6 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ...colours import COLOURS
+
 MOST_ENTRIES = 24  # of a matrix that is written out
 
 
@@ -24,6 +26,6 @@ def matrix(M: np.ndarray, digits: int = 3, changed: Sequence[tuple[int, int]] = 
     """A matrix as LaTeX with its present entries; `changed` ones stand out."""
     def entry(i: int, j: int) -> str:
         words = number(float(M[i, j]), digits)
-        return rf"\color{{#D55E00}}{{{words}}}" if (i, j) in changed else words
+        return rf"\color{{{COLOURS['estimate']}}}{{{words}}}" if (i, j) in changed else words
     rows = r" \\ ".join(" & ".join(entry(i, j) for j in range(M.shape[1])) for i in range(M.shape[0]))
     return rf"\begin{{bmatrix}} {rows} \end{{bmatrix}}"

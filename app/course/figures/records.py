@@ -1,6 +1,6 @@
 """Define figure records, drawn by uPlot or SVG on the page and by matplotlib in exports.
 
-A record holds arrays and words, never a widget. Roles name meanings; `COLOURS` gives each its colour everywhere.
+A record holds arrays and words, never a widget. Roles name meanings; `colours.py` gives each its colour everywhere.
 """
 
 from __future__ import annotations
@@ -8,25 +8,12 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import Literal
 
 import numpy as np
 
 from ...text import NO_WORDS, Text, label_in_language, text
 
-# Okabe–Ito, the same meaning in 3-D, in plots, in SVG and in exports.
-COLOURS = MappingProxyType({
-    "plant": "#0072B2",
-    "estimate": "#D55E00",
-    "error": "#CC79A7",
-    "force": "#009E73",
-    "disturbance": "#E69F00",
-    "reference": "#000000",
-    "second": "#56B4E9",
-    "muted": "#8A8F98",
-    "unstable": "#F6D9D9",
-})
 Dash = Literal["solid", "dash", "dot", "pin1", "pin2", "pin3", "pin4"]
 # the tabs that figures stand in unless a lesson says otherwise
 TIME, SPECTRUM, PLANE = text("Time"), text("Spectrum"), text("Plane")

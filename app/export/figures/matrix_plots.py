@@ -6,7 +6,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
 
-from ...course.figures.records import COLOURS, MatrixFigure, TableFigure, finite
+from ...colours import COLOURS
+from ...course.figures.records import MatrixFigure, TableFigure, finite
 from ...text import label_in_language, symbol
 from .line_breaks import text_width_em
 from .style import INK_COLOUR, RULE_COLOUR, SMALL_PT, escape_mathtext

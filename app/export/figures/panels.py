@@ -12,8 +12,9 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter
 from scipy.ndimage import distance_transform_cdt
 
+from ...colours import COLOURS
 from ...course.figures.decade_axes import decades
-from ...course.figures.records import COLOURS, LOG_AXIS_FLOOR, Curve, LineFigure, MapFigure, PlaneFigure, axis_range, finite
+from ...course.figures.records import LOG_AXIS_FLOOR, Curve, LineFigure, MapFigure, PlaneFigure, axis_range, finite
 from ...text import label_in_language
 from .curve_labels import label_curves
 from .style import GRID_COLOUR, INK_COLOUR, RULE_COLOUR, SMALL_PT, curve_style, escape_mathtext
@@ -27,7 +28,6 @@ MARK_STYLES = MappingProxyType({
     "dot": {"marker": "o", "markersize": 3.6, "markeredgewidth": 0.0},
     "bolt": {"marker": "h", "markersize": 6.0, "markeredgewidth": 0.0},
 })
-BOLT = "#282C34"
 MAP_STRENGTH = 0.75  # opacity of a map's colours on white paper
 
 
@@ -108,7 +108,7 @@ def _marks(axes: Axes, figure: PlaneFigure, language: str, x_range: tuple[float,
         members = [p for p in figure.points if (p.role, p.mark) == (role, mark)]
         at = finite(np.array([(p.x, p.y) for p in members]))
         at = np.clip(at, (x_range[0], y_range[0]), (x_range[1], y_range[1]))
-        axes.plot(at[:, 0], at[:, 1], linestyle="none", color=BOLT if mark == "bolt" else COLOURS[role], clip_on=False,
+        axes.plot(at[:, 0], at[:, 1], linestyle="none", color=COLOURS["bolt" if mark == "bolt" else role], clip_on=False,
                   zorder=4, label="_", gid=f"{role}-{mark}", **MARK_STYLES[mark])
         for (x, y), point in zip(at, members, strict=True):
             if point.name(language):

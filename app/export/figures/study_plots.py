@@ -14,7 +14,7 @@ from matplotlib.colors import LinearSegmentedColormap, LogNorm, Normalize
 from matplotlib.figure import Figure as Page
 from matplotlib.ticker import MaxNLocator
 
-from ...course.figures.records import COLOURS
+from ...colours import COLOURS
 from ...text import Text
 from .figure import ABOUT, DPI, SUFFIXES
 from .style import INK_COLOUR, RULE_COLOUR, SMALL_PT, TITLE_PT, escape_mathtext, export_style
@@ -24,7 +24,8 @@ __all__ = ["MAX_SURVEYS", "PlotAxis", "StudyPlot", "save_study_plots"]
 MAX_SURVEYS = 12  # surveys on a page
 LOG_AXIS_RATIO = 1e4  # numbers that lie further apart are drawn over decades
 SURVEY_WIDTH_IN, SURVEY_HEIGHT_IN, CAPTION_HEIGHT_IN = 3.55, 2.5, 0.3  # of a survey, and of the caption below all of them, in inches
-SHADES = LinearSegmentedColormap.from_list("shades", ["#e4eff6", "#a9cfe6", COLOURS["plant"], "#123a55"])  # light to dark, also in grey
+SHADES = LinearSegmentedColormap.from_list(  # light to dark, also in grey
+    "shades", [COLOURS[role] for role in ("print-pale", "print-light", "plant", "print-dark")])
 
 
 @dataclass(frozen=True, eq=False)

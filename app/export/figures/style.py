@@ -11,10 +11,11 @@ from typing import Any
 
 import matplotlib
 
-from ...course.figures.records import COLOURS, Curve, Dash
+from ...colours import COLOURS
+from ...course.figures.records import Curve, Dash
 from .fonts import families
 
-INK_COLOUR, RULE_COLOUR, GRID_COLOUR = "#20242b", "#5b626d", "#e6e9ee"
+INK_COLOUR, RULE_COLOUR, GRID_COLOUR = (COLOURS[role] for role in ("print-ink", "print-rule", "print-grid"))
 BODY_PT, SMALL_PT, TITLE_PT = 8.0, 7.0, 9.0  # pt
 PRINT = 0.6  # points of a printed line for each pixel of a line on the screen
 # in line widths

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure as Page
 from matplotlib.font_manager import FontProperties
 from matplotlib.lines import Line2D
 
+from ...colours import COLOURS
 from ...course.design_differences import describe_design
 from ...course.figures.records import Figure
 from ...course.lesson import Lesson, Outcome
@@ -42,7 +43,7 @@ def sheet(lesson: Lesson, outcome: Outcome, figures: Sequence[Figure], token: st
         paper = _Paper(language, f"Observer Lab · {words.title}", token)
         paper.say(words.title, TITLE_PT, weight="bold")
         paper.gap(0.06)
-        paper.say(words.question, QUESTION_PT, weight="bold", color="#0067a3")
+        paper.say(words.question, QUESTION_PT, weight="bold", color=COLOURS["outline"])
         paper.gap(0.1)
         paper.say(f"{NAME_FIELD(language)}:", BODY_PT)
         paper.rule(0.55, -0.02)
@@ -140,7 +141,7 @@ class _Paper:
         self.say(statement, BODY_PT)
         for _ in range(RULED):
             self.gap(ANSWER_LINE_GAP_IN)
-            self.rule(colour="#b9c0cb")
+            self.rule(colour=COLOURS["print-line"])
         self.gap(0.2)
 
     def bound(self) -> bytes:

@@ -6,6 +6,7 @@ import html
 import math
 from collections.abc import Sequence
 
+from ...colours import COLOURS
 from ...course.figures.decade_axes import decades
 from .axis_ticks import ticks
 from .text_layout import LARGE_PRINT_PX, Box, fold_lines, text_width
@@ -94,14 +95,14 @@ class Axes:
     def draw(self) -> str:
         """The frame, its grid, numbers and names."""
         foot = f"{self._foot:.1f}"
-        out = [f'<rect {self.area()} fill="none" stroke="#c9ced6"/>']
+        out = [f'<rect {self.area()} fill="none" stroke="{COLOURS["chart-frame"]}"/>']
         for px, x, name in self._below():
-            out.append(f'<line x1="{px:.1f}" x2="{px:.1f}" y1="{TOP_PX}" y2="{foot}" stroke="#e8ebf0"/>'
+            out.append(f'<line x1="{px:.1f}" x2="{px:.1f}" y1="{TOP_PX}" y2="{foot}" stroke="{COLOURS["chart-grid"]}"/>'
                        f'<text x="{x:.1f}" y="{self._foot + NUMBER_FOOT_GAP_PX:.1f}" text-anchor="middle">{name}</text>')
         for v, name in self._levels():
             _, py = self.at(0, v)
             out.append(
-                f'<line x1="{self.left:.1f}" x2="{W - RIGHT_PX}" y1="{py:.1f}" y2="{py:.1f}" stroke="#e8ebf0"/>'
+                f'<line x1="{self.left:.1f}" x2="{W - RIGHT_PX}" y1="{py:.1f}" y2="{py:.1f}" stroke="{COLOURS["chart-grid"]}"/>'
                 f'<text x="{self.left - NUMBER_FRAME_GAP_PX:.1f}" y="{min(py + 4, self._foot - 1):.1f}" text-anchor="end">{name}</text>'
             )
         middle = (self.left + W - RIGHT_PX) / 2

@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 import viser
 
+from ...colours import COLOURS
 from ...course.figures.decade_axes import decades
-from ...course.figures.records import COLOURS, LOG_AXIS_FLOOR, Curve, Figure, LineFigure, same_axis, same_key, steady_range, thin_samples
+from ...course.figures.records import LOG_AXIS_FLOOR, Curve, Figure, LineFigure, same_axis, same_key, steady_range, thin_samples
 from ...session.state.view import Picture
 from ...text import label_in_language, superscript
 from ..words.prose import with_minus
@@ -161,8 +162,8 @@ class Chart:
             xs["distr"] = 3
         size, (title, name) = self._letter, self._worded(figure)
         font = f"{size}px sans-serif"
-        look = {"font": font, "labelFont": font, "stroke": "#333a44", "grid": {"stroke": "#e8ebf0", "width": 1},
-                "ticks": {"stroke": "#c9ced6", "width": 1}}
+        look = {"font": font, "labelFont": font, "stroke": COLOURS["chart-ink"], "grid": {"stroke": COLOURS["chart-grid"], "width": 1},
+                "ticks": {"stroke": COLOURS["chart-frame"], "width": 1}}
         vertical: dict[str, Any] = {**look, "label": name, "labelSize": size + 6, "size": 4 * size + 8}
         if figure.log_y:
             vertical["splits"], vertical["values"] = decades(*self._range)

@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...colours import COLOURS, rgb
 from ...course.figures.records import MatrixFigure
 from ...text import label_in_language, symbol
 from ..words.prose import with_minus
@@ -37,10 +38,10 @@ def matrix(figure: MatrixFigure, language: str, large: bool) -> tuple[str, float
             depth = 0.0 if share < 1e-9 else 0.15 + 0.85 * max(0.0, 1 + math.log10(share) / 6)
             x, y = left + j * wide, top + i * high
             out.append(f'<rect x="{x:.1f}" y="{y:.1f}" width="{wide:.1f}" height="{high:.1f}" fill="{_blend(depth)}" '
-                       f'stroke="#e8ebf0"><title>{m[i, j]:.4g}</title></rect>')
+                       f'stroke="{COLOURS["chart-grid"]}"><title>{m[i, j]:.4g}</title></rect>')
             if wide >= ROOM_FOR_ENTRY:
                 out.append(_entry(m[i, j] if depth else 0.0, _Cell(x, y, wide, high), large,
-                                  "#fff" if depth > 0.6 else "#1c2430" if depth else "#5a616c"))
+                                  COLOURS["paper" if depth > 0.6 else "ink" if depth else "dimmed"]))
     for i, lines in enumerate(said):
         size = min(
             min(_fitting(line, left - 6, LARGE_PRINT_PX if large else WORDS_PX) for line in lines), math.inf if large else high * 0.7
@@ -54,7 +55,7 @@ def matrix(figure: MatrixFigure, language: str, large: bool) -> tuple[str, float
     for b in figure.blocks:
         x, y = left + b * wide, top + b * high
         out.append(f'<path d="M{x:.1f} {top:.1f}V{top + rows * high:.1f}M{left:.1f} {y:.1f}H{left + cols * wide:.1f}" '
-                   'stroke="#000" stroke-width="2"/>')
+                   f'stroke="{COLOURS["reference"]}" stroke-width="2"/>')
     return heads + "".join(out), top + rows * high + 8
 
 
@@ -131,6 +132,6 @@ def _fitting(words: str, room: float, most: float = WORDS_PX) -> float:
 
 
 def _blend(depth: float) -> str:
-    """White to the plant's blue."""
-    r, g, b = (round(255 + (c - 255) * depth) for c in (0, 114, 178))
+    """White to the plant's colour."""
+    r, g, b = (round(255 + (c - 255) * depth) for c in rgb(COLOURS["plant"]))
     return f"#{r:02x}{g:02x}{b:02x}"

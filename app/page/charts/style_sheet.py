@@ -11,10 +11,10 @@ from .. import web
 
 def sheet(lecture: bool, veiled: bool, figures: tuple[str, ...] = (), numbers: bool = False) -> str:
     """The style element for the present state; `figures` and `numbers` are veiled by themselves."""
-    sheets = ["page.css", "guide.css"]
+    sheets = ["viser_dom.css", "page.css", "guide.css"]
     sheets += [*(["lecture.css"] if lecture else []), *(["veil.css"] if veiled else []), *(["numbers.css"] if numbers else [])]
     also = [Template(web.file_text("again.css")).substitute(figure=figure) for figure in figures]
-    return "<style>" + "".join([*map(web.file_text, sheets), *also]) + "</style>"
+    return "<style>" + "".join([web.style_rules(*sheets), *also]) + "</style>"
 
 
 def sheet_of(picture: Picture) -> str:

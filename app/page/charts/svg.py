@@ -7,7 +7,8 @@ import math
 
 import numpy as np
 
-from ...course.figures.records import COLOURS, Figure, MapFigure, MatrixFigure, PlaneFigure, TableFigure, finite
+from ...colours import COLOURS, rgb
+from ...course.figures.records import Figure, MapFigure, MatrixFigure, PlaneFigure, TableFigure, finite
 from ...text import label_in_language
 from ..words.prose import with_minus
 from .axes import ROW_HEIGHT_PX, Axes, H, W
@@ -63,7 +64,8 @@ def _svg(drawn: tuple[str, float], figure: Figure, language: str, large: bool) -
     )
     return (
         f'<div class="ol-figure" data-figure="{figure.id}"><svg viewBox="0 {0 - more:.0f} {W} {height + more:.0f}" role="img" '
-        f'aria-label="{html.escape(title)}" font-family="sans-serif" font-size="{LARGE_PRINT_PX if large else WORDS_PX:g}" fill="#333a44">'
+        f'aria-label="{html.escape(title)}" font-family="sans-serif" font-size="{LARGE_PRINT_PX if large else WORDS_PX:g}" '
+        f'fill="{COLOURS["chart-ink"]}">'
         f"{said}{body}</svg></div>"
     )
 
@@ -123,13 +125,13 @@ def _names(marks: list[tuple[float, float, str]], drawn: np.ndarray, frame: Box)
 def _name(at: Name, words: str, role: str) -> str:
     """Words with a white rim, in the colour of a curve, darkened, if they are its name."""
     colour = f' fill="{_dark(COLOURS[role])}" font-weight="600"' if role else ""
-    return (f'<text x="{at.x:.1f}" y="{at.y:.1f}" text-anchor="{at.anchor}" paint-order="stroke" stroke="#fff" '
+    return (f'<text x="{at.x:.1f}" y="{at.y:.1f}" text-anchor="{at.anchor}" paint-order="stroke" stroke="{COLOURS["paper"]}" '
             f'stroke-width="3"{colour}>{html.escape(words)}</text>')
 
 
 def _dark(colour: str) -> str:
     """A colour #rrggbb nearer to black, to read words in."""
-    return "#" + "".join(f"{round(NAME_COLOUR_SHARE * int(colour[i:i + 2], 16)):02x}" for i in (1, 3, 5))
+    return "#" + "".join(f"{round(NAME_COLOUR_SHARE * part):02x}" for part in rgb(colour))
 
 
 def _mark(x: float, y: float, colour: str, mark: str) -> str:
@@ -140,7 +142,7 @@ def _mark(x: float, y: float, colour: str, mark: str) -> str:
         "circle": f'<circle cx="{x:.1f}" cy="{y:.1f}" r="5" fill="none" stroke="{colour}" stroke-width="2.2"/>',
         "hollow": f'<path d="M{x - 5:.1f} {y:.1f}l5 -5l5 5l-5 5z" fill="none" stroke="{colour}" stroke-width="1.4"/>',
         "dot": f'<circle cx="{x:.1f}" cy="{y:.1f}" r="4" fill="{colour}"/>',
-        "bolt": f'<path d="M{x - 6:.1f} {y:.1f}l3 -5.2h6l3 5.2l-3 5.2h-6z" fill="#282c34"/>',
+        "bolt": f'<path d="M{x - 6:.1f} {y:.1f}l3 -5.2h6l3 5.2l-3 5.2h-6z" fill="{COLOURS["bolt"]}"/>',
     }[mark]
 
 

@@ -110,19 +110,19 @@ def channels(tape: viser_internals.Tape, steps: Sequence[Callable[[], object]]) 
 
     The scene stands as after the first step, and stands so again afterwards.
     """
-    found: dict[tuple[str, str, str], list[tuple[int, Any]]] = {}
+    found: dict[tuple[str, str], list[tuple[int, Any]]] = {}
     for k, step in enumerate([*steps[1:], steps[0]], 1):
-        for kind, name, prop, value in tape.changes(step):
-            found.setdefault((kind, name, prop), []).append((k, value))
+        for name, prop, value in tape.changes(step):
+            found.setdefault((name, prop), []).append((k, value))
     out = []
-    for (kind, name, prop), values in found.items():
+    for (name, prop), values in found.items():
         at, to = [0], [_plain(values[-1][1])]  # on the way back, or with its last change, it came to where it had been
         for k, value in values:
             plain = _plain(value)
             if k < len(steps) and plain != to[-1]:
                 at.append(k)
                 to.append(plain)
-        out.append({"type": kind, "name": name, "prop": prop, "floats": isinstance(values[-1][1], np.ndarray), "at": at, "to": to})
+        out.append({"name": name, "prop": prop, "floats": isinstance(values[-1][1], np.ndarray), "at": at, "to": to})
     return out
 
 

@@ -44,7 +44,7 @@ def replay(picture: Picture, token: str, camera: tuple[float, ...] | None = None
 
 def style() -> str:
     """The style element of the page: colours of the lab's own page, and its own layout."""
-    return f"<style>{web.file_text('page.css')}{web.file_text('replay.css')}</style>"
+    return f"<style>{web.style_rules('viser_dom.css', 'page.css', 'replay.css')}</style>"
 
 
 def _safe(words: str) -> str:

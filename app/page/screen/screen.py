@@ -8,6 +8,7 @@ from typing import Any
 
 import viser
 
+from ...colours import COLOURS, rgb
 from ...course.course_map import Progress
 from ...course.figures.records import figure_below, tab_names
 from ...course.lesson import Board
@@ -73,7 +74,7 @@ class Screen(Browser):
             gui.reset()
             self._client.scene.reset()
             self._boards, self._charts, self._map, self._columns = {}, {}, None, Columns()
-            gui.configure_theme(show_logo=False, show_share_button=False, brand_color=(0, 114, 178),
+            gui.configure_theme(show_logo=False, show_share_button=False, brand_color=rgb(COLOURS["plant"]),
                                 dark_mode=picture.state.is_dark)
             gui.set_panel_label("Observer Lab")
             self._style = gui.add_html(sheet_of(picture), order=-1e9)

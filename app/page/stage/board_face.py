@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from PIL import Image, ImageDraw
 
+from ...colours import palette, rgb
 from ...course.lesson import Board
 from ..charts.axis_ticks import ticks
 
@@ -29,12 +30,15 @@ class BoardColours(NamedTuple):
     leader: Colour  # from a name to its mark
 
 
-LIGHT = BoardColours((255, 255, 255), (246, 214, 214), (40, 44, 52), (214, 220, 229), (172, 184, 202), (90, 97, 108))
-DARK_INK = BoardColours((38, 44, 53), (84, 40, 44), (222, 227, 234), (62, 70, 82), (98, 110, 128), (150, 160, 176))
+def board_colours(dark: bool) -> BoardColours:
+    """Those by day or in the dark."""
+    return BoardColours(*(rgb(palette(dark)[f"glass{role}"]) for role in ("", "-unstable", "-axis", "-grid", "-arc", "-leader")))
+
+
 FINE_WIDTH, ARC_WIDTH, AXIS_WIDTH = 2, 3, 5  # pixels
 
 
-def draw_board_texture(board: Board, margin: float, ink: BoardColours = LIGHT) -> np.ndarray:
+def draw_board_texture(board: Board, margin: float, ink: BoardColours) -> np.ndarray:
     """The s-plane of a board (rows, columns, 3), with a margin that is this part of its height on every side.
 
     Grid, circles of equal |s|, rays of equal damping, the axes, and the unstable half shaded; for a plant in discrete time

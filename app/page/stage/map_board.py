@@ -4,20 +4,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
 import viser
 
-from ...course.figures.records import COLOURS, MapFigure
+from ...colours import COLOURS, palette, rgb
+from ...course.figures.records import MapFigure
 from ...session.state.view import Picture
 from ...text import label_in_language
 from ..charts.axis_ticks import ticks
 from ..charts.text_layout import fold_lines
 from ..words import phrases
 from .scene_labels import SceneLabels
-from .solids import rgb
 
 MAP_WIDTH, MAP_DEPTH, MAP_TILT_RAD = 3.2, 1.7, 0.42  # stage units, radians
 NEARER = 0.75  # of the way from the eye to the boards: letters of this size look as large as theirs
@@ -26,7 +25,6 @@ MAP_ACROSS, MAP_UP = np.array([1.0, 0.0, 0.0]), np.array([0.0, math.cos(MAP_TILT
 FAR_EDGE_SCALE = 0.85  # of the width of the near edge that the far one seems to have
 EDGE_NUMBER_GAP = 0.06  # stage units between the map's edge and its numbers
 LINE_HEIGHT_EM = 2.0  # height of a line in the size of its letters, laid on the map's plane, which the eye sees from low above
-EMPTY = MappingProxyType({False: (226, 229, 234), True: (52, 60, 71)})  # what is not computed, by day and in the dark
 Vector = tuple[float, float, float]
 
 
@@ -84,7 +82,7 @@ class MapBoard:
 
     def __init__(self, client: viser.ClientHandle, language: str, em: float, dark: bool, pick: Callable[[float, float], object]) -> None:
         self._scene, self._language, self._pick = client.scene, language, pick
-        self._empty = EMPTY[dark]
+        self._empty = rgb(palette(dark)["empty"])
         self._letters = SceneLabels(client.scene, em * NEARER)
         self._labels: dict[str, tuple[viser.LabelHandle, Written]] = {}
         self._figure: MapFigure | None = None
@@ -103,7 +101,7 @@ class MapBoard:
             (x0, x1), (y0, y1) = edges(figure)
             where = place((figure.marked[0] - x0) / (x1 - x0), (figure.marked[1] - y0) / (y1 - y0))
             if self._mark is None:
-                self._mark = self._scene.add_icosphere("/map/mark", 0.055, (0, 0, 0), position=where)
+                self._mark = self._scene.add_icosphere("/map/mark", 0.055, rgb(COLOURS["reference"]), position=where)
             else:
                 self._mark.position = where
 

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import viser
 
+from ...colours import COLOURS
 from ...course.error_window import sample_at
-from ...course.figures.records import COLOURS
 from ...course.pinned_designs import Ghost
 from ...plants.bodies.body import Body
 from ..viser_private.stage_frames import Frame

@@ -12,19 +12,18 @@ from typing import Any
 import numpy as np
 import viser
 
-from ...course.figures.records import COLOURS
+from ...colours import COLOURS, rgb
 from ...course.lesson import Board
 from ...engine.systems import move_pole
 from ..charts.axis_ticks import ticks
 from ..charts.text_layout import text_width
 from ..words import phrases
-from .board_face import DARK_INK, LIGHT, draw_board_texture
+from .board_face import board_colours, draw_board_texture
 from .board_labels import Frame, Place, free_place, leader_line, pole_name
 from .drag_handles import DragHandles, Vector
 from .meshes import bolt, cross, landscape
 from .pinned_poles import PinMarks
 from .scene_labels import SceneLabels, Size
-from .solids import rgb
 from .trails import PoleTrail
 
 BOARD_WIDTH, BOARD_HEIGHT, BOARD_FOOT = 3.2, 2.5, 2.0
@@ -46,7 +45,7 @@ class BoardView:
                  drag: Callable[[dict[str, Any], int], object]) -> None:
         self._client, self._scene, self._drag = client, client.scene, drag
         self._board, self._letters, self._language = board, SceneLabels(client.scene, em), language
-        self._ink = DARK_INK if dark else LIGHT
+        self._ink = board_colours(dark)
         self._root = f"/board/{board.id}"
         (x, y), turn = BOARD_PLACES[board.side]
         self._origin = np.array([x, y, BOARD_FOOT + BOARD_HEIGHT / 2])
@@ -112,9 +111,9 @@ class BoardView:
             wxyz=UPRIGHT,
         )
         for side in (-1, 1):
-            scene.add_box(f"{root}/foot{side}", (150, 156, 166), (0.08, 0.5, 0.06), cast_shadow=False,
+            scene.add_box(f"{root}/foot{side}", rgb(COLOURS["stand"]), (0.08, 0.5, 0.06), cast_shadow=False,
                           position=(side * BOARD_WIDTH * 0.42, 0.0, -BOARD_HEIGHT / 2 - BOARD_FOOT + 0.03))
-            scene.add_box(f"{root}/leg{side}", (150, 156, 166), (0.06, 0.06, BOARD_FOOT), cast_shadow=False,
+            scene.add_box(f"{root}/leg{side}", rgb(COLOURS["stand"]), (0.06, 0.06, BOARD_FOOT), cast_shadow=False,
                           position=(side * BOARD_WIDTH * 0.42, 0.02, -BOARD_HEIGHT / 2 - BOARD_FOOT / 2))
         self._letter_axes()
         title = b.title(language)

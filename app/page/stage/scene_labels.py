@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from types import MappingProxyType
 from typing import Any
 
 import viser
 
+from ...colours import palette
 from ...plants.bodies.body import Vector
 from ..charts.text_layout import Box, text_width
 from ..viser_private import viser_internals
@@ -15,15 +15,12 @@ from ..viser_private import viser_internals
 Size = float | Callable[[float], float]
 ROW_HEIGHT_EM, NAME_GAP_EM = 1.3, 0.3  # letters: from one row of names to the next, and between two names of a row
 INVISIBLE_CHANGE = 0.03  # of the size of letters: a change that nobody sees
-LABEL_COLOURS = MappingProxyType(
-    {False: ("#000000", "#ffffff"), True: ("#e9ecf1", "#1d2127")}
-)  # of labels and of their ground, by day and by night
 
 
 def colour_labels(client: viser.ClientHandle, dark: bool) -> None:
     """Write all labels of the scene in the theme's ink on the theme's ground."""
-    ink, ground = LABEL_COLOURS[dark]
-    viser_internals.run_script(client, "labels", ink=ink, ground=ground)
+    colours = palette(dark)
+    viser_internals.run_script(client, "labels", ink=colours["label"], ground=colours["page"])
 
 
 class SceneLabels:

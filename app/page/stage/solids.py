@@ -7,14 +7,10 @@ from collections.abc import Mapping
 import numpy as np
 import viser
 
+from ...colours import rgb
 from ...plants.bodies.body import Ball, Box, Cylinder, Part, Pose, Shape, Spring
 from ..viser_private.stage_frames import Frame
 from .meshes import helix
-
-
-def rgb(colour: str) -> tuple[int, int, int]:
-    """'#RRGGBB' as three bytes."""
-    return int(colour[1:3], 16), int(colour[3:5], 16), int(colour[5:7], 16)
 
 
 class Solids:

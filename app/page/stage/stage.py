@@ -8,8 +8,8 @@ from collections.abc import Sequence
 import numpy as np
 import viser
 
+from ...colours import COLOURS, palette, rgb
 from ...course.error_window import sample_at
-from ...course.figures.records import COLOURS
 from ...course.lesson import Stage
 from ...course.pinned_designs import Ghost
 from ...plants.bodies.body import Body, Vector
@@ -21,12 +21,11 @@ from ..words import phrases
 from .floor import floor_lines, floor_shadow
 from .pinned_ghosts import PinGhosts
 from .scene_labels import SceneLabels, colour_labels, stagger_names
-from .solids import Solids, rgb
+from .solids import Solids
 from .trails import ErrorLines
 
 FACTORS = 10.0  # letters: a line with what is exaggerated is no longer
 FACTORS_AT = (2.9, -0.6, 0.02), (2.9, -0.6, 0.5)  # where the end of its last line stands, and where a map lies in front
-FLOOR_COLOUR, DARK_FLOOR_COLOUR = (214, 220, 229), (58, 66, 78)
 MIN_ARROW_LENGTH = 0.05  # stage units: shorter arrows are not drawn
 LARGEST_CLOUD = 0.9  # stage units
 INSIDE = 0.985  # the ghost is drawn this much smaller: where it agrees, it vanishes into the body
@@ -69,12 +68,13 @@ class StageView:
         scene.set_up_direction("+z")
         scene.configure_default_lights(False)
         scene.configure_environment_map(None)
-        scene.add_light_hemisphere("/light/sky", sky_color=(255, 255, 255), ground_color=(196, 202, 214), intensity=2.1)
-        scene.add_light_directional("/light/key", color=(255, 248, 236), intensity=2.3, position=(-4.0, -6.0, 9.0),
+        scene.add_light_hemisphere("/light/sky", sky_color=rgb(COLOURS["light-above"]),
+                                   ground_color=rgb(COLOURS["light-below"]), intensity=2.1)
+        scene.add_light_directional("/light/key", color=rgb(COLOURS["light-key"]), intensity=2.3, position=(-4.0, -6.0, 9.0),
                                     cast_shadow=False)
-        scene.add_light_directional("/light/fill", color=(226, 236, 255), intensity=0.5, position=(6.0, -5.0, 4.0),
+        scene.add_light_directional("/light/fill", color=rgb(COLOURS["light-fill"]), intensity=0.5, position=(6.0, -5.0, 4.0),
                                     cast_shadow=False)
-        scene.add_line_segments("/floor", floor_lines(), DARK_FLOOR_COLOUR if dark else FLOOR_COLOUR, thickness=0.012)
+        scene.add_line_segments("/floor", floor_lines(), rgb(palette(dark)["floor"]), thickness=0.012)
         scene.add_image("/shadow", floor_shadow(), 5.6, 3.4, format="png", cast_shadow=False, receive_shadow=False,
                         position=(0.0, 0.1, 0.002))
 

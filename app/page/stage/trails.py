@@ -9,11 +9,10 @@ from itertools import pairwise
 import numpy as np
 import viser
 
-from ...course.figures.records import COLOURS
+from ...colours import COLOURS, palette, rgb
 from ...course.lesson import Stage
 from ...plants.bodies.body import Vector
 from ..viser_private.stage_frames import Frame, flatten_segments
-from .solids import rgb
 
 ERROR_NODE = "/errors"
 THIN, MIN_ERROR_LINE_LENGTH = 0.042, 0.015  # stage units: width of a line of the error, and the length below which it is not drawn
@@ -26,7 +25,6 @@ TRAIL_WIDTH = 0.03  # stage units
 TRAIL_STEP = 0.06  # stage units between two points of a pole's way
 Pair = tuple[Vector, Vector]
 Colour = tuple[int, int, int]
-LIGHT_GROUND, DARK_GROUND = (238, 242, 247), (38, 45, 54)  # behind the stage
 DARK_WHITE_SHARE = 0.35  # of white in a ghost's trail in the dark
 HIDDEN_SEGMENT: Pair = ((0.0, 0.0, -9.0), (0.0, 0.0, -9.0))  # of a line that is not seen
 
@@ -41,9 +39,8 @@ def faded(colour: Colour, ground: Colour) -> np.ndarray:
 def ghostly(dark: bool) -> np.ndarray:
     """The colours of a ghost's trail, by day or in the dark."""
     red, green, blue = rgb(COLOURS["estimate"])
-    if not dark:
-        return faded((red, green, blue), LIGHT_GROUND)
-    return faded((_lit(red), _lit(green), _lit(blue)), DARK_GROUND)
+    ground = rgb(palette(dark)["horizon"])
+    return faded((_lit(red), _lit(green), _lit(blue)) if dark else (red, green, blue), ground)
 
 
 def _lit(part: int) -> int:

@@ -266,15 +266,15 @@ class Tape(infra.WebsockMessageHandler):
         """Nobody looks, so nothing is seen half done."""
         yield
 
-    def changes(self, step: Callable[[], object]) -> Iterator[tuple[str, str, str, Any]]:
-        """What a step changes: the kind of the message, the name of the node, the property and its value."""
+    def changes(self, step: Callable[[], object]) -> Iterator[tuple[str, str, Any]]:
+        """What a step changes: the name of the node, the property and its value."""
         self._sent = sent = []
         step()
         self._sent = None
         for message in sent:
             kind, name = type(message).__name__, message.name
             changed = {MOVES[kind]: getattr(message, MOVES[kind])} if kind in MOVES else message.updates
-            yield from ((kind, name, prop, value) for prop, value in changed.items())
+            yield from ((name, prop, value) for prop, value in changed.items())
 
     def recording(self) -> bytes:
         """viser's recording, with the scripts that were run; once."""

@@ -8,6 +8,9 @@ from __future__ import annotations
 import json
 from functools import cache
 from pathlib import Path
+from string import Template
+
+from ...colours import COLOURS, DARK_COLOURS
 
 FOLDER = Path(__file__).parent
 BREAKS = (("<", "\\u003c"), ("\u2028", "\\u2028"), ("\u2029", "\\u2029"))  # what would end an element or a line of a script
@@ -26,6 +29,18 @@ def path_of(name: str) -> Path:
 def file_text(name: str) -> str:
     """The text of one of the files."""
     return path_of(name).read_text(encoding="utf-8")
+
+
+def coloured_text(name: str) -> str:
+    """The text of a file with the colour by day for each $role in it."""
+    return Template(file_text(name)).substitute(COLOURS)
+
+
+def style_rules(*names: str) -> str:
+    """The text of style sheets, under custom properties for all roles of colours, by day and in the dark."""
+    day = ";".join(f"--ol-{role}:{colour}" for role, colour in COLOURS.items())
+    dark = ";".join(f"--ol-{role}:{colour}" for role, colour in DARK_COLOURS.items() if colour != COLOURS[role])
+    return "".join([f":root{{{day}}}\n:root[data-ol-theme=dark]{{{dark}}}\n", *map(file_text, names)])
 
 
 def script_call(name: str, **given: object) -> str:

@@ -30,7 +30,8 @@ def app_page(language: str) -> str:
     words = {web_code(code): {"name": APP_NAME, "loading": phrases.LOADING(code), "lost": phrases.SERVER_LOST(code),
                               "stranger": phrases.STRANGER(code)} for code in languages()}
     link = web.script_call("link", words=words, language=web_code(language), kept=SPOKEN)
-    return _their_page(APP_NAME, f"<style>{web.file_text('link.css')}</style><script>{web.script_call('software')}</script>"
+    return _their_page(APP_NAME, f"<style>{web.coloured_text('link.css')}</style><script>{web.script_call('viser_dom')}</script>"
+                             f"<script>{web.script_call('software')}</script>"
                              f"<script>{web.script_call('folded')}</script><script>{web.script_call('breadth')}</script><script>{link}</script>"
                              f"<script>{web.script_call('address', kept=ADDRESS)}</script>")
 
@@ -54,13 +55,15 @@ def _page_that_says(words: Text, language: str, head: str) -> str:
     said = "".join(f'<span lang="{web_code(code)}">{html.escape(words(code))}</span>' for code in codes)
     return (f'<!doctype html><html lang="{web_code(language)}"><head><meta charset="utf-8"><title>{APP_NAME}</title>'
             f'<meta name="viewport" content="width=device-width">{head}'
-            f'<style>{web.file_text("link.css")}</style></head><body><main class="ol-cover"><b>{APP_NAME}</b>{said}</main></body></html>')
+            f'<style>{web.coloured_text("link.css")}</style></head><body>'
+            f'<main class="ol-cover"><b>{APP_NAME}</b>{said}</main></body></html>')
 
 
 def recording_page(recording: bytes, language: str, title: str, head: str, body: str, dark: bool) -> str:
     """viser's page with a recording in it, which it plays without a server, and what of ours stands in its head and beside it."""
     embedded = web.script_call("embed", recording=base64.b64encode(recording).decode("ascii"), dark=dark)
-    text = _their_page(title, f"{head}<script>{web.script_call('software')}</script><script>{embedded}</script>")
+    text = _their_page(title, f"{head}<script>{web.script_call('viser_dom')}</script><script>{web.script_call('software')}</script>"
+                                f"<script>{embedded}</script>")
     text = re.sub("<noscript>.*?</noscript>", "", text, count=1, flags=re.DOTALL)  # the figures are read without scripts
     text = text.replace('<html lang="en">', f'<html lang="{web_code(language)}">', 1)
     return text.replace("</body>", f"{body}</body>", 1)
@@ -69,7 +72,7 @@ def recording_page(recording: bytes, language: str, title: str, head: str, body:
 def _their_page(title: str, head: str) -> str:
     theirs = Path(viser.__file__).parent / "client" / "build" / "index.html"
     text = re.sub(r'<link\s+rel="icon".*?/>', "", theirs.read_text(encoding="utf-8"), count=1, flags=re.DOTALL)
-    icon = "data:image/svg+xml," + quote(web.file_text("icon.svg"))
+    icon = "data:image/svg+xml," + quote(web.coloured_text("icon.svg"))
     return text.replace("<title>Viser</title>", f'<link rel="icon" href="{icon}" /><title>{html.escape(title)}</title>{head}', 1)
 
 

@@ -10,17 +10,15 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
+from ...colours import COLOURS
 from ...text import NO_WORDS, Text
 
 Vector = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]  # (w, x, y, z)
 UNTURNED: Quaternion = (1.0, 0.0, 0.0, 0.0)
 
-PLANT_COLOUR = "#0072B2"  # the moving body
-METAL = "#C9CED6"
-STEEL = "#8A93A0"
-COPPER = "#B87333"
-DARK_GREY = "#3A404A"
+PLANT_COLOUR = COLOURS["plant"]  # the moving body
+METAL, STEEL, COPPER, DARK_GREY = (COLOURS[role] for role in ("metal", "steel", "copper", "dark"))
 
 
 @dataclass(frozen=True)
@@ -73,7 +71,7 @@ class Part:
 
     name: str
     shape: Shape
-    colour: str = "#9AA3AE"
+    colour: str = COLOURS["grey"]
     twin: bool = False
     opacity: float | None = None
 

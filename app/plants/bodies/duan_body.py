@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+from ...colours import COLOURS
 from ...text import text
 from .body import (
     DARK_GREY,
@@ -31,7 +32,7 @@ MAX_DRAWN_LEVEL = 0.7  # farthest drawn level from zero
 GAUGE = 0.0  # where the gauge of u stands
 COLUMN_GAP = 0.42  # between neighbouring columns
 FIRST_COLUMN_OFFSET = 0.85  # from the gauge to the nearest column on either side
-OBSERVER_COLOUR = "#D55E00"
+OBSERVER_COLOUR = COLOURS["estimate"]
 
 
 def columns(n: int, q: int) -> tuple[float, ...]:

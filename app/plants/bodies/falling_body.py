@@ -13,6 +13,7 @@ from math import exp, hypot
 
 import numpy as np
 
+from ...colours import COLOURS, rgb
 from ...engine import NonlinearPlant
 from ...text import text
 from .body import (
@@ -91,7 +92,7 @@ DISH = (TRACK - 100_000 * FOOT_M * STAGE_SCALE, GROUND_LEVEL + 100_000 * FOOT_M 
 SCALE_TOP_KM = 95.0  # km, end of the scale
 SCALE_AT = 1.25
 HOT = 900.0  # m/s² at which the shield glows brightest
-GLOW = ((138, 147, 160), (226, 150, 60), (255, 225, 170))
+GLOW = tuple(rgb(COLOURS[role]) for role in ("steel", "warm-steel", "white-hot"))
 ERROR_GAIN = 100.0  # times that the lesson exaggerates the error of the ghost
 
 
@@ -106,7 +107,7 @@ def _parts() -> tuple[Part, ...]:
     ticks = tuple(Part(f"tick {i}", Box((0.22, 0.04, 0.025)), METAL) for i in range(4))
     return (
         Part("ground", Box((3.6, 1.5, GROUND_LEVEL)), DARK_GREY),
-        Part("air", Box((3.5, 1.4, 0.9)), "#9FC4E8", opacity=0.12),
+        Part("air", Box((3.5, 1.4, 0.9)), COLOURS["air"], opacity=0.12),
         Part("mast", Rod(0.06), STEEL),
         Part("turret", Cylinder(0.13, 0.1), STEEL),
         Part("dish", Cylinder(0.2, 0.05), METAL),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+from ...colours import COLOURS
 from ...text import subscript, text
 from .body import DARK_GREY, METAL, PLANT_COLOUR, STEEL, Arrow, Ball, Body, Box, Cylinder, Part, Pose, Rod, Vector, bound_displacement
 from .body import force_arrow as arrow
@@ -12,7 +13,7 @@ LOWEST_LEVEL, ZERO_LEVEL = 0.26, 1.16  # lowest level of a column, and its level
 MAX_COLUMN_RISE, MAX_COLUMN_FALL = 1.0, 0.78  # how far a column can go from there
 FIRST_GAUGE_X, GAUGE_GAP, LARGE_GAUGE_X = -1.72, 0.36, 1.2  # where the gauges stand
 PER_STATE, PER_G = 0.28, 0.026  # stage units for one unit of a state and of g
-BRIGHT, UNLIT = "#FFF3C4", "#5A616C"
+BRIGHT, UNLIT = COLOURS["lit"], COLOURS["unlit"]
 FULL_INPUT = 4.0
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
+from ...colours import COLOURS
 from ...text import NO_WORDS, Text, joined, text
 from .body import (
     DARK_GREY,
@@ -29,7 +30,7 @@ from .body import (
 )
 
 ROW_WIDTH, MOST_IN_ROW, MOST_ARROWS = 4.2, 10, 4
-GLASS_COLOUR, LIT_COLOUR, UNLIT_COLOUR = "#DCE8F2", "#FFF3C4", "#5A616C"
+GLASS_COLOUR, LIT_COLOUR, UNLIT_COLOUR = (COLOURS[role] for role in ("tube", "lit", "unlit"))
 FRONT, ROW_GAP, ROW_STEP_HEIGHT = -0.35, 0.62, 0.5  # y of the first row, distance to the next, how much higher it stands
 
 

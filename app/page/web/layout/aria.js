@@ -11,7 +11,7 @@
       const name = row?.querySelector('label')?.textContent.trim();
       if (name) { each.setAttribute('aria-label', name); each.dataset.named = ''; }
     }
-    const canvas = document.querySelector('canvas[data-engine]');
+    const canvas = document.querySelector(window.observerLabViser.parts.stage);
     if (canvas && canvas.getAttribute('aria-label') !== lab.stage) {
       canvas.setAttribute('role', 'img');
       canvas.setAttribute('aria-label', lab.stage);

@@ -1,7 +1,7 @@
 // The number field beside a slider takes what a person writes (0.05, 5e-2, 5·10⁻², 50 m, 50 mm) and holds the value itself
 // where its slider moves in decades. What is typed counts on Enter or when the field is left.
 ({fields}) => {
-  const lab = window.observerLabFields ??= {};
+  const viser = window.observerLabViser, lab = window.observerLabFields ??= {};
   lab.fields = fields;
   if (lab.dress) { lab.dress(); return; }
   const POWERS = {f: -15, p: -12, n: -9, µ: -6, μ: -6, u: -6, m: -3, k: 3, M: 6, G: 9, T: 12}, RAISED = '⁰¹²³⁴⁵⁶⁷⁸⁹';
@@ -36,15 +36,12 @@
   };
   const place = id => {
     const slider = document.getElementById(id), row = slider?.parentElement;
-    const theirs = row?.querySelector('input.mantine-NumberInput-input:not(.ol-value)');
+    const theirs = row?.querySelector(`input${viser.parts.numberInput}:not(.ol-value)`);
     return theirs && {theirs, thumb: slider.querySelector('[role=slider]'), own: row.querySelector('input.ol-value')};
   };
   const give = (id, value) => {  // to the server, and to the slider as if it had come from there; what is no number gets one sentence
-    const page = window.__viserMutable, message = {type: 'GuiUpdateMessage', uuid: id, updates: {value}};
-    page.sendMessage(message);
-    if (!Number.isFinite(value)) return;
-    page.messageQueue.push(message);
-    page.requestRender();
+    viser.tell(id, value);
+    if (Number.isFinite(value)) viser.show([viser.changed(id, {value})]);
   };
   const shown = (id, thumb) => {
     const at = Number(thumb.getAttribute('aria-valuenow'));
@@ -74,7 +71,7 @@
     theirs.style.display = 'none';
     theirs.tabIndex = -1;
     theirs.after(own);
-    if (lab.fields[id].log) thumb.closest('.mantine-Slider-root').classList.add('ol-decades');
+    if (lab.fields[id].log) thumb.closest(viser.parts.slider).classList.add('ol-decades');
     own.addEventListener('input', () => { own.dataset.typed = 'now'; });
     own.addEventListener('blur', () => commit(id, own));
     own.addEventListener('keydown', event => {

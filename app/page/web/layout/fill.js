@@ -2,13 +2,14 @@
 // figure of which little more than its title would show begins the next one. Where that would leave much of one empty, the chart
 // fills it and its words alone are on the next. In usual print charts grow by equal parts into what their tab would leave empty.
 ({large}) => {
+  const viser = window.observerLabViser, {chart: CHART, column: COLUMN, view: VIEW} = viser.parts;
   const lab = window.observerLabFill ??= {}, LEAST = .3, MUCH = .35, HALF = .5, TALLEST = 1.5;  // shares; height over width
   const CLEAR = 6, AIR = .7;  // px; letters
-  const DRAWN = '.uplot,.ol-table,:has(.uplot,.ol-table)';
+  const DRAWN = `${CHART},.ol-table,:has(${CHART},.ol-table)`;
   const [SPARE, SLACK] = [26, 66];  // px left below grown charts, so that a caption may take a line more; px from which they grow again
   lab.large = large;
   lab.heights ??= new WeakMap();  // of charts in usual print: as the lab made them, and as `share` left them
-  const column = () => document.querySelector('[data-dock-region=right]'), rect = each => each.getBoundingClientRect();
+  const column = () => document.querySelector(COLUMN), rect = each => each.getBoundingClientRect();
 
   // Where the figures leave some of the column and no chart can take it, the rows of tables stand farther apart.
   const airy = (view, last, room) => {  // `room` without what stands below the last words
@@ -40,9 +41,9 @@
   const fill = () => {
     const all = [...column()?.querySelectorAll('.ol-caption[data-figure]') ?? []];
     const captions = all.filter(each => each.checkVisibility());
-    const view = captions[0]?.closest('[data-scrollarea-viewport]'), room = view?.clientHeight;
+    const view = captions[0]?.closest(VIEW), room = view?.clientHeight;
     if (!room) return;
-    const charts = Object.values(window.__viserTestpoints?.uplots ?? {}).map(held => held.chart);
+    const charts = viser.charts();
     if (!lab.large) return share(view, captions, room, charts);
     const gap = parseFloat(getComputedStyle(captions[0]).marginBottom) || 0;
     let page = 0, before = null, late = 0;  // where the screenful begins, as it is scrolled to; px that charts are yet to grow
@@ -69,7 +70,7 @@
       }
       before = caption;
     }
-    if (!view.querySelector('.uplot')) airy(view, captions.at(-1), room - gap);
+    if (!view.querySelector(CHART)) airy(view, captions.at(-1), room - gap);
     const wanted = captions.findIndex(each => each.parentElement === lab.wanted);
     if (wanted >= 0) {
       const at = wanted && rect(lab.wanted.previousElementSibling).top - rect(view.firstElementChild).top;
@@ -81,10 +82,10 @@
     let due = 0;
     lab.later = () => { due ||= requestAnimationFrame(() => { due = 0; lab.fill(); }); };
     const sizes = new ResizeObserver(lab.later), known = new Set();
-    const own = node => (node.nodeType === 1 ? node : node.parentElement)?.closest('[data-dock-region=right]') && !node.closest?.('.u-over');
+    const own = node => (node.nodeType === 1 ? node : node.parentElement)?.closest(COLUMN) && !node.closest?.(viser.parts.plot);
     lab.seen = new MutationObserver(all => {
       for (const each of known) if (!each.isConnected) { known.delete(each); sizes.unobserve(each); }
-      for (const view of column()?.querySelectorAll('[data-scrollarea-viewport]') ?? []) for (const each of [view, view.firstElementChild])
+      for (const view of column()?.querySelectorAll(VIEW) ?? []) for (const each of [view, view.firstElementChild])
         if (each && !known.has(each)) { known.add(each); sizes.observe(each); }
       if (all.some(({target, addedNodes}) => (lab.large || [...addedNodes].some(node => node.matches?.(DRAWN))) && own(target))) lab.fill();
     });
@@ -92,10 +93,10 @@
     // Figures that are still being drawn would draw a column that snaps along with them: it snaps once a hand is at it. Until then
     // the figure that the lab has opened, `lab.wanted` by what bears its words, stands at the top.
     for (const kind of ['wheel', 'touchstart', 'pointerdown', 'keydown']) document.addEventListener(kind, ({target}) => {
-      if (!target.closest?.('[data-dock-region=right]')) return;
+      if (!target.closest?.(COLUMN)) return;
       lab.wanted = null;
       if (target.closest('[role=tablist]')) return;
-      for (const view of column().querySelectorAll('[data-scrollarea-viewport]')) if (view.checkVisibility()) view.dataset.slid = '';
+      for (const view of column().querySelectorAll(VIEW)) if (view.checkVisibility()) view.dataset.slid = '';
     }, {capture: true, passive: true});
   }
   lab.later();

@@ -1,10 +1,9 @@
 // Lets Tab reach the heads of folders and Enter or Space open them: viser opens folders by the mouse alone.
 () => {
   if (window.observerLabFolders) return;
-  const dress = () => document.querySelectorAll('svg[class*="tabler-icon-chevron"]').forEach(icon => {
-    const head = icon.parentElement, box = head?.parentElement;
-    if (!head?.matches('.mantine-Paper-root') || !box?.matches('.mantine-Paper-root')) return;
-    const open = String(icon.matches('[class*="chevron-up"]'));
+  const viser = window.observerLabViser;
+  const dress = () => document.querySelectorAll(viser.parts.folderHead).forEach(head => {
+    const open = String(viser.isOpen(head));
     if (head.getAttribute('aria-expanded') === open) return;
     head.tabIndex = 0;
     head.setAttribute('role', 'button');

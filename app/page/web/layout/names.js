@@ -1,6 +1,7 @@
 // Writes the names of up to four curves of a chart beside them, where they lie apart, in place of the key below it.
 () => {
   if (window.observerLabNames) return;
+  const viser = window.observerLabViser;
   const MOST = 4, COLUMNS = 72, REST = 250;  // ms without a new drawing before a name looks for a better place
   const ON = 60;  // trouble of a name on another
 
@@ -89,7 +90,7 @@
       }
       span.hidden = false;
       span.textContent = series.label;
-      const stroke = String(series._stroke ?? series.stroke?.(chart) ?? '#333333');
+      const stroke = String(viser.strokeOf(chart, series));
       span.style.setProperty('--by-day', mixed(stroke, .66, 0));
       span.style.setProperty('--by-night', mixed(stroke, .4, 255));
       return {k, span, size: {wide: span.offsetWidth, high: span.offsetHeight}};
@@ -109,10 +110,10 @@
   };
   const known = new WeakSet();
   const look = () => {
-    for (const {chart} of Object.values(window.__viserTestpoints?.uplots ?? {})) {
+    for (const chart of viser.charts()) {
       if (known.has(chart)) continue;
       known.add(chart);
-      (chart.hooks.draw ??= []).push(() => later(chart));
+      viser.afterDrawing(chart, () => later(chart));
       place(chart);
     }
   };

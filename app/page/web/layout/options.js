@@ -5,6 +5,6 @@
   document.addEventListener('click', event => {
     const option = event.target?.closest?.('button[data-to]:enabled');
     if (!option || option.disabled) return;
-    window.__viserMutable.sendMessage({type: 'GuiUpdateMessage', uuid: option.dataset.to, updates: {value: option.dataset.value}});
+    window.observerLabViser.tell(option.dataset.to, option.dataset.value);
   });
 }

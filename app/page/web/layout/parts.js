@@ -7,7 +7,7 @@
     const name = event.target?.closest?.('.ol-parts button');
     if (!name) return;
     root.dataset.olPart = name.dataset.part;
-    name.closest('[data-scrollarea-viewport]')?.scrollTo(0, 0);
+    name.closest(window.observerLabViser.parts.view)?.scrollTo(0, 0);
     dispatchEvent(new Event('resize'));  // charts that were hidden take their size
   });
 }

@@ -1,7 +1,7 @@
 // Says beside the pointer what the curves of a chart are where it points: the time or frequency, and each curve's value.
 () => {
   if (window.observerLabReading) return;
-  const note = window.observerLabReading = document.createElement('div');
+  const viser = window.observerLabViser, note = window.observerLabReading = document.createElement('div');
   note.className = 'ol-reading';
   note.hidden = true;
   document.body.append(note);
@@ -15,16 +15,15 @@
     return line;
   };
   document.addEventListener('pointermove', event => {
-    const over = document.querySelector('.ol-veil') ? null : event.target?.closest?.('.u-over');
-    const charts = over ? Object.values(window.__viserTestpoints?.uplots ?? {}).map(held => held.chart) : [];
-    const chart = charts.find(each => each.over === over);
+    const over = document.querySelector('.ol-veil') ? null : event.target?.closest?.(viser.parts.plot);
+    const chart = over && viser.charts().find(each => each.over === over);
     note.hidden = !chart;
     if (!chart) return;
     const at = chart.posToIdx(event.clientX - over.getBoundingClientRect().left);
     const told = chart.series.slice(1).map((series, k) => ({series, value: chart.data[k + 1][at]}));
     const [name, unit] = chart.series[0].label === 'f' ? ['f', 'Hz'] : ['t', 's'];
     note.replaceChildren(row(`${name} = ${written(chart.data[0][at])} ${unit}`, ''), ...told.filter(({value}) => value != null && !Number.isNaN(value))
-      .map(({series, value}) => row(`${series.label} ${written(value)}`, series._stroke ?? series.stroke?.(chart) ?? '')));
+      .map(({series, value}) => row(`${series.label} ${written(value)}`, viser.strokeOf(chart, series) ?? '')));
     const room = note.getBoundingClientRect();
     note.style.left = `${Math.max(4, Math.min(event.clientX + 14, innerWidth - room.width - 4))}px`;
     note.style.top = `${Math.max(4, event.clientY - room.height - 10)}px`;

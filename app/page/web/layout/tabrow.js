@@ -1,6 +1,7 @@
 // The figures' tabs stand in one row, which a wheel or a finger slides: the chosen one comes to its middle, and an edge
 // beyond which there are more fades.
 () => {
+  const ROWS = `${window.observerLabViser.parts.column} [role=tablist]`;
   const lab = window.observerLabTabRow ??= {chosen: new WeakMap(), tabs: new WeakSet()};
   const calm = matchMedia('(prefers-reduced-motion: reduce)');
   const fade = row => {
@@ -14,7 +15,7 @@
     fade(row);
   };
   lab.look = () => {
-    for (const row of document.querySelectorAll('[data-dock-region=right] [role=tablist]')) {
+    for (const row of document.querySelectorAll(ROWS)) {
       const chosen = row.querySelector('[aria-selected=true]'), first = !lab.chosen.has(row);
       if (first) {
         row.addEventListener('scroll', () => fade(row), {passive: true});

@@ -6,5 +6,5 @@
   const fold = () => document.querySelectorAll('.ol-more[open]').forEach(menu => { menu.open = false; });
   document.addEventListener('keydown', event => { if (event.key === 'Escape') { fold(); close(); } });
   document.addEventListener('click', event => { if (!event.target?.closest?.('.ol-more summary')) fold(); });
-  document.addEventListener('pointerdown', event => { if (event.target?.matches?.('.mantine-Modal-inner,.mantine-Modal-overlay')) close(); });
+  document.addEventListener('pointerdown', event => { if (event.target?.matches?.(window.observerLabViser.parts.besideDialog)) close(); });
 }

@@ -2,7 +2,7 @@
 ({hand, note, title, next, minutes, words}) => {
   const lab = window.observerLabNotes ??= {began: null, view: null};
   Object.assign(lab, {hand, note, title, next, minutes, words});
-  const say = value => window.__viserMutable.sendMessage({type: 'GuiUpdateMessage', uuid: lab.hand, updates: {value}});
+  const say = value => window.observerLabViser.tell(lab.hand, value);
   const write = () => {
     const page = lab.view;
     if (!page || page.closed) return;

@@ -1,6 +1,6 @@
 // Plays a recorded run on a page without a server: what stands on the stage, the clock, the cursors of the figures beside it.
 ({run, words}) => {
-  const page = window.__viserMutable, calm = matchMedia('(prefers-reduced-motion: reduce)').matches, find = name => document.querySelector(name);
+  const viser = window.observerLabViser, calm = matchMedia('(prefers-reduced-motion: reduce)').matches, find = name => document.querySelector(name);
   const [button, start, view, time, speed, clock] = ['play', 'start', 'view', 'time', 'speed', 'clock'].map(name => find(`.ol-replay-${name}`));
   const last = run.t.length - 1, STALL = .25, LETTERS = 11;  // s that one frame covers at most; px of letters on the stage
   let now = run.t[0], playing = false, before = 0, shape = 0;
@@ -12,21 +12,16 @@
     }
     return low;
   };
-  const send = messages => {
-    if (!messages.length) return;
-    page.messageQueue.push(...messages);
-    page.requestRender();
+  const message = ({name, prop, floats}, value) => viser.moved(run.owner, name, prop, floats ? new Float32Array(value) : value);
+  const turn = (channels, step) => {
+    const messages = channels.flatMap(channel => {
+      const k = place(channel.at, step);
+      if (k === (channel.shown ?? 0)) return [];
+      channel.shown = k;
+      return [message(channel, channel.to[k])];
+    });
+    if (messages.length) viser.show(messages);
   };
-  const message = ({type, name, prop, floats}, value) => {
-    const given = floats ? new Float32Array(value) : value, owner = run.owner;
-    return type === 'SceneNodeUpdateMessage' ? {type, name, owner, updates: {[prop]: given}} : {type, name, owner, [prop]: given};
-  };
-  const turn = (channels, step) => send(channels.flatMap(channel => {
-    const k = place(channel.at, step);
-    if (k === (channel.shown ?? 0)) return [];
-    channel.shown = k;
-    return [message(channel, channel.to[k])];
-  }));
   const show = () => {
     turn(run.moves, place(run.t, now + 1e-9));
     document.querySelectorAll('.ol-replay-now').forEach(line => {
@@ -55,12 +50,11 @@
     if (playing) requestAnimationFrame(frame);
   };
   const look = () => {
-    const wide = page.canvas.clientWidth, high = page.canvas.clientHeight, [x, y, z, ...aim] = run.eye;
+    const {clientWidth: wide, clientHeight: high} = viser.canvas(), [x, y, z, ...aim] = run.eye;
     if (!wide || !high) return;
     shape = wide / high;
     const back = Math.max(1, run.narrow / Math.max(shape, .2)), from = [x, y, z].map((value, k) => aim[k] + back * (value - aim[k]));
-    send([{type: 'SetCameraUpDirectionMessage', position: [0, 0, 1], initial: false}, {type: 'SetCameraPositionMessage', position: from, initial: false},
-      {type: 'SetCameraLookAtMessage', look_at: aim, initial: false}, {type: 'SetCameraFovMessage', fov: run.sight, initial: false}]);
+    viser.lookFrom(from, aim, run.sight);
     const em = LETTERS / high * 2 * Math.tan(run.sight / 2) * (run.near * back + run.behind);
     turn(run.letters, place(run.sizes, em * 1.06));
   };
@@ -75,7 +69,8 @@
   });
   requestAnimationFrame(() => {
     find('.ol-replay-wait').hidden = true;
-    new ResizeObserver(() => { if (Math.abs(page.canvas.clientWidth / page.canvas.clientHeight - shape) > .03 * shape) look(); }).observe(page.canvas);
+    const canvas = viser.canvas();
+    new ResizeObserver(() => { if (Math.abs(canvas.clientWidth / canvas.clientHeight - shape) > .03 * shape) look(); }).observe(canvas);
     look();
     go(!calm);
   });

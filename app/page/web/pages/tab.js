@@ -1,9 +1,9 @@
 // Opens the tab of that title, as Enter on it would, and shows the caption's figure in it.
 ({title, figure}) => {
-  const tabs = Array.from(document.querySelectorAll('[data-dock-tab]'));
+  const viser = window.observerLabViser, tabs = Array.from(document.querySelectorAll(viser.parts.tab));
   const tab = tabs.find(each => each.checkVisibility() && each.textContent.trim() === title);
   if (!tab) return;
-  if (tab.getAttribute('aria-selected') !== 'true') tab.dispatchEvent(new KeyboardEvent('keydown', {key: 'Enter', bubbles: true}));
+  if (tab.getAttribute('aria-selected') !== 'true') viser.openTab(tab);
   requestAnimationFrame(() => requestAnimationFrame(() => {
     const said = document.querySelector(`.ol-caption[data-figure="${CSS.escape(figure)}"]`);
     const fill = window.observerLabFill;

@@ -2,10 +2,10 @@
 // A rule for the whole page would make the browser look through all its elements at every frame.
 () => {
   if (window.observerLabCursor) return;
-  const charts = document.getElementsByClassName('u-over'), stands = new WeakMap();
+  const {plots} = window.observerLabViser, stands = new WeakMap();
   const look = () => {
     const share = document.querySelector('.ol-clock')?.dataset.share ?? '0';
-    for (const chart of charts) {
+    for (const chart of plots) {
       if (stands.get(chart) === share) continue;
       chart.style.setProperty('--ol-t', share);
       stands.set(chart, share);

@@ -1,10 +1,9 @@
 // Gives the nodes of a name their colour as it is, whatever light falls on them, once they stand in the scene.
 ({node, colour}) => {
-  const page = window.__viserMutable;
+  const viser = window.observerLabViser;
   let left = 120;  // frames in which the node may come, or another take the place of one of the same name
   const paint = () => {
-    const held = page.nodeRefFromName[node], found = held && 'current' in held ? held.current : held;
-    found?.traverse(part => {
+    viser.node(node)?.traverse(part => {
       if (!part.material?.emissive || !part.material.toneMapped) return;
       part.material.color.set(0);
       part.material.emissive.set(colour);
@@ -12,7 +11,7 @@
       part.material.needsUpdate = true;
       part.material.depthWrite = false;
       part.renderOrder = 1;  // after the picture behind it, which shines through it
-      page.requestRender();
+      viser.redraw();
     });
     if (left-- > 0) requestAnimationFrame(paint);
   };

@@ -1,9 +1,9 @@
 // Plays poses that came ahead of their time: gives them to viser when they are due, as if they came from the server just then.
 ({widget, stop, begins, every, owner, names, times, told, moves}) => {
-  const page = window.__viserMutable, KINDS = ['position', 'wxyz', 'scale', 'color', 'points'], FINE = 1e5, SLIDE = 3;
+  const viser = window.observerLabViser, KINDS = ['position', 'wxyz', 'scale', 'color', 'points'], FINE = 1e5, SLIDE = 3;
   const player = window.observerLabPlayer ??= {queue: [], wake: 0, count: 0};
   if (widget) {
-    page.sendMessage({type: 'GuiUpdateMessage', uuid: widget, updates: {value: 1}});
+    viser.tell(widget, 1);
     return;
   }
   if (stop || begins) player.queue.length = 0;
@@ -13,11 +13,7 @@
   JSON.parse(moves).forEach((move, k) => player.queue.push({due: first + k * every, move, t: times[k]}));
   player.last = first + (times.length - 1) * every;
   const {horizon, clock, words, digits, slider, step} = told;
-  const message = (name, kind, value) => {
-    if (kind === 'position') return {type: 'SetPositionMessage', name, owner, position: value};
-    if (kind === 'wxyz') return {type: 'SetOrientationMessage', name, owner, wxyz: value};
-    return {type: 'SceneNodeUpdateMessage', name, owner, updates: {[kind]: kind === 'points' ? new Float32Array(value) : value}};
-  };
+  const message = (name, kind, value) => viser.moved(owner, name, kind, kind === 'points' ? new Float32Array(value) : value);
   const read = (move, found) => {
     for (let i = 0; i < move.length;) {
       const name = names[move[i]], kind = KINDS[move[i + 1]], many = move[i + 2], fine = kind === 'color' ? 1 : FINE;
@@ -28,14 +24,13 @@
   player.show = frames => {  // one or, where frames of the browser are slow, several that have come due
     const found = new Map(), {t} = frames[frames.length - 1];
     frames.forEach(({move}) => read(move, found));
-    const messages = [...found.values()].map(each => message(...each)), gui = (uuid, updates) => messages.push({type: 'GuiUpdateMessage', uuid, updates});
+    const messages = [...found.values()].map(each => message(...each)), gui = (id, updates) => messages.push(viser.changed(id, updates));
     gui(clock, {content: words.replace('\ue000', (t / horizon).toFixed(4)).replace('\ue001', t.toFixed(digits))});
     if (++player.count % SLIDE === 0 || t >= horizon) gui(slider, {value: Math.min(Number((Math.round(t / step) * step).toFixed(9)), horizon)});
-    page.messageQueue.push(...messages);
-    page.requestRender();
+    viser.show(messages);
   };
   const wake = stamp => {
-    if (page.messageQueue.length && page.getRenderRequestState === 'ready') page.drainMessageQueue?.();  // a stop may wait there
+    viser.takeUp(false);  // a stop may wait there
     const due = player.queue.findIndex(frame => frame.due > stamp), many = due < 0 ? player.queue.length : due;
     if (many) player.show(player.queue.splice(0, many));
     player.wake = player.queue.length ? requestAnimationFrame(wake) : 0;

@@ -2,7 +2,7 @@
 () => {
   if (window.observerLabSnapshot) return;
   window.observerLabSnapshot = true;
-  const page = window.__viserMutable, BANDS = ['--ol-sky', '--ol-mist', '--ol-ground'], AT = [0, .45, 1];
+  const viser = window.observerLabViser, BANDS = ['--ol-sky', '--ol-mist', '--ol-ground'], AT = [0, .45, 1];
   const keep = (canvas, name) => {
     const picture = document.createElement('canvas'), pen = picture.getContext('2d'), style = getComputedStyle(document.documentElement);
     [picture.width, picture.height] = [canvas.width, canvas.height];
@@ -19,16 +19,12 @@
   document.addEventListener('click', event => {
     const button = event.target?.closest?.('button.ol-snapshot');
     if (!button || button.disabled) return;
-    const state = page.scene.__r3f.root.getState(), before = state.viewport.dpr, seen = page.scene.onAfterRender;
-    state.setDpr(Math.max(devicePixelRatio, 2));
-    page.scene.onAfterRender = (...all) => {
-      seen?.(...all);
-      page.scene.onAfterRender = seen;
-      queueMicrotask(() => {  // the frame is whole and still there: the browser takes it away when this turn has ended
-        keep(state.gl.domElement, button.dataset.name);
-        setTimeout(() => { state.setDpr(before); state.invalidate(); });
-      });
-    };
-    state.invalidate();
+    const before = viser.resolution();
+    viser.setResolution(Math.max(devicePixelRatio, 2));
+    viser.afterFrame(() => queueMicrotask(() => {  // the frame is whole and still there: the browser takes it away when this turn has ended
+      keep(viser.canvas(), button.dataset.name);
+      setTimeout(() => { viser.setResolution(before); viser.drawFrame(); });
+    }));
+    viser.drawFrame();
   });
 }

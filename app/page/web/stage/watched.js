@@ -3,7 +3,7 @@
   const calm = matchMedia('(prefers-reduced-motion: reduce)');
   const tell = () => {
     const seen = document.visibilityState === 'visible' && !calm.matches;
-    window.__viserMutable.sendMessage({type: 'GuiUpdateMessage', uuid: window.observerLabWatched, updates: {value: Number(seen)}});
+    window.observerLabViser.tell(window.observerLabWatched, Number(seen));
   };
   if (!window.observerLabWatched) document.addEventListener('visibilitychange', tell);
   window.observerLabWatched = widget;

@@ -4,15 +4,16 @@
   const folder = location.pathname.replace(/[^/]*$/, '');
   const own = key => key + (folder === '/' ? '' : folder);  // labs under other paths of this host are other people's, as on a hub
   const store = () => { try { return sessionStorage.getItem(own(kept)) ?? ''; } catch (error) { return ''; } };
+  const viser = window.observerLabViser;
   const lab = window.observerLabAddress = {own, shown: store(), asked: 0, widget: '', carried: location.hash};
   const plain = () => {
     const asked = new URLSearchParams(location.search);
     for (const name of ['token', 'again', 'websocket']) asked.delete(name);
     return location.pathname + (asked.size ? '?' + asked : '');
   };
-  const server = location.origin.replace(/^http/, 'ws') + folder;
+  viser.server = location.origin.replace(/^http/, 'ws') + folder;  // viser's page leaves the last / out, at which proxies turn away
   lab.token = () => (lab.carried || location.hash).slice(1);
-  lab.say = what => window.__viserMutable.sendMessage({type: 'GuiUpdateMessage', uuid: lab.widget, updates: {value: JSON.stringify(what)}});
+  lab.say = what => viser.tell(lab.widget, JSON.stringify(what));
   lab.show = (token, lesson, asked) => {
     if (asked < lab.asked) return;  // an answer from before the last state that was opened here
     const old = history.state?.observerLab, other = old !== undefined && old !== lesson;
@@ -25,14 +26,8 @@
     if (token && token !== lab.shown && lab.widget) lab.say({open: token, asked: ++lab.asked});
   });
   history.replaceState(history.state, '', plain());  // viser's page would take the rest for a part of the server's address
-  window.Worker = class extends Worker {
-    constructor(...how) {
-      super(...how);
-      history.replaceState(history.state, '', plain() + (lab.carried || location.hash));  // where viser's page has put its server
-      lab.carried = '';
-    }
-    postMessage(said, ...more) {  // viser's page leaves the last / out, at which proxies turn away
-      super.postMessage(said?.type === 'set_server' ? {...said, server} : said, ...more);
-    }
+  viser.onConnecting = () => {
+    history.replaceState(history.state, '', plain() + (lab.carried || location.hash));  // where viser's page has put its server
+    lab.carried = '';
   };
 }

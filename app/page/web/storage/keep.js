@@ -2,19 +2,18 @@
 // stays so, the figures' tab stays chosen, and each column stays where it was scrolled to. Folders and tabs are told apart by their
 // place, which has no language.
 ({lesson, large}) => {
+  const viser = window.observerLabViser, {column: COLUMN, view: VIEW, folder: FOLDER, folderHead: HEAD, tab: TAB} = viser.parts;
   const lab = window.observerLabKeep ??= {lesson: '', hand: {}, run: 0}, run = lab.run += 1, STEP = 60, LONGEST = 30000, STILL = 1500;  // ms
-  const asked = () => document.querySelector('.ol-question,.ol-scene'), old = asked(), KNOBS = 'div:has(>.ol-part-knobs)+.mantine-Paper-root';
-  const column = () => asked()?.closest('[data-scrollarea-viewport]');
-  const figures = () => document.querySelector('[data-dock-region=right] [data-scrollarea-viewport]');
-  const tabs = () => [...document.querySelectorAll('[data-dock-region=right] [data-dock-tab]')];
-  const isOpen = head => head.lastElementChild.matches('[class*="chevron-up"]');
+  const asked = () => document.querySelector('.ol-question,.ol-scene'), old = asked(), KNOBS = `div:has(>.ol-part-knobs)+${FOLDER}`;
+  const column = () => asked()?.closest(VIEW);
+  const figures = () => document.querySelector(`${COLUMN} ${VIEW}`);
+  const tabs = () => [...document.querySelectorAll(`${COLUMN} ${TAB}`)];
 
   const folders = () => {  // name → head; counted from the end, since large print has one folder more at the beginning
-    const heads = [...column()?.querySelectorAll('.mantine-Paper-root > .mantine-Paper-root') ?? []]
-      .filter(head => head.lastElementChild?.matches('svg[class*="chevron"]'));
+    const heads = [...column()?.querySelectorAll(HEAD) ?? []];
     const marks = [...column()?.querySelectorAll('.ol-part-knobs,.ol-part-why,.ol-part-tasks') ?? []];
     const part = head => marks.filter(mark => mark.compareDocumentPosition(head) & Node.DOCUMENT_POSITION_FOLLOWING).length;
-    const above = head => head.parentElement.parentElement.closest('.mantine-Paper-root');
+    const above = head => head.parentElement.parentElement.closest(FOLDER);
     const group = new Map(heads.map(head => [head, heads.find(other => other.parentElement === above(head)) ?? part(head)]));
     const name = head => {
       const own = group.get(head), mates = heads.filter(other => group.get(other) === own), last = mates.length - mates.indexOf(head);
@@ -49,9 +48,9 @@
   };
 
   if (!lab.folders) document.addEventListener('click', event => {
-    if (event.isTrusted && event.target.closest('[data-dock-tab]')) lab.figure.at = -1;
+    if (event.isTrusted && event.target.closest(TAB)) lab.figure.at = -1;
     const found = [...lab.folders()].find(([, head]) => head.contains(event.target));
-    if (found) lab.hand[found[0]] = !isOpen(found[1]);
+    if (found) lab.hand[found[0]] = !viser.isOpen(found[1]);
   }, {capture: true});
   const same = lab.lesson === lesson, told = same ? reasons().map(each => each.open) : [];
   // where the last change has not come to its end, some of what stands is from before it: what was wanted then still is
@@ -84,13 +83,13 @@
     }
     for (const [name, head] of folders()) if (name in lab.hand && !done.has(name)) {
       done.add(name);
-      if (isOpen(head) !== lab.hand[name]) head.click();
+      if (viser.isOpen(head) !== lab.hand[name]) head.click();
     }
     const now = tabs();
     const whole = figure.at >= 0 && now.length === figure.count && !now.some(tab => before.includes(tab));  // they come one by one
     if (whole && figure.to !== now[figure.at]) {
       if (now[figure.at].ariaSelected === 'true') figure.to = now[figure.at];
-      else now[figure.at].dispatchEvent(new KeyboardEvent('keydown', {key: 'Enter', bubbles: true}));
+      else viser.openTab(now[figure.at]);
     }
     if (told.length === reasons().length && !scroll.moved) reasons().forEach((each, k) => { each.open ||= told[k]; });
     const by = scroll.moved ? [] : scroll.wanted.map(([view, at]) => (view() ? away(view(), at) : 0));

@@ -30,20 +30,17 @@
     if (question && question !== old) { cover.hidden = true; watch.disconnect(); }
   };
   const watch = new MutationObserver(look);
-  const heard = ({data}) => {
-    if (data?.type === 'closed') {
+  window.observerLabViser.onConnection = type => {
+    if (type === 'closed') {
       if (!asked) { asked = true; ask(); }
       speak();
       note.hidden = false;
-    } else if (data?.type === 'connected') {
+    } else if (type === 'connected') {
       note.hidden = true;
       stranger = asked = false;
       old = document.querySelector('.ol-question,.ol-scene');  // of the connection before: viser keeps it until the new one speaks
       cover.hidden = false;
       watch.observe(root, {childList: true, subtree: true});
     }
-  };
-  window.Worker = class extends Worker {
-    constructor(...how) { super(...how); this.addEventListener('message', heard); }
   };
 }

@@ -1,0 +1,172 @@
+// Runs before viser's page and is the only script that knows it. Our other scripts find viser's elements by `parts` and call the
+// functions below; our style sheets know an element by the attribute `data-ol-…` that it gets here before it is first painted.
+// The names are those of viser 1.1: attributes of its dock and of its own browser tests where there are some, else Mantine's class names.
+() => {
+  const lab = window.observerLabViser = {}, page = () => window.__viserMutable;
+  const FOLDER = '.mantine-Paper-root:has(> .mantine-Paper-root > svg[class*="chevron"])', SHEET = '.mantine-Paper-root[style*="width: 20em"]';
+
+  // --- elements: our name → viser's selector ---------------------------------------------------------------------------
+  const parts = lab.parts = {
+    stage: 'canvas[data-engine]', slowNote: '#webgl-software-rendering', sceneTree: '[aria-label$="scene tree"]',
+    column: '[data-dock-region=right]', columnHandle: '[data-dock-region-handle=right]', view: '[data-scrollarea-viewport]',
+    tab: '[data-dock-tab]', tabs: '.mantine-Tabs-root',
+    panelHead: '[data-testid=floating-panel-handle]', panelGrip: '[data-floating-window] :is([data-dock-griphandle],[data-dock-strip])',
+    sheet: SHEET, sheetRoom: `${SHEET} [style*="width: 20em"]`, sheetHead: '[style*="height: 3.5em"]:not([style*="min-height"])',
+    folder: FOLDER, folderHead: '.mantine-Paper-root > .mantine-Paper-root:has(> svg[class*="chevron"])',
+    folderRoom: `${FOLDER} > div:nth-child(2) > div`, opened: 'svg[class*="chevron-up"]',
+    row: '.mantine-Flex-root', rowLabel: '.mantine-Flex-root > div:has(> p > label)', text: '.mantine-Text-root',
+    button: '.mantine-Button-root', buttonLabel: '.mantine-Button-label', outlined: '.mantine-Button-root[data-variant=outline]',
+    iconButton: '.mantine-ActionIcon-root', toolIcon: 'svg:is(.tabler-icon-adjustments,.tabler-icon-arrow-back)',
+    slider: '.mantine-Slider-root', sliderTrack: '.mantine-Slider-trackContainer', sliderThumb: '.mantine-Slider-thumb',
+    sliderValue: '.mantine-Slider-label', sliderMark: '.mantine-Slider-markLabel',
+    number: '.mantine-NumberInput-root', numberInput: '.mantine-NumberInput-input', textInput: '.mantine-TextInput-input',
+    select: '.mantine-Select-input', checkbox: ':is(.mantine-Checkbox-input,.mantine-Checkbox-inner)', progress: '.mantine-Progress-root',
+    dialog: '.mantine-Modal-content', dialogHead: '.mantine-Modal-header', besideDialog: ':is(.mantine-Modal-inner,.mantine-Modal-overlay)',
+    notices: '.mantine-Notifications-root', notice: '.mantine-Notification-root', noticeClose: '.mantine-Notification-closeButton',
+    chart: '.uplot', chartTitle: '.u-title', chartRoom: '.u-wrap', plot: '.u-over', key: '.u-legend', keyMark: '.u-marker',
+  };
+  const names = Object.entries(parts).map(([name, selector]) => [`data-ol-${name.replace(/[A-Z]/g, letter => '-' + letter.toLowerCase())}`, selector]);
+  const any = Object.values(parts).join(), root = document.documentElement, SCHEME = 'data-mantine-color-scheme';
+  const name = element => { for (const [attribute, selector] of names) element.toggleAttribute(attribute, element.matches(selector)); };
+  const nameAll = element => {
+    if (element.matches(any)) name(element);
+    element.querySelectorAll(any).forEach(name);
+  };
+  const theme = () => { root.dataset.olTheme = root.getAttribute(SCHEME) ?? 'light'; };
+  new MutationObserver(changes => {
+    for (const {type, target, addedNodes} of changes) {
+      if (target === root && type === 'attributes') theme();
+      else if (type === 'attributes') name(target);
+      else for (const node of addedNodes) if (node.nodeType === Node.ELEMENT_NODE) nameAll(node);
+    }
+  }).observe(document, {childList: true, subtree: true, attributes: true, attributeFilter: ['data-testid', 'data-engine', SCHEME]});
+  nameAll(root);
+
+  lab.plots = document.getElementsByClassName('u-over');  // kept up to date by the browser
+  lab.openTab = tab => tab.dispatchEvent(new KeyboardEvent('keydown', {key: 'Enter', bubbles: true}));  // as Enter on it would
+  lab.isOpen = folderHead => !!folderHead.querySelector(`:scope > ${parts.opened}`);
+
+  // --- charts ------------------------------------------------------------------------------------------------------------
+  lab.charts = () => Object.values(window.__viserTestpoints?.uplots ?? {}).map(({chart}) => chart);
+  lab.strokeOf = (chart, series) => series._stroke ?? series.stroke?.(chart);
+  lab.afterDrawing = (chart, act) => { (chart.hooks.draw ??= []).push(act); };
+
+  // --- messages: to the server, and to viser's page as if they had just come from there ---------------------------------------
+  lab.changed = (widget, updates) => ({type: 'GuiUpdateMessage', uuid: widget, updates});
+  lab.tell = (widget, value) => page().sendMessage(lab.changed(widget, {value}));
+  lab.answerStorage = (request, value) => page().sendMessage({type: 'LocalStorageGetItemResponseMessage', value, error: null, request_uuid: request});
+  lab.show = messages => {
+    page().messageQueue.push(...messages);
+    page().requestRender();
+  };
+  lab.moved = (owner, name, prop, value) => {
+    if (prop === 'position') return {type: 'SetPositionMessage', name, owner, position: value};
+    if (prop === 'wxyz') return {type: 'SetOrientationMessage', name, owner, wxyz: value};
+    if (prop === 'visible') return {type: 'SetSceneNodeVisibilityMessage', name, owner, visible: value};
+    return {type: 'SceneNodeUpdateMessage', name, owner, updates: {[prop]: value}};
+  };
+  lab.lookFrom = (from, at, angle) => lab.show([{type: 'SetCameraUpDirectionMessage', position: [0, 0, 1], initial: false},
+    {type: 'SetCameraPositionMessage', position: from, initial: false}, {type: 'SetCameraLookAtMessage', look_at: at, initial: false},
+    {type: 'SetCameraFovMessage', fov: angle, initial: false}]);
+  const MOVES = /^(SceneNodeUpdate|SetPosition|SetOrientation|SetSceneNodeVisibility|Gui\w*Update)Message$/;
+  lab.takeUp = movesAlone => {  // what waits for the next frame, now
+    const queue = page().messageQueue;
+    if (queue.length && page().getRenderRequestState === 'ready' && (!movesAlone || queue.every(({type}) => MOVES.test(type)))) page().drainMessageQueue?.();
+  };
+
+  // --- the stage -----------------------------------------------------------------------------------------------------------
+  const view = () => page().scene.__r3f.root.getState(), held = node => (node && 'current' in node ? node.current : node);
+  lab.isDrawn = () => !!page()?.scene?.__r3f?.root;
+  lab.scene = () => page()?.scene;
+  lab.canvas = () => page()?.canvas;
+  lab.node = name => held(page().nodeRefFromName[name]);
+  lab.nodes = () => Object.entries(page().nodeRefFromName).map(([name, node]) => [name, held(node)]);
+  lab.tellCamera = () => page()?.sendCamera?.();
+  lab.redraw = () => page()?.requestRender?.();
+  lab.drawFrame = () => view().invalidate();
+  lab.resolution = () => view().viewport.dpr;
+  lab.setResolution = dpr => view().setDpr(dpr);
+  lab.afterFrames = act => { page().scene.onAfterRender = act; };
+  lab.afterFrame = act => {  // once
+    const scene = page().scene, seen = scene.onAfterRender;
+    scene.onAfterRender = (...all) => {
+      seen?.(...all);
+      scene.onAfterRender = seen;
+      act();
+    };
+  };
+  lab.onRedraw = draw => {  // instead of what viser does when something is to be drawn, which `draw` is given
+    const ask = page().requestRender;
+    page().requestRender = () => draw(ask);
+  };
+  lab.hideEmptyBackground = () => {
+    const quad = page().backgroundMaterial;
+    if (quad) quad.visible = !!quad.uniforms?.enabled?.value;
+  };
+  lab.keepCamera = ({low, high, steepest}) => {  // what it looks at within a box, itself no lower than an angle from the vertical
+    const control = page()?.cameraControl;
+    if (!control) return;
+    const within = control._boundary.clone(), from = control.getPosition(), to = control.getTarget();
+    within.min.set(...low);
+    within.max.set(...high);
+    control.maxPolarAngle = steepest;
+    control.setBoundary(within);  // takes what is looked at now inside
+    control.setLookAt(from.x, from.y, from.z, to.x, to.y, to.z, false);
+  };
+  const INKS = [['vec4(0.0, 0.0, 0.0,', 'observerLabInk'], ['vec4(1.0, 1.0, 1.0,', 'observerLabGround']];
+  lab.colourLabels = (ink, ground) => {  // two uniforms {value: [r, g, b]} in the place of viser's black and white
+    const dress = ({material: skin}) => {
+      if (!skin?.fragmentShader?.includes('vAlpha')) return false;
+      for (const [k, [written, name]] of INKS.entries()) {
+        if (!skin.fragmentShader.includes(`gl_FragColor = ${written}`)) continue;
+        skin.uniforms[name] = [ink, ground][k];
+        skin.fragmentShader = `uniform vec3 ${name};\n${skin.fragmentShader.replace(written, `vec4(${name},`)}`;
+        skin.needsUpdate = true;
+      }
+      return true;
+    };
+    lab.scene()?.traverse(part => {
+      if (!dress(part) || lab.labels === part.parent) return;
+      lab.labels = part.parent;  // where viser puts one more mesh for each size of letters
+      lab.labels.addEventListener('childadded', ({child}) => dress(child));
+    });
+  };
+
+  // --- before viser's page runs ----------------------------------------------------------------------------------------------
+  lab.play = (recording, dark) => {
+    window.__VISER_EMBED_DATA__ = recording;
+    window.__VISER_EMBED_CONFIG__ = {darkMode: dark};
+  };
+  lab.sheetWithin = query => {  // its sheet for phones in other windows than its own query says
+    const theirs = window.matchMedia;
+    window.matchMedia = asked => theirs.call(window, asked === '(max-width: 36em)' ? query : asked);
+  };
+  lab.onConnecting = () => {};
+  lab.onConnection = () => {};  // is given 'connected' or 'closed'
+  lab.server = null;  // the address to connect to instead of viser's own idea
+  window.Worker = class extends Worker {
+    constructor(...how) {
+      super(...how);
+      lab.onConnecting();
+      this.addEventListener('message', ({data}) => lab.onConnection(data?.type));
+    }
+    postMessage(said, ...more) {
+      super.postMessage(lab.server !== null && said?.type === 'set_server' ? {...said, server: lab.server} : said, ...more);
+    }
+  };
+  lab.buildWhenOpened = opened => {  // of a folder nothing before `opened` holds its id; another version of viser builds all of it as before
+    const add = Node.prototype.appendChild, built = new RegExp(String.raw`expanded:(\w+)&&!(\w+),children:(\(0,\w+\.jsx\)\(\w+,\{pt:.0\.2em.,`
+      + String.raw`children:\(0,\w+\.jsx\)\(\w+\.Provider,\{value:\{\.\.\.(\w+),folderDepth:\4\.folderDepth\+1\},children:\(0,\w+\.jsx\)`
+      + String.raw`\(\4\.GuiContainer,\{containerUuid:(\w+)\}\)\}\)\}\))`);
+    lab.opened = opened;
+    Node.prototype.appendChild = function (part) {
+      if (part.tagName === 'SCRIPT' && part.type === 'module') {
+        Node.prototype.appendChild = add;
+        const theirs = part.textContent;
+        part.textContent = theirs.replace(built, 'expanded:$1&&!$2,children:(observerLabViser.opened[$5]||=$1&&!$2)?$3:null');
+        opened.spared = part.textContent !== theirs;
+      }
+      return add.call(this, part);
+    };
+  };
+}
