@@ -4,6 +4,8 @@ import re
 import tomllib
 from pathlib import Path
 
+from packaging.requirements import Requirement
+
 ROOT = Path(__file__).parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 KINDS = {"Added", "Changed", "Deprecated", "Removed", "Fixed", "Security"}  # of changes, by Keep a Changelog
@@ -48,3 +50,11 @@ def test_the_security_page_is_ten_lines_and_every_file_it_names_exists() -> None
     page = read("SECURITY.md")
     assert len(page.splitlines()) <= 10
     assert [name for name in re.findall(r"\]\(([^)]+)\)", page) if not (ROOT / name).exists()] == []
+
+
+def test_a_python_that_numba_has_no_wheel_for_installs_without_it() -> None:
+    (numba,) = (need for need in map(Requirement, PROJECT["dependencies"]) if need.name == "numba")
+    assert numba.marker is not None
+    versions = [line.rpartition(" ")[2] for line in PROJECT["classifiers"] if re.search(r":: 3\.\d+$", line)]
+    assert versions and all(numba.marker.evaluate({"python_version": version}) for version in versions)
+    assert not numba.marker.evaluate({"python_version": "3.99"})

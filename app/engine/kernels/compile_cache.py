@@ -41,7 +41,7 @@ from . import (
     tape,
 )
 
-__all__ = ["SHELF", "CompileCache", "as_kernel_array", "compiled_kernel", "kernels_ready", "prepare_kernels"]
+__all__ = ["SHELF", "CompileCache", "as_kernel_array", "compiled_kernel", "kernels_off", "kernels_ready", "prepare_kernels"]
 
 log = logging.getLogger(__name__)
 Kernel = Callable[..., int]
@@ -148,6 +148,11 @@ def compiled_kernel(function: Kernel) -> Kernel | None:
     return SHELF.made.get(function)
 
 
+def kernels_off() -> bool:
+    """Whether the environment asks for the plain ways only."""
+    return os.environ.get(KERNELS_VARIABLE) == "off"
+
+
 def kernels_ready() -> bool:
     """Whether the kernels are compiled, so that runs by the thousand come at once."""
     return bool(SHELF.made)
@@ -170,7 +175,7 @@ def prepare_kernels() -> threading.Thread:
 
 
 def _prepare() -> None:
-    if os.environ.get(KERNELS_VARIABLE) == "off" or importlib.util.find_spec("numba") is None:
+    if kernels_off() or importlib.util.find_spec("numba") is None:
         return
     try:
         folder = cache_folder()
