@@ -3,7 +3,8 @@
     python tests/benchmarks/bench_drafts.py [--own STATES] [LESSON ...]
 
 Prints a Markdown table: what is looked at first (boards, stage, the open tab), and the whole with all that follows when the hand
-pauses. OBSERVER_LAB_KERNELS=off measures the plain ways. The budget of the first is a 95th percentile of 10 ms where `forced_response` takes 50 ms, which is printed too; with `--own`,
+pauses. OBSERVER_LAB_KERNELS=off measures the plain ways.
+The budget of the first is a 95th percentile of 10 ms where `forced_response` takes 50 ms, which is printed too; with `--own`,
 on a chain of masses with so many states, 25 ms for thirty.
 """
 
