@@ -168,6 +168,15 @@ def test_a_resting_axis_tightens_when_the_data_have_become_small() -> None:
     assert steady_range(time_figure([0.0, 60.0]), (0.0, 100.0), True) == (0.0, 100.0)
 
 
+@pytest.mark.parametrize("data, log, last, tightens", [
+    ([0.0, 2.4], False, (0.0, 10.0), False), ([0.0, 1.9], False, (0.0, 10.0), True),  # 4 and 5 times what the data need
+    ([1.0, 50.0], True, (1.0, 1e5), False), ([1.0, 50.0], True, (1.0, 1e6), True)])  # 2.5 and 3 times their decades
+def test_a_resting_axis_keeps_four_times_the_range_of_the_data_or_two_and_a_half_times_their_decades(
+        data: list[float], log: bool, last: tuple[float, float], tightens: bool) -> None:
+    figure = time_figure(data, log=log)
+    assert steady_range(figure, last, True) == (axis_range(figure) if tightens else last)
+
+
 def test_a_spectrum_is_logarithmic() -> None:
     figure = over_frequency("f", same("f"), np.array([1.0, 10.0]), (Curve(same("y"), np.array([3e-3, 20.0])),))
     assert axis_range(figure) == pytest.approx((1e-3, 100.0))

@@ -164,7 +164,7 @@ def test_a_design_is_a_value() -> None:
     assert a == Design("x", (("gain", 1.0), ("poles", (1j, -1j)))) and hash(a) == hash(a.with_values())
     b = a.with_values(gain=2.0)
     assert (a["gain"], b["gain"], b["poles"]) == (1.0, 2.0, (1j, -1j))
-    with pytest.raises(KeyError):
+    with pytest.raises(KnobError, match="Lesson x has no knob nobody; it has gain, poles"):
         a["nobody"]
     with pytest.raises(AttributeError):
         a.lesson = "y"  # type: ignore[misc]

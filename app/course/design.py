@@ -2,8 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
+
+from ..plants.own_plant import plant_of
+from ..plants.signal_names import title_of
+from ..text import text
+from .knobs import KnobError
+
+
+def missing_knob(name: str, lesson: str, plant: str, names: Iterable[str]) -> KnobError:
+    """The error of a knob that a lesson, or its variant for a person's own plant, does not have; it lists those that exist."""
+    said = {"id": lesson, "name": name[:40], "names": ", ".join(names)}
+    if not plant:
+        return KnobError(text("Lesson {id} has no knob {name}; it has {names}.", **said))
+    return KnobError(text("Lesson {id}, adapted to {plant}, has no knob {name}; it has {names}.", plant=title_of(plant_of(plant)), **said))
 
 
 @dataclass(frozen=True)
@@ -18,11 +32,19 @@ class Design:
     plant: str = ""
 
     def __getitem__(self, name: str) -> Any:
+        """The value of a knob. Raises KnobError."""
         for key, value in self.values:
             if key == name:
                 return value
-        raise KeyError(name)
+        raise missing_knob(name, self.lesson, self.plant, self._names())
+
+    def _names(self) -> tuple[str, ...]:
+        return tuple(name for name, _ in self.values)
 
     def with_values(self, **changes: Any) -> Design:
-        """The same design with some values changed; nothing is checked here, `Lesson.apply` does that."""
+        """The same design with some values changed; no value is checked here, `Lesson.apply` does that. Raises KnobError."""
+        names = self._names()
+        for name in changes:
+            if name not in names:
+                raise missing_knob(name, self.lesson, self.plant, names)
         return Design(self.lesson, tuple((key, changes.get(key, value)) for key, value in self.values), self.plant)

@@ -16,6 +16,7 @@ from ..plants.own_plant import model_of, plant_of
 from ..text import NO_WORDS, Text, joined, text
 from .course_map import NO_PLACE, CoursePlace
 from .design import Design as Design
+from .design import missing_knob
 from .exercises.derivation import Value, no_numbers
 from .exercises.exam import Exam
 from .exercises.second_prediction import SecondPrediction
@@ -208,9 +209,7 @@ class Lesson(Generic[S]):
         for knob in self.knobs:
             if knob.name == name:
                 return knob
-        names = ", ".join(k.name for k in self.knobs)
-        raise KnobError(text("Lesson {id} has no knob {name}; it has {names}.",
-                             id=self.id, name=name[:40], names=names))
+        raise missing_knob(name, self.id, self.plant, (k.name for k in self.knobs))
 
     def start(self) -> Design:
         """The design with every knob at its default."""

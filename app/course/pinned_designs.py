@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
+from typing import assert_never
 
 import numpy as np
 
 from ..text import NO_WORDS, Text, joined, same, text
 from .design import Design
 from .design_differences import describe_difference
-from .figures.records import Curve, Dash, Figure, LineFigure, PlaneFigure, Point, TableFigure, finite
+from .figures.records import Curve, Dash, Figure, LineFigure, MapFigure, MatrixFigure, PlaneFigure, Point, TableFigure, finite
 from .lesson import Board, Lesson, Outcome, Stage
 
 MAX_PINS = 4  # designs that are pinned at once
@@ -81,21 +82,34 @@ def figures_with_pins(figures: Sequence[Figure], pinned: Sequence[Pinned]) -> tu
 
 
 def _laid_in(figure: Figure, pinned: Sequence[Pinned]) -> Figure:
-    if not isinstance(figure, (LineFigure, PlaneFigure)):
-        return figure
-    curves, points = list(figure.curves), list(figure.points) if isinstance(figure, PlaneFigure) else []
-    there = set(map(_mark, points))
+    match figure:
+        case LineFigure():
+            thin = [curve for pin, other in _pinned_figures(figure, pinned) if isinstance(other, LineFigure) and _same_axes(figure, other)
+                    for curve in _thin_lines(figure, other, pin)]
+            return replace(figure, curves=(*figure.curves, *thin))
+        case PlaneFigure():
+            return _plane_with_pins(figure, pinned)
+        case MatrixFigure() | MapFigure() | TableFigure():
+            return figure
+        case _:
+            assert_never(figure)
+
+
+def _pinned_figures(figure: Figure, pinned: Sequence[Pinned]) -> Iterator[tuple[Pinned, Figure]]:
+    """Each pin that has a figure of that id, with it."""
     for pin in pinned:
-        other = next((each for each in pin.figures if each.id == figure.id), None)
-        if isinstance(figure, LineFigure) and isinstance(other, LineFigure) and _same_axes(figure, other):
-            curves += _thin_lines(figure, other, pin)
-        elif isinstance(figure, PlaneFigure) and isinstance(other, PlaneFigure):
+        yield from ((pin, each) for each in pin.figures if each.id == figure.id)
+
+
+def _plane_with_pins(figure: PlaneFigure, pinned: Sequence[Pinned]) -> PlaneFigure:
+    curves, points = list(figure.curves), list(figure.points)
+    there = set(map(_mark, points))
+    for pin, other in _pinned_figures(figure, pinned):
+        if isinstance(other, PlaneFigure):
             curves += [_thin(c, pin, c.y, c.x) for c in other.curves if not _drawn(c, figure.curves)]
             points += [replace(p, mark="hollow", name=NO_WORDS) for p in other.points
                        if p.mark in ("cross", "dot") and _mark(p) not in there]
-    if isinstance(figure, PlaneFigure):
-        return replace(figure, curves=tuple(curves), points=tuple(points))
-    return replace(figure, curves=tuple(curves))
+    return replace(figure, curves=tuple(curves), points=tuple(points))
 
 
 def _mark(point: Point) -> tuple[str, str, str, str]:

@@ -42,12 +42,16 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Literal, assert_never, get_args
 
 from ..text.languages import folder_of, languages
 from .exercises.derivation import DerivationStep, derived_step
 from .glossary import Glossary, glossaries_in
 from .prose_error import ProseError as ProseError
 from .scenes import SceneWords
+
+SectionKind = Literal["predict", "again", "step", "derive", "task", "exam", "source"]
+SECTION_KINDS: tuple[SectionKind, ...] = get_args(SectionKind)
 
 
 @dataclass(frozen=True)
@@ -149,35 +153,55 @@ def parse_prose(text: str, name: str = "text") -> Prose:
     tasks: dict[str, TaskWords] = {}
     exams: dict[str, ExamWords] = {}
     for section in sections:
-        title, _, body = section.partition("\n")
-        kind, _, rest = title.strip().partition(" ")
-        if kind == "predict":
-            first = _asked(body)
-        elif kind == "again":
-            again = _asked(body)
-        elif kind == "step":
-            steps.append((rest.strip(), body.strip()))
-        elif kind == "derive":
-            derivation.append(derived_step(rest, body))
-        elif kind == "task":
-            key, _, label = rest.partition(":")
-            body, _, solution = body.partition("\n### solution")
-            statement, hints = _bullets(body)
-            tasks[key.strip()] = TaskWords(label.strip(), statement, hints, solution.strip())
-        elif kind == "exam":
-            key, _, label = rest.partition(":")
-            statement, _, derived = body.partition("\n### derivation")
-            exams[key.strip()] = ExamWords(label.strip(), statement.strip(), derived.strip())
-        elif kind == "source":
-            source = body.strip()
-        else:
-            raise ProseError(f"{name} has a section '## {title}'; use predict, again, step, derive, task, exam or source.")
+        kind, rest, body = _section(section, name)
+        match kind:
+            case "predict":
+                first = _asked(body)
+            case "again":
+                again = _asked(body)
+            case "step":
+                steps.append((rest, body.strip()))
+            case "derive":
+                derivation.append(derived_step(rest, body))
+            case "task":
+                tasks.update([_task(rest, body)])
+            case "exam":
+                exams.update([_exam(rest, body)])
+            case "source":
+                source = body.strip()
+            case _:
+                assert_never(kind)
     prose = Prose(lines[0][2:].strip(), question, introduction, first.question, first.options, first.refutations, first.reveal,
                   tuple(steps), tasks, exams, source, tuple(derivation), again)
     for part in ("question", "introduction", "predict", "reveal", "exams", "source"):
         if not getattr(prose, part):
             raise ProseError(f"{name} has no {part}.")
     return prose
+
+
+def _section(section: str, name: str) -> tuple[SectionKind, str, str]:
+    """The kind of a section, the rest of its heading, and its body. Raises ProseError naming the kinds that exist."""
+    title, _, body = section.partition("\n")
+    word, _, rest = title.strip().partition(" ")
+    kind = next((each for each in SECTION_KINDS if each == word), None)
+    if kind is None:
+        raise ProseError(f"{name} has a section '## {title}'; use {', '.join(SECTION_KINDS[:-1])} or {SECTION_KINDS[-1]}.")
+    return kind, rest.strip(), body
+
+
+def _task(heading: str, body: str) -> tuple[str, TaskWords]:
+    """The id of a task and its words."""
+    key, _, label = heading.partition(":")
+    body, _, solution = body.partition("\n### solution")
+    statement, hints = _bullets(body)
+    return key.strip(), TaskWords(label.strip(), statement, hints, solution.strip())
+
+
+def _exam(heading: str, body: str) -> tuple[str, ExamWords]:
+    """The id of an exam and its words."""
+    key, _, label = heading.partition(":")
+    statement, _, derived = body.partition("\n### derivation")
+    return key.strip(), ExamWords(label.strip(), statement.strip(), derived.strip())
 
 
 def read_scenes(folder: Path, language: str) -> dict[str, SceneWords]:

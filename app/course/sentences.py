@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from typing import assert_never
 
 from ..engine import EngineError
 from ..text import Text, error_words, label_in_language
@@ -59,21 +60,30 @@ def figure_parts(figures: Iterable[Figure]) -> Iterator[Part]:
 
 def _of_figure(figure: Figure) -> Iterator[Part]:
     yield from (("tab", figure.tab), ("title", figure.title), ("caption", figure.caption))
-    if isinstance(figure, (LineFigure, PlaneFigure, MapFigure)):
-        yield from (("x", figure.x_label), ("y", figure.y_label))
-    if isinstance(figure, (LineFigure, PlaneFigure)):
-        yield from _numbered("curve", (curve.name for curve in figure.curves))
-    if isinstance(figure, PlaneFigure):
-        yield from _numbered("point", (point.name for point in figure.points))
-    if isinstance(figure, MapFigure):
-        yield from _numbered("category", (name for name, _ in figure.categories))
-    if isinstance(figure, (MatrixFigure, TableFigure)):
-        yield from _numbered("column", figure.columns)
-    if isinstance(figure, MatrixFigure):
-        yield from _numbered("row", figure.rows)
-    if isinstance(figure, TableFigure):
-        for number, row in enumerate(figure.rows, 1):
-            yield from _numbered(f"row.{number}", row)
+    match figure:
+        case LineFigure():
+            yield from _of_axes(figure)
+            yield from _numbered("curve", (curve.name for curve in figure.curves))
+        case PlaneFigure():
+            yield from _of_axes(figure)
+            yield from _numbered("curve", (curve.name for curve in figure.curves))
+            yield from _numbered("point", (point.name for point in figure.points))
+        case MapFigure():
+            yield from _of_axes(figure)
+            yield from _numbered("category", (name for name, _ in figure.categories))
+        case MatrixFigure():
+            yield from _numbered("column", figure.columns)
+            yield from _numbered("row", figure.rows)
+        case TableFigure():
+            yield from _numbered("column", figure.columns)
+            for number, row in enumerate(figure.rows, 1):
+                yield from _numbered(f"row.{number}", row)
+        case _:
+            assert_never(figure)
+
+
+def _of_axes(figure: LineFigure | PlaneFigure | MapFigure) -> Iterator[Part]:
+    yield from (("x", figure.x_label), ("y", figure.y_label))
 
 
 def _numbered(name: str, all_words: Iterable[Words]) -> Iterator[Part]:

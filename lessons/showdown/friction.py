@@ -14,7 +14,7 @@ import numpy as np
 
 from observer_lab.course.lesson import Design
 from observer_lab.engine import sampled_loop
-from observer_lab.engine.kernels import as_kernel_array, compiled_kernel, friction_steps
+from observer_lab.engine.kernels import Actuators, Rubbing, as_kernel_array, compiled_kernel, friction_steps
 from observer_lab.engine.sampled import SampledLoop, trial_draws
 
 from .controllers import DT, Player
@@ -101,16 +101,8 @@ def _rubbed(quick: Callable[..., int], loop: SampledLoop, at: Guides, most: floa
         forces,
         as_kernel_array(step.T),
         as_kernel_array(driven),
-        as_kernel_array(asked),
-        as_kernel_array(direct),
-        as_kernel_array(loop.F_s[-1]),
-        loop.hardware.limit,
-        as_kernel_array(at.rows),
-        as_kernel_array(at.push),
-        as_kernel_array(at.rows @ at.push),
-        most,
-        MAX_SWEEPS,
-        FORCE_RTOL * most,
+        Actuators(*map(as_kernel_array, (asked, direct, loop.F_s[-1])), loop.hardware.limit),
+        Rubbing(*map(as_kernel_array, (at.rows, at.push, at.rows @ at.push)), float(most), MAX_SWEEPS, FORCE_RTOL * most),
         RUN_STATE_LIMIT,
     )
 

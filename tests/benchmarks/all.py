@@ -27,7 +27,7 @@ import bench_filters
 import bench_loops
 from stopwatch import HEAD
 
-from observer_lab.engine.kernels import SHELF
+from observer_lab.engine.kernels import SHELF, kernels_off
 
 PARTS = {"loops": bench_loops.rows, "filters": bench_filters.rows, "designs": bench_designs.rows}
 PEERS = ("numpy", "scipy", "control", "filterpy", "numba")
@@ -47,7 +47,7 @@ def versions() -> str:
 def main(names: list[str]) -> None:
     """Print the table of the parts named."""
     warnings.simplefilter("ignore")
-    compiled = SHELF.fill()
+    compiled = not kernels_off() and SHELF.fill()
     print(f"{time.strftime('%Y-%m-%d')}, {os.cpu_count()} cores, load {os.getloadavg()[0]:.1f} at the start; {versions()}; "
           f"kernels {'compiled' if compiled else 'plain'}.\n\n{HEAD}", flush=True)
     met, missed = 0, list[str]()

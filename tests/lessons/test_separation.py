@@ -122,3 +122,10 @@ def test_the_formula_of_the_loop_is_that_of_its_matrix(moved: dict[str, float]) 
     missing = (truth.A - model.A) - (truth.B - model.B) @ K
     assert ("0 & A-LC" in o.formulas[0].latex) == right == (not missing.any())
     assert np.allclose(loop[n:, :n], missing, atol=1e-9) and np.allclose(loop[n:, n:], model.A - L @ model.C + (truth.B - model.B) @ K)
+
+
+def test_the_largest_input_is_the_one_asked_for_also_where_the_coils_clip_it() -> None:
+    shown = outcome(limited=True, u_max=0.2)
+    run = shown.run
+    assert run is not None and np.max(np.abs(run.u_applied)) <= 0.2 * (1 + 1e-9)
+    assert shown.metrics["largest_input"] == np.max(np.abs(run.u_asked)) > 0.2 * 1.5

@@ -12,7 +12,7 @@ from catalogues import SOURCES, comments, said
 from syntax import nodes
 
 ROOT = Path(__file__).resolve().parents[2]
-PAGES = ("README.md", "CONTRIBUTING.md", "CHANGELOG.md")
+PAGES = ("README.md", "CONTRIBUTING.md", "CHANGELOG.md", "SECURITY.md")
 SHORT = ("e.g", "i.e", "Fig", "vs", "cf", "No", "Eq", "approx", "resp", "Dr", "Prof", "et al", "p", "pp", "vol")
 STOP = re.compile(r"(?:(?<=[.!?…])|(?<=[.!?…][”\")*]))\s+(?=[“\"(*$\[`]*[A-Z0-9\"“$`\[{‖√∫Σ])")
 FENCE = re.compile(r"^\s*```")

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, assert_never
 
 import numpy as np
 
@@ -227,18 +227,22 @@ def steady_range(figure: LineFigure, last: tuple[float, float] | None, resting: 
 
 def columns(figure: Figure) -> tuple[list[str], np.ndarray]:
     """The data of a figure as named columns, for a CSV file and for tests."""
-    if isinstance(figure, LineFigure):
-        return [figure.x_label, *(c.name("en") for c in figure.curves)], np.column_stack([figure.x, *(c.y for c in figure.curves)])
-    if isinstance(figure, PlaneFigure):
-        rows = [(p.x, p.y) for p in figure.points] + [at for c in figure.curves for at in zip(_xs(c), c.y, strict=True)]
-        return [*axes_of(figure)], np.array(rows, dtype=float).reshape(-1, 2)
-    if isinstance(figure, MatrixFigure):
-        named = figure.columns or map(str, range(figure.matrix.shape[1]))
-        return [label_in_language(name, "en") for name in named], np.asarray(figure.matrix, dtype=float)
-    if isinstance(figure, MapFigure):
-        x, y = np.meshgrid(figure.x, figure.y)
-        return [*axes_of(figure), "category"], np.column_stack([x.ravel(), y.ravel(), figure.values.ravel()])
-    return [c("en") for c in figure.columns], np.empty((0, len(figure.columns)))
+    match figure:
+        case LineFigure():
+            return [figure.x_label, *(c.name("en") for c in figure.curves)], np.column_stack([figure.x, *(c.y for c in figure.curves)])
+        case PlaneFigure():
+            rows = [(p.x, p.y) for p in figure.points] + [at for c in figure.curves for at in zip(_xs(c), c.y, strict=True)]
+            return [*axes_of(figure)], np.array(rows, dtype=float).reshape(-1, 2)
+        case MatrixFigure():
+            named = figure.columns or map(str, range(figure.matrix.shape[1]))
+            return [label_in_language(name, "en") for name in named], np.asarray(figure.matrix, dtype=float)
+        case MapFigure():
+            x, y = np.meshgrid(figure.x, figure.y)
+            return [*axes_of(figure), "category"], np.column_stack([x.ravel(), y.ravel(), figure.values.ravel()])
+        case TableFigure():
+            return [c("en") for c in figure.columns], np.empty((0, len(figure.columns)))
+        case _:
+            assert_never(figure)
 
 
 def axes_of(figure: PlaneFigure | MapFigure, language: str = "en") -> tuple[str, str]:

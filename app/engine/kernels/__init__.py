@@ -3,8 +3,19 @@
 Nothing here is needed for an answer: each has a plain way beside it, in the room that calls it.
 """
 
-from .compile_cache import SHELF, as_kernel_array, compiled_kernel, kernels_ready, prepare_kernels
-from .friction import friction_steps
+from .compile_cache import SHELF, as_kernel_array, compiled_kernel, kernels_off, kernels_ready, prepare_kernels
+from .friction import Actuators, Rubbing, friction_steps
 from .threads import run_in_threads
 
-__all__ = ["SHELF", "as_kernel_array", "compiled_kernel", "friction_steps", "kernels_ready", "prepare_kernels", "run_in_threads"]
+__all__ = [
+    "SHELF",
+    "Actuators",
+    "Rubbing",
+    "as_kernel_array",
+    "compiled_kernel",
+    "friction_steps",
+    "kernels_off",
+    "kernels_ready",
+    "prepare_kernels",
+    "run_in_threads",
+]

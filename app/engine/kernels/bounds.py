@@ -11,11 +11,11 @@ from .tape import flow_lanes, run_lanes
 __all__ = ["bound_steps", "slope_steps", "square_steps"]
 
 
-def slope_steps(f_steps, f_numbers, f_ends, h_steps, h_numbers, h_ends, step, parts, x, u, F, H):
-    """Slopes of a flow and of what is measured, F (k, n, n) and H (k, p, n), at the states x (k, n) and inputs u (k, m); see `tape`."""
+def slope_steps(f, h, step, parts, x, u, F, H):
+    """Slopes of the flow of tape f, F (k, n, n), and of tape h, H (k, p, n), at the states x (k, n) and inputs u (k, m)."""
     n, m, p = x.shape[1], u.shape[1], H.shape[1]
     first, lanes = n + m, 1 + n
-    T = np.empty((first + max(len(f_steps), len(h_steps)), lanes))
+    T = np.empty((first + max(len(f.steps), len(h.steps)), lanes))
     Y, K, total = np.empty((n, lanes)), np.empty((n, lanes)), np.empty((n, lanes))
     for k in range(len(x)):
         for j in range(m):
@@ -25,11 +25,11 @@ def slope_steps(f_steps, f_numbers, f_ends, h_steps, h_numbers, h_ends, step, pa
             Y[i, 0] = T[i, 0] = x[k, i]
         straight(T, 1)
         straight(Y, 1)
-        run_lanes(h_steps, h_numbers, first, T, 1)
+        run_lanes(h.steps, h.numbers, first, T, 1)
         for i in range(p):
             for l in range(n):
-                H[k, i, l] = T[h_ends[i], 1 + l]
-        flow_lanes(f_steps, f_numbers, f_ends, first, T, 1, step, parts, Y, K, total)
+                H[k, i, l] = T[h.ends[i], 1 + l]
+        flow_lanes(f, first, T, 1, step, parts, Y, K, total)
         for i in range(n):
             for l in range(n):
                 F[k, i, l] = Y[i, 1 + l]

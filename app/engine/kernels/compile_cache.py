@@ -41,35 +41,52 @@ from . import (
     tape,
 )
 
-__all__ = ["SHELF", "CompileCache", "as_kernel_array", "compiled_kernel", "kernels_ready", "prepare_kernels"]
+__all__ = ["SHELF", "CompileCache", "as_kernel_array", "compiled_kernel", "kernels_off", "kernels_ready", "prepare_kernels"]
 
 log = logging.getLogger(__name__)
 Kernel = Callable[..., int]
 _1, _2, _3, _4, _5 = ("f8[" + ":," * d + "::1]" for d in range(5))
 _C3 = "c16[:,:,::1]"
-_TAPES = f"i8[:,::1],{_1},i8[::1],i8[:,::1],{_1},i8[::1]"
-_STEPS = f"b1[:,::1],{_2},{_2},i8,{_3},{_3},{_3},{_3})"
-SIGNATURES = MappingProxyType(
+GROUPS: Mapping[type, str] = MappingProxyType(  # the types of the fields of each group of arguments
     {
-        recursion.mean_steps: f"i8({_2},{_2},{_3},{_1},{_2},{_2},{_2},{_2},{_2})",
-        recursion.joseph_steps: f"i8({_2},{_2},{_2},{_2},{_2}," + _STEPS,
-        recursion.root_steps: f"i8({_2},{_2},{_2},{_2},{_2},{_2}," + _STEPS,
-        clipped.march: f"i8({_2},i8[::1],i8,{_3},{_2},{_2},{_1},i8[::1],b1[::1],i8[::1],{_2},{_2},{_3},i8[:,::1],{_4},{_3},{_3},"
-        f"{_3},{_1},f8,i8,i8)",
-        geared.contact_steps: f"i8({_2},i8[::1],{_2},{_3},{_2},{_2},{_2},{_2},f8,{_2},{_2},{_1},{_1},"
-        f"{_1},{_1},{_1},{_1},i8[::1],f8,i8,f8,i8,i8)",
-        sampled.sampled_steps: f"i8({_2},{_3},{_2},{_2},f8,b1,{_3},{_1},i8,i8)",
-        delayed.delayed_steps: f"i8({_2},{_2},{_2},{_2},{_2},{_2},{_2},{_2},{_1},{_1},f8,i8,f8,i8,i8)",
-        scan.scan_steps: f"i8({_2},{_2},{_2})",
-        friction.friction_steps: f"i8({_2},{_2},{_2},{_2},{_2},{_2},{_2},f8,{_2},{_2},{_2},f8,i8,f8,f8)",
-        spectra.density_steps: f"i8({_C3},{_C3},{_C3},{_2},{_2})",
-        decoupling_search.decoupling_search_steps: f"i8({_2},{_2},f8,{_2},f8,f8,i8)",
-        intermittent.lossy_covariance_steps: f"i8({_2},{_2},{_2},{_2},{_2},{_1},{_3})",
-        filter_bank.filter_bank_steps: f"i8({_TAPES},{_1},{_2},{_2},{_1},{_2},{_2},{_1},{_1},{_3},{_3},{_2},{_2},{_1},{_2},{_2},{_3},{_3},"
-        f"{_2},{_3},i8[::1],f8,{_3},{_4},{_3},{_5},{_4},b1[:,:,::1],{_3},{_3},{_3},{_4},{_3},{_5},{_4},{_3},{_5},{_3},{_5})",
-        bounds.slope_steps: f"i8({_TAPES},f8,i8,{_2},{_2},{_3},{_3})",
-        bounds.bound_steps: f"i8({_2},{_3},{_2},{_3},{_3},{_3})",
-        bounds.square_steps: f"i8({_2},{_3},{_1})",
+        tape.Tape: f"i8[:,::1],{_1},i8[::1]",
+        recursion.Target: f"{_2},{_2},i8",
+        recursion.Schedule: f"{_3},{_3},{_3},{_3}",
+        clipped.Modes: f"i8[::1],{_2},{_2},{_3},i8[:,::1],{_4},{_3},{_3},{_3},{_1},f8",
+        clipped.Runs: f"{_2},i8[::1],i8[::1],b1[::1]",
+        geared.GearPath: f"{_2},i8[::1],{_2},{_2}",
+        geared.Rounding: f"{_2},{_2},f8",
+        geared.Clipping: f"{_2},{_2},{_1},{_1},{_1}",
+        geared.Play: f"{_1},{_1},{_1},i8[::1],f8",
+        delayed.LateInput: f"{_2},{_2},f8,i8",
+        delayed.Reading: f"{_2},{_2},{_1},{_1}",
+        friction.Actuators: f"{_2},{_2},{_2},f8",
+        friction.Rubbing: f"{_2},{_2},{_2},f8,i8,f8",
+    }
+)
+SIGNATURES: Mapping[Kernel, tuple[str | type, ...]] = MappingProxyType(  # the arguments in turn: types, or a group of them
+    {
+        recursion.mean_steps: (f"{_2},{_2},{_3},{_1},{_2},{_2},{_2},{_2},{_2}",),
+        recursion.joseph_steps: (f"{_2},{_2},{_2},{_2},{_2},b1[:,::1]", recursion.Target, recursion.Schedule),
+        recursion.root_steps: (f"{_2},{_2},{_2},{_2},{_2},{_2},b1[:,::1]", recursion.Target, recursion.Schedule),
+        clipped.march: (clipped.Runs, f"i8,{_3},{_2},{_2},{_1}", clipped.Modes, "i8,i8"),
+        geared.contact_steps: (geared.GearPath, f"{_3},{_2}", geared.Rounding, geared.Clipping, geared.Play, "i8,f8,i8,i8"),
+        sampled.sampled_steps: (f"{_2},{_3},{_2},{_2},f8,b1,{_3},{_1},i8,i8",),
+        delayed.delayed_steps: (_2, delayed.LateInput, f"{_2},{_2},{_2}", delayed.Reading, "f8,i8,i8"),
+        scan.scan_steps: (f"{_2},{_2},{_2}",),
+        friction.friction_steps: (f"{_2},{_2},{_2},{_2}", friction.Actuators, friction.Rubbing, "f8"),
+        spectra.density_steps: (f"{_C3},{_C3},{_C3},{_2},{_2}",),
+        decoupling_search.decoupling_search_steps: (f"{_2},{_2},f8,{_2},f8,f8,i8",),
+        intermittent.lossy_covariance_steps: (f"{_2},{_2},{_2},{_2},{_2},{_1},{_3}",),
+        filter_bank.filter_bank_steps: (
+            tape.Tape,
+            tape.Tape,
+            f"{_1},{_2},{_2},{_1},{_2},{_2},{_1},{_1},{_3},{_3},{_2},{_2},{_1},{_2},{_2},{_3},{_3},{_2},{_3},i8[::1],f8",
+            f"{_3},{_4},{_3},{_5},{_4},b1[:,:,::1],{_3},{_3},{_3},{_4},{_3},{_5},{_4},{_3},{_5},{_3},{_5}",
+        ),
+        bounds.slope_steps: (tape.Tape, tape.Tape, f"f8,i8,{_2},{_2},{_3},{_3}"),
+        bounds.bound_steps: (f"{_2},{_3},{_2},{_3},{_3},{_3}",),
+        bounds.square_steps: (f"{_2},{_3},{_1}",),
     }
 )
 KERNELS = (
@@ -83,14 +100,20 @@ KERNELS = (
     small_matrices.solve_upper,
     small_matrices.solve_both,
     recursion.there,
+    recursion.stacked,
     clipped.length2,
     clipped.mode_at,
     clipped.slack_of,
     clipped.stays,
     clipped.careful,
     clipped.blurred,
+    clipped.stepped,
+    clipped.lengths,
+    clipped.deep,
     limit_crossings.piece,
     limit_crossings.first_exit,
+    geared.holds,
+    spectra.divided,
     tape.run_lanes,
     tape.flow_lanes,
     filter_bank.straight,
@@ -148,6 +171,11 @@ def compiled_kernel(function: Kernel) -> Kernel | None:
     return SHELF.made.get(function)
 
 
+def kernels_off() -> bool:
+    """Whether the environment asks for the plain ways only."""
+    return os.environ.get(KERNELS_VARIABLE) == "off"
+
+
 def kernels_ready() -> bool:
     """Whether the kernels are compiled, so that runs by the thousand come at once."""
     return bool(SHELF.made)
@@ -170,7 +198,7 @@ def prepare_kernels() -> threading.Thread:
 
 
 def _prepare() -> None:
-    if os.environ.get(KERNELS_VARIABLE) == "off" or importlib.util.find_spec("numba") is None:
+    if kernels_off() or importlib.util.find_spec("numba") is None:
         return
     try:
         folder = cache_folder()
@@ -222,6 +250,18 @@ def cache_folder() -> Path | None:
     return folder if os.access(folder, os.W_OK) else None
 
 
+def _signature(arguments: tuple[str | type, ...]) -> Any:
+    """What Numba compiles a kernel for: a whole number from these types, a group of them as its named tuple."""
+    from numba import types
+    from numba.core.sigutils import normalize_signature
+
+    found: list[Any] = []
+    for each in arguments:
+        named, _ = normalize_signature(f"i8({each if isinstance(each, str) else GROUPS[each]})")
+        found += named if isinstance(each, str) else [types.BaseTuple.from_types(named, each)]
+    return types.int64(*found)
+
+
 def _compiled() -> dict[Kernel, Kernel]:
     from numba import njit
     from numba.core import config as settings
@@ -234,7 +274,7 @@ def _compiled() -> dict[Kernel, Kernel]:
     before, set_at["CACHE_DIR"] = set_at["CACHE_DIR"], "" if folder is None else str(folder)
     try:
         for function, signature in SIGNATURES.items():
-            compiler: Any = njit(signature, cache=folder is not None, **OPTIONS)
+            compiler: Any = njit(_signature(signature), cache=folder is not None, **OPTIONS)
             made[function] = compiler(function)
     finally:
         set_at["CACHE_DIR"] = before

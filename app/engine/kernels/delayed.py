@@ -2,19 +2,41 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from .small_matrices import times
 
-__all__ = ["delayed_steps"]
+__all__ = ["LateInput", "Reading", "delayed_steps"]
 
 
-def delayed_steps(states, begin, end, step, push, jumps, read, r, low, high, h, lag, far, k, stop):
+class LateInput(NamedTuple):
+    """The input of step j runs straight from begin[j] (m,) to end[j] within h; it comes `lag` steps late."""
+
+    begin: np.ndarray
+    end: np.ndarray
+    h: float
+    lag: int
+
+
+class Reading(NamedTuple):
+    """The input asked for at a state z: F z + r, clipped to low … high."""
+
+    F: np.ndarray
+    r: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+
+
+def delayed_steps(states, late, step, push, jumps, reading, far, k, stop):
     """Fill states (steps + 1, N) after k, a whole number of `lag`, up to `stop`; the last one that stays below `far`.
 
-    The input of step j runs straight from begin[j] (m,) to end[j]: w = (z, begin, slope), z⁺ = stepᵀ w + push + jumps, which fills
-    begin[j + lag] and end[j + lag] with `read` z + r, clipped, at the two ends. What rides along must stay below `far` too.
+    w = (z, begin, slope), z⁺ = stepᵀ w + push + jumps, which fills begin[j + lag] and end[j + lag] with what `reading` asks for at the
+    two ends. What rides along must stay below `far` too.
     """
+    begin, end, h, lag = late.begin, late.end, late.h, late.lag
+    read, r, low, high = reading.F, reading.r, reading.low, reading.high
     N, m = states.shape[1], read.shape[0]
     w, after = np.empty(N + 2 * m), np.empty(N)
     for j in range(k, stop):

@@ -15,7 +15,7 @@ __all__ = ["filter_bank_steps"]
 GIVE_UP_LIMIT = 1e12  # as in filters.many_runs
 
 
-def filter_bank_steps(f_steps, f_numbers, f_ends, h_steps, h_numbers, h_ends, f0, A, B, h0, C, D, rest, held, Q, R, weights, gain, limit,
+def filter_bank_steps(rates, output, f0, A, B, h0, C, D, rest, held, Q, R, weights, gain, limit,
                   known, jumps, v, w, start, start_P, plan, step, X, priors, P_one, P, points, lost, x, y, u, means, posterior_one,
                   posteriors, nu, S_one, S, M_one, M):
     """Take all N runs over the samples of `known`; how many are done, fewer where the plain way has to judge.
@@ -31,7 +31,7 @@ def filter_bank_steps(f_steps, f_numbers, f_ends, h_steps, h_numbers, h_ends, f0
     count, plain = 2 * n + 1, 2 * n + 3
     by, parts, moves, carried = plan[0], plan[1], plan[2], plan[3]
     lanes, first = plain + n, n + m
-    T = np.empty((first + max(len(f_steps), len(h_steps)), lanes))
+    T = np.empty((first + max(len(rates.steps), len(output.steps)), lanes))
     Y, K, total, Z = np.empty((n, lanes)), np.empty((n, lanes)), np.empty((n, lanes)), np.empty((p, lanes))
     CT, across, acrossT, H, HT = np.empty((n, p)), np.empty((n, p)), np.empty((p, n)), np.empty((p, n)), np.empty((n, p))
     heard, L, F, FT, G1, G2 = np.empty((p, p)), np.empty((n, n)), np.empty((n, n)), np.empty((n, n)), np.empty((n, n)), np.empty((n, n))
@@ -61,10 +61,10 @@ def filter_bank_steps(f_steps, f_numbers, f_ends, h_steps, h_numbers, h_ends, f0
             for j in range(m):
                 for l in range(lanes):
                     T[n + j, l] = known[k, j] if l < plain else 0.0
-            run_lanes(h_steps, h_numbers, first, T, plain)
+            run_lanes(output.steps, output.numbers, first, T, plain)
             for i in range(p):
                 for l in range(lanes):
-                    Z[i, l] = T[h_ends[i], l]
+                    Z[i, l] = T[output.ends[i], l]
                 y[k, i, run] = Z[i, 1] + v[k, i, run]
                 if not abs(y[k, i, run]) < np.inf:
                     return k
@@ -135,7 +135,7 @@ def filter_bank_steps(f_steps, f_numbers, f_ends, h_steps, h_numbers, h_ends, f0
             for j in range(m):
                 for l in range(lanes):
                     T[n + j, l] = u[k, j, run] if l < plain else 0.0
-            flow_lanes(f_steps, f_numbers, f_ends, first, T, plain, step, parts, Y, K, total)
+            flow_lanes(rates, first, T, plain, step, parts, Y, K, total)
             for i in range(n):
                 X[k + 1, i, run] = Y[i, 1] + w[k, i, run]
                 if not abs(X[k + 1, i, run]) < GIVE_UP_LIMIT:

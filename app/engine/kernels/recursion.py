@@ -2,21 +2,40 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from .small_matrices import factor, product, put, solve_both, solve_upper, symmetrise, triangle, turn
 
-__all__ = ["joseph_steps", "mean_steps", "root_steps"]
+__all__ = ["Schedule", "Target", "joseph_steps", "mean_steps", "root_steps"]
 
 
-def joseph_steps(A, C, Q, R, P, seen, goal, near, look, priors, posteriors, S, gains):
-    """Fill P[k|k−1], P[k|k], S and M from P = P[0|−1] on; the number of steps done, −1 − k where S[k] is not positive.
+class Target(NamedTuple):
+    """Where a schedule ends early: P[k|k−1] within `near` of `goal`, asked every `look` steps; 0 never asks."""
+
+    goal: np.ndarray
+    near: np.ndarray
+    look: int
+
+
+class Schedule(NamedTuple):
+    """What a schedule is written to: P[k|k−1], P[k|k], S[k] and the gains M[k]."""
+
+    priors: np.ndarray
+    posteriors: np.ndarray
+    S: np.ndarray
+    gains: np.ndarray
+
+
+def joseph_steps(A, C, Q, R, P, seen, target, out):
+    """Fill the schedule `out` from P = P[0|−1] on; the number of steps done, −1 − k where S[k] is not positive.
 
     P goes along: after the last step it is that of the next, so that a second call goes on.
 
-    seen (steps, p) says which measurements arrive, or has no rows. Every `look` steps it ends where P[k|k−1] is within
-    `near` of `goal`; 0 never looks.
+    seen (steps, p) says which measurements arrive, or has no rows.
     """
+    priors, posteriors, S, gains = out.priors, out.posteriors, out.S, out.gains
     steps, n, p = len(priors), len(A), len(C)
     AT, CT, keepT = np.empty((n, n)), np.empty((n, p)), np.empty((n, n))
     turn(A, AT)
@@ -55,7 +74,7 @@ def joseph_steps(A, C, Q, R, P, seen, goal, near, look, priors, posteriors, S, g
         product(X, keepT, True, Y)
         symmetrise(Y, P, P)
         put(P, posteriors[k])
-        if look > 0 and k % look == 0 and there(priors[k], goal, near):
+        if target.look > 0 and k % target.look == 0 and there(priors[k], target.goal, target.near):
             return k + 1
         product(A, P, False, X)
         product(X, AT, True, Y)
@@ -63,8 +82,9 @@ def joseph_steps(A, C, Q, R, P, seen, goal, near, look, priors, posteriors, S, g
     return steps
 
 
-def root_steps(A, C, Q_root, R, R_root, U, seen, goal, near, look, priors, posteriors, S, gains):
+def root_steps(A, C, Q_root, R, R_root, U, seen, target, out):
     """As `joseph_steps`, but from a root U of P[0|−1] (n×n) in roots throughout; Q_root (n×n), R_root (p×p)."""
+    priors, posteriors, S, gains = out.priors, out.posteriors, out.S, out.gains
     steps, n, p = len(priors), len(A), len(C)
     heard, CU = np.empty(p, dtype=np.bool_), np.empty((p, n))
     UT, CUT = np.empty((n, n)), np.empty((n, p))
@@ -81,19 +101,7 @@ def root_steps(A, C, Q_root, R, R_root, U, seen, goal, near, look, priors, poste
                 S[k, i, j] += R[i, j]
         for i in range(p):
             heard[i] = not seen.shape[0] or seen[k, i]
-        count = 0
-        for i in range(p):  # the transpose of [R^½ C U; 0 U]
-            if heard[i]:
-                for j in range(p):
-                    wide[j, count] = R_root[i, j]
-                for j in range(n):
-                    wide[p + j, count] = CU[i, j]
-                count += 1
-        for i in range(n):
-            for j in range(p):
-                wide[j, count + i] = 0.0
-            for j in range(n):
-                wide[p + j, count + i] = U[i, j]
+        count = stacked(R_root, CU, U, heard, wide)
         triangle(wide, count + n, v, w)
         for i in range(count):
             if not abs(wide[i, i]) > 0.0:
@@ -114,7 +122,7 @@ def root_steps(A, C, Q_root, R, R_root, U, seen, goal, near, look, priors, poste
                     U[i, j] = wide[count + j, count + i] if j <= i else 0.0
         turn(U, UT)
         product(U, UT, False, posteriors[k])
-        if look > 0 and k % look == 0 and there(priors[k], goal, near):
+        if target.look > 0 and k % target.look == 0 and there(priors[k], target.goal, target.near):
             return k + 1
         product(A, U, False, AU)
         for i in range(n):  # the transpose of [A U Q^½]
@@ -126,6 +134,25 @@ def root_steps(A, C, Q_root, R, R_root, U, seen, goal, near, look, priors, poste
             for j in range(n):
                 U[i, j] = tall[j, i] if j <= i else 0.0
     return steps
+
+
+def stacked(R_root, CU, U, heard, wide):
+    """wide = the transpose of [R^½ C U; 0 U], with the rows of the measurements that arrive; how many do."""
+    p, n = CU.shape
+    count = 0
+    for i in range(p):
+        if heard[i]:
+            for j in range(p):
+                wide[j, count] = R_root[i, j]
+            for j in range(n):
+                wide[p + j, count] = CU[i, j]
+            count += 1
+    for i in range(n):
+        for j in range(p):
+            wide[j, count + i] = 0.0
+        for j in range(n):
+            wide[p + j, count + i] = U[i, j]
+    return count
 
 
 def mean_steps(A, C, gains, x, known, push, predicted, filtered, nu):

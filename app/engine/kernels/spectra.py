@@ -25,31 +25,8 @@ def density_steps(K, P, G, reading, out):
                 left[i, j] = a
             for l in range(p):
                 S[i, l] = K[k, i, l]
-        for i in range(m):  # S = (I − K P)⁻¹ K, the largest of each column first
-            best, high = i, -1.0
-            for j in range(i, m):
-                size = abs(left[j, i].real) + abs(left[j, i].imag)
-                if size > high:
-                    best, high = j, size
-            if not high > 0.0:
-                return k
-            if best != i:
-                for j in range(m):
-                    left[i, j], left[best, j] = left[best, j], left[i, j]
-                for l in range(p):
-                    S[i, l], S[best, l] = S[best, l], S[i, l]
-            for j in range(i + 1, m):
-                a = left[j, i] / left[i, i]
-                for l in range(i + 1, m):
-                    left[j, l] -= a * left[i, l]
-                for l in range(p):
-                    S[j, l] -= a * S[i, l]
-        for i in range(m - 1, -1, -1):
-            for l in range(p):
-                a = S[i, l]
-                for j in range(i + 1, m):
-                    a -= left[i, j] * S[j, l]
-                S[i, l] = a / left[i, i]
+        if not divided(left, S):
+            return k
         for i in range(rows - p + m):
             out[k, i] = 0.0
         for l in range(p):
@@ -73,3 +50,34 @@ def density_steps(K, P, G, reading, out):
                     a += P[k, i, l] * driven[l]
                 out[k, i - p] += a.real**2 + a.imag**2
     return len(K)
+
+
+def divided(left, S):
+    """S = left⁻¹ S by elimination, the largest entry of each column first; False where left has no inverse. Both are overwritten."""
+    m, p = S.shape
+    for i in range(m):
+        best, high = i, -1.0
+        for j in range(i, m):
+            size = abs(left[j, i].real) + abs(left[j, i].imag)
+            if size > high:
+                best, high = j, size
+        if not high > 0.0:
+            return False
+        if best != i:
+            for j in range(m):
+                left[i, j], left[best, j] = left[best, j], left[i, j]
+            for l in range(p):
+                S[i, l], S[best, l] = S[best, l], S[i, l]
+        for j in range(i + 1, m):
+            a = left[j, i] / left[i, i]
+            for l in range(i + 1, m):
+                left[j, l] -= a * left[i, l]
+            for l in range(p):
+                S[j, l] -= a * S[i, l]
+    for i in range(m - 1, -1, -1):
+        for l in range(p):
+            a = S[i, l]
+            for j in range(i + 1, m):
+                a -= left[i, j] * S[j, l]
+            S[i, l] = a / left[i, i]
+    return True

@@ -8,9 +8,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -22,8 +21,7 @@ UNFIT = (TypeError, AttributeError, ValueError, ArithmeticError, IndexError)  # 
 
 
 # --- recording -----------------------------------------------------------------------------------------------------------
-@dataclass(frozen=True, eq=False)
-class Tape:
+class Tape(NamedTuple):
     """steps (k, 3) whole numbers, numbers (k,); ends (rows,): the places of the results."""
 
     steps: np.ndarray
@@ -229,18 +227,18 @@ def run_lanes(steps, numbers, first, X, plain):
                 X[to, l] = p * X[a, l]
 
 
-def flow_lanes(steps, numbers, ends, first, X, plain, h, parts, Y, K, total):
-    """Take the lanes of Y (n, lanes) through `parts` steps of length h of Runge and Kutta; u stands in X, K and total are as Y."""
+def flow_lanes(f, first, X, plain, h, parts, Y, K, total):
+    """Take the lanes of Y (n, lanes) along tape f in `parts` steps of length h of Runge and Kutta; u stands in X, K and total are as Y."""
     n, lanes = Y.shape
     for _ in range(parts):
         for i in range(n):
             for l in range(lanes):
                 X[i, l] = Y[i, l]
         for stage in range(4):
-            run_lanes(steps, numbers, first, X, plain)
+            run_lanes(f.steps, f.numbers, first, X, plain)
             for i in range(n):
                 for l in range(lanes):
-                    K[i, l] = X[ends[i], l]
+                    K[i, l] = X[f.ends[i], l]
             weight, reach = 1.0 if stage == 0 or stage == 3 else 2.0, h if stage == 2 else 0.5 * h
             for i in range(n):
                 for l in range(lanes):

@@ -9,7 +9,7 @@ from typing import Any, Literal
 import numpy as np
 
 from ..kernels import as_kernel_array, compiled_kernel
-from ..kernels.geared import contact_steps
+from ..kernels.geared import Clipping, GearPath, Play, Rounding, contact_steps
 from ..systems.errors import EngineError, ShapeError
 from ..systems.gates.argument_checks import choice, count, instance, number, passed, takes, vector
 from ..systems.plant import Plant
@@ -171,23 +171,16 @@ class _Stretch:
                  C: np.ndarray, s: Scenario, step: float, bound: float) -> None:
         self._work, self._last, self._bound = compiled_kernel(contact_steps), s.n_t - 1, bound
         if self._work is not None:
-            self._filled = states, contact, v
-            self._read = (
-                as_kernel_array(np.empty((0, states.shape[1])) if jumps is None else jumps),
-                as_kernel_array(loop.E),
-                as_kernel_array(C),
-                float(step),
-                as_kernel_array(loop.F),
-                as_kernel_array(r),
-                as_kernel_array(s.u_min),
-                as_kernel_array(s.u_max),
-            )
+            self._path = GearPath(states, contact, v, as_kernel_array(np.empty((0, states.shape[1])) if jumps is None else jumps))
+            self._rounding = Rounding(as_kernel_array(loop.E), as_kernel_array(C), float(step))
+            self._clipping = tuple(map(as_kernel_array, (loop.F, r, s.u_min, s.u_max)))
 
     def go_on(self, k: int, motion: Contact, push: np.ndarray, key: tuple[int, ...], side: int) -> int:
         """The step up to which all is filled: k, or later."""
         if self._work is None:
             return k
         flow, torque = (motion.together if side or not motion.half else motion.apart)[0], np.abs(motion.torque)
-        return self._work(*self._filled, as_kernel_array(np.array(flow)), as_kernel_array(push), *self._read, np.array(key, dtype=float),
-                          as_kernel_array(motion.row), as_kernel_array(motion.torque), as_kernel_array(torque @ np.abs(motion.A)),
-                          np.array([motion.inner[0], motion.outer[0]]), float(motion.half), side, self._bound, k, self._last)
+        play = Play(as_kernel_array(motion.row), as_kernel_array(motion.torque), as_kernel_array(torque @ np.abs(motion.A)),
+                    np.array([motion.inner[0], motion.outer[0]]), float(motion.half))
+        return self._work(self._path, as_kernel_array(np.array(flow)), as_kernel_array(push), self._rounding,
+                          Clipping(*self._clipping, np.array(key, dtype=float)), play, side, self._bound, k, self._last)

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 import numpy as np
 
 from ..kernels import as_kernel_array, compiled_kernel
-from ..kernels.delayed import delayed_steps
+from ..kernels.delayed import LateInput, Reading, delayed_steps
 from ..systems.recursions import affine_scan, held_scan, step_matrices
 from .disturbance import Disturbances
 from .loop import Loop, ramped
@@ -118,17 +118,11 @@ def delayed(s: Scenario, loop: Loop, d: Disturbances, r: np.ndarray, bound: floa
             stop = min([j for j in kicked if j > k], default=steps)
             got = quick(
                 states,
-                begin,
-                end,
+                LateInput(begin, end, h, lag),
                 as_kernel_array(Phi[:N].T),
                 as_kernel_array(push[:, :N]),
                 as_kernel_array(jumps),
-                as_kernel_array(loop.F),
-                as_kernel_array(r),
-                as_kernel_array(s.u_min),
-                as_kernel_array(s.u_max),
-                h,
-                lag,
+                Reading(*map(as_kernel_array, (loop.F, r, s.u_min, s.u_max))),
                 bound,
                 k,
                 stop,

@@ -7,7 +7,7 @@ import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, assert_never
 
 import numpy as np
 
@@ -55,27 +55,35 @@ def save_csv(figures: Sequence[Figure], path: str | Path, token: str = "") -> No
 def csv_rows(figures: Sequence[Figure]) -> Iterator[Row]:
     """The rows of `save_csv` below the header, numbers as Python floats."""
     for figure in figures:
-        if isinstance(figure, LineFigure):
-            yield from _curves(figure.id, "frequency" if figure.log_x else "time", figure.curves, figure.x)
-        elif isinstance(figure, PlaneFigure):
-            yield from _curves(figure.id, "plane", figure.curves, None)
-            for point in figure.points:
-                name = point.name("en") or f"{point.role} {point.mark}"
-                yield figure.id, "plane", name, float(point.x), float(point.y), ""
-        elif isinstance(figure, MatrixFigure):
-            yield from _matrix(figure)
-        elif isinstance(figure, MapFigure):
-            yield from _map(figure)
-        else:
-            yield from _table(figure)
+        match figure:
+            case LineFigure():
+                yield from _curves(figure.id, "frequency" if figure.log_x else "time", figure.curves, figure.x)
+            case PlaneFigure():
+                yield from _curves(figure.id, "plane", figure.curves, None)
+                for point in figure.points:
+                    name = point.name("en") or f"{point.role} {point.mark}"
+                    yield figure.id, "plane", name, float(point.x), float(point.y), ""
+            case MatrixFigure():
+                yield from _matrix(figure)
+            case MapFigure():
+                yield from _map(figure)
+            case TableFigure():
+                yield from _table(figure)
+            case _:
+                assert_never(figure)
 
 
 def _axes(figure: Figure) -> tuple[str, str]:
     """What stands at a figure's axes, with units; nothing where it has none."""
-    if isinstance(figure, (MatrixFigure, TableFigure)):
-        return "", ""
-    return axes_of(figure) if isinstance(figure, PlaneFigure) and figure.powers else (
-        label_in_language(figure.x_label, "en"), label_in_language(figure.y_label, "en"))
+    match figure:
+        case MatrixFigure() | TableFigure():
+            return "", ""
+        case PlaneFigure() if figure.powers:
+            return axes_of(figure)
+        case LineFigure() | PlaneFigure() | MapFigure():
+            return label_in_language(figure.x_label, "en"), label_in_language(figure.y_label, "en")
+        case _:
+            assert_never(figure)
 
 
 def _curves(id: str, kind: str, curves: tuple[Curve, ...], common: np.ndarray | None) -> Iterator[Row]:

@@ -7,10 +7,11 @@ import io
 import json
 import re
 from collections.abc import Sequence
+from typing import assert_never
 
 import numpy as np
 
-from ...course.figures.records import Curve, Figure, LineFigure, MapFigure, MatrixFigure, PlaneFigure, axes_of
+from ...course.figures.records import Curve, Figure, LineFigure, MapFigure, MatrixFigure, PlaneFigure, TableFigure, axes_of
 from ...text import label_in_language
 from .data import distinct, plain
 
@@ -45,24 +46,39 @@ def figure_json(figure: Figure, token: str, language: str = "en") -> bytes:
 
 def table(figure: Figure, language: str = "en") -> tuple[list[str], Rows]:
     """Heads and rows: a column a curve over time or frequency; a row a point, an entry or a cell for what has no common x."""
-    if isinstance(figure, LineFigure):
-        names = [_with_unit(curve.called(language), label_in_language(figure.y_label, language)) for curve in figure.curves]
-        columns = [np.asarray(figure.x, dtype=float), *(np.asarray(curve.y, dtype=float) for curve in figure.curves)]
-        return [figure.x_label, *distinct(names)], [tuple(map(float, row)) for row in zip(*columns, strict=True)]
-    if isinstance(figure, PlaneFigure):
-        return ["series", *axes_of(figure, language)], _plane(figure, language)
-    if isinstance(figure, MatrixFigure):
-        matrix = np.asarray(figure.matrix, dtype=float)
-        named = [label_in_language(name, language) for name in figure.columns] or [str(j) for j in range(matrix.shape[1])]
-        beside = [label_in_language(name, language) for name in figure.rows] or [str(i) for i in range(matrix.shape[0])]
-        return ["", *distinct(named)], [(name, *map(float, row)) for name, row in zip(beside, matrix, strict=True)]
-    if isinstance(figure, MapFigure):
-        names = [name(language) for name, _ in figure.categories]
-        return [*axes_of(figure, language), "category"], [
-            (float(x), float(y), names[int(k)] if k >= 0 else "")
+    match figure:
+        case LineFigure():
+            return _lines(figure, language)
+        case PlaneFigure():
+            return ["series", *axes_of(figure, language)], _plane(figure, language)
+        case MatrixFigure():
+            return _matrix(figure, language)
+        case MapFigure():
+            return [*axes_of(figure, language), "category"], _map(figure, language)
+        case TableFigure():
+            return ([column(language) for column in figure.columns],
+                    [tuple(label_in_language(cell, language) for cell in row) for row in figure.rows])
+        case _:
+            assert_never(figure)
+
+
+def _lines(figure: LineFigure, language: str) -> tuple[list[str], Rows]:
+    names = [_with_unit(curve.called(language), label_in_language(figure.y_label, language)) for curve in figure.curves]
+    columns = [np.asarray(figure.x, dtype=float), *(np.asarray(curve.y, dtype=float) for curve in figure.curves)]
+    return [figure.x_label, *distinct(names)], [tuple(map(float, row)) for row in zip(*columns, strict=True)]
+
+
+def _matrix(figure: MatrixFigure, language: str) -> tuple[list[str], Rows]:
+    matrix = np.asarray(figure.matrix, dtype=float)
+    named = [label_in_language(name, language) for name in figure.columns] or [str(j) for j in range(matrix.shape[1])]
+    beside = [label_in_language(name, language) for name in figure.rows] or [str(i) for i in range(matrix.shape[0])]
+    return ["", *distinct(named)], [(name, *map(float, row)) for name, row in zip(beside, matrix, strict=True)]
+
+
+def _map(figure: MapFigure, language: str) -> Rows:
+    names = [name(language) for name, _ in figure.categories]
+    return [(float(x), float(y), names[int(k)] if k >= 0 else "")
             for y, row in zip(figure.y, np.asarray(figure.values), strict=True) for x, k in zip(figure.x, row, strict=True)]
-    return ([column(language) for column in figure.columns],
-            [tuple(label_in_language(cell, language) for cell in row) for row in figure.rows])
 
 
 def _with_unit(name: str, axis: str) -> str:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any
+from typing import Any, assert_never
 
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -33,8 +33,6 @@ CELL, MARGIN = 3.55, 0.12  # width of a figure with its words, edge of the page,
 LEFT_IN, RIGHT_IN, TOP_IN, BOTTOM_IN = 0.58, 0.14, 0.26, 0.36  # room for numbers and words around the axes, in inches
 CURVES_HEIGHT_IN, LINE_HEIGHT_IN, ROW_HEIGHT_IN = 1.72, 0.125, 0.165  # height of axes, of a caption's line, of a table's row, in inches
 COLUMN_NAMES = 0.34
-DRAW: Mapping[type, Any] = MappingProxyType({LineFigure: draw_lines, PlaneFigure: draw_plane, MapFigure: draw_map,
-                                             MatrixFigure: draw_matrix, TableFigure: draw_table})
 
 
 class ExportError(ValueError):
@@ -112,14 +110,18 @@ def _draw(figures: Sequence[Figure], language: str) -> Page:
 def cell_of(figure: Figure, language: str) -> Cell:
     """The room that a figure takes, with its words."""
     caption = tuple(wrap(figure.caption(language), (CELL - 0.2) * 72 / SMALL_PT))
-    if isinstance(figure, TableFigure):
-        return Cell(figure, ROW_HEIGHT_IN * (len(figure.rows) + 1), 0.04, 0.06, caption)
-    if isinstance(figure, MatrixFigure):
-        rows, columns = figure.matrix.shape
-        wide = CELL - LEFT_IN - RIGHT_IN
-        return Cell(figure, wide * min(1.0, rows / max(columns, 1)) * 0.86,
-                     COLUMN_NAMES if figure.columns else 0.04, 0.06, caption)
-    return Cell(figure, CURVES_HEIGHT_IN, 0.0, BOTTOM_IN, caption)
+    match figure:
+        case TableFigure():
+            return Cell(figure, ROW_HEIGHT_IN * (len(figure.rows) + 1), 0.04, 0.06, caption)
+        case MatrixFigure():
+            rows, columns = figure.matrix.shape
+            wide = CELL - LEFT_IN - RIGHT_IN
+            return Cell(figure, wide * min(1.0, rows / max(columns, 1)) * 0.86,
+                        COLUMN_NAMES if figure.columns else 0.04, 0.06, caption)
+        case LineFigure() | PlaneFigure() | MapFigure():
+            return Cell(figure, CURVES_HEIGHT_IN, 0.0, BOTTOM_IN, caption)
+        case _:
+            assert_never(figure)
 
 
 def place(page: Page, size: tuple[float, float], cell: Cell, left: float, top: float, letter: str,
@@ -141,8 +143,24 @@ def place_axes(page: Page, size: tuple[float, float], cell: Cell, left: float, b
     inset = 0.1 if isinstance(cell.figure, TableFigure) else LEFT_IN
     axes = page.add_axes(((left + inset) / wide, bottom / high, (CELL - inset - RIGHT_IN) / wide, cell.axes / high))
     axes.set_gid(cell.figure.id)
-    DRAW[type(cell.figure)](axes, cell.figure, language)
+    _draw(axes, cell.figure, language)
     return axes
+
+
+def _draw(axes: Axes, figure: Figure, language: str) -> None:
+    match figure:
+        case LineFigure():
+            draw_lines(axes, figure, language)
+        case PlaneFigure():
+            draw_plane(axes, figure, language)
+        case MapFigure():
+            draw_map(axes, figure, language)
+        case MatrixFigure():
+            draw_matrix(axes, figure, language)
+        case TableFigure():
+            draw_table(axes, figure, language)
+        case _:
+            assert_never(figure)
 
 
 def letter_of(index: int) -> str:

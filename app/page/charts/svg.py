@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import html
 import math
+from typing import assert_never
 
 import numpy as np
 
 from ...colours import COLOURS, rgb
-from ...course.figures.records import Figure, MapFigure, MatrixFigure, PlaneFigure, TableFigure, finite
+from ...course.figures.records import Figure, LineFigure, MapFigure, MatrixFigure, PlaneFigure, TableFigure, finite
 from ...text import label_in_language
 from ..words.prose import with_minus
 from .axes import ROW_HEIGHT_PX, Axes, H, W
@@ -40,15 +41,19 @@ TIMES_TEN = "·10"  # a number parts before its power of ten as those of a cell 
 def draw(figure: Figure, language: str, large: bool = False, high: float = H) -> str:
     """The HTML of a figure that is not a chart over time or frequency, in usual or large print; `high` is how high a plane is or a
     map, beside the width `W` that all drawings have."""
-    if isinstance(figure, PlaneFigure):
-        return _svg(_plane(figure, language, large, high), figure, language, large)
-    if isinstance(figure, MatrixFigure):
-        return _svg(matrix(figure, language, large), figure, language, large)
-    if isinstance(figure, MapFigure):
-        return _svg(_map(figure, language, large, high), figure, language, large)
-    if isinstance(figure, TableFigure):
-        return _table(figure, language)
-    raise TypeError(f"{type(figure).__name__} is drawn by uPlot")
+    match figure:
+        case PlaneFigure():
+            return _svg(_plane(figure, language, large, high), figure, language, large)
+        case MatrixFigure():
+            return _svg(matrix(figure, language, large), figure, language, large)
+        case MapFigure():
+            return _svg(_map(figure, language, large, high), figure, language, large)
+        case TableFigure():
+            return _table(figure, language)
+        case LineFigure():
+            raise TypeError(f"The figure {figure.id} runs over time or frequency; uPlot draws it.")
+        case _:
+            assert_never(figure)
 
 
 def _svg(drawn: tuple[str, float], figure: Figure, language: str, large: bool) -> str:

@@ -31,6 +31,17 @@ def test_an_uncontrollable_mode_is_kept_and_the_others_are_moved(seed):
         observer_gain(A.T, B.T, [-1, -2, -3, -4])
 
 
+@pytest.mark.parametrize("away, meant", [(0.0, True), (0.8e-5, True), (1.2e-5, False), (5e-3, False)])
+def test_a_request_within_a_hundred_thousandth_of_a_fixed_mode_means_that_mode(away, meant):
+    A, B = hidden_mode(0, 2.0)
+    asked = [-1, -2, -3, 2 * (1 + away)]
+    if meant:
+        np.testing.assert_allclose(place(A, B, asked).fixed, [2.0], atol=1e-10)
+    else:
+        with pytest.raises(PoleError, match="mode at 2 is uncontrollable"):
+            place(A, B, asked)
+
+
 def test_no_input_at_all_leaves_every_pole_fixed():
     placed = place(np.diag([-1.0, -2.0]), np.zeros((2, 1)), [-2, -1])
     np.testing.assert_array_equal(placed.gain, [[0, 0]])

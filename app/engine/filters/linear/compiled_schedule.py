@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from ...kernels import as_kernel_array, compiled_kernel
+from ...kernels.recursion import Schedule, Target
 
 FIRST_ROOM = 512  # steps stored before the arrays grow
 BUFFER_GROWTH = 32
@@ -34,7 +35,7 @@ def quick_schedule(function: Callable[..., int], fixed: tuple[np.ndarray, ...], 
         if k == room:
             room = min(steps, BUFFER_GROWTH * room)
             stored = tuple(np.concatenate([part, np.empty((room - k, *part.shape[1:]))]) for part in stored)
-        done = work(*fixed, spread, heard[k:room], *wanted, *(part[k:] for part in stored))
+        done = work(*fixed, spread, heard[k:room], Target(*wanted), Schedule(*(part[k:] for part in stored)))
         if done < 0:
             return None
         k += done

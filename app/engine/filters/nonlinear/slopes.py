@@ -15,7 +15,7 @@ from ...systems.gates.argument_checks import SECONDS, array, count, instance, ta
 
 __all__ = ["slopes_along"]
 
-Tapes = tuple[np.ndarray, ...]
+Tapes = tuple[Tape, Tape]
 
 
 def tapes_of(plant: NonlinearPlant) -> Tapes | None:
@@ -23,7 +23,7 @@ def tapes_of(plant: NonlinearPlant) -> Tapes | None:
     with suppress(TypeError):  # a function that cannot be remembered
         rates, output = recorded(plant.rhs, plant.n, plant.m, plant.n), recorded(plant.output, plant.n, plant.m, plant.p)
         if isinstance(rates, Tape) and isinstance(output, Tape):
-            return rates.steps, rates.numbers, rates.ends, output.steps, output.numbers, output.ends
+            return rates, output
     return None
 
 

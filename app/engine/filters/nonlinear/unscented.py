@@ -8,6 +8,7 @@ import numpy as np
 
 from ...systems.arrays import symmetric
 from ...systems.gates.argument_checks import number, passed
+from ...systems.jacobian import Map as Map  # the inherited fields name it, and the API pages look for it here
 from ...systems.records import record
 from ..belief import Belief, Beliefs
 from .nonlinear_filter import Expected, NonlinearFilter
