@@ -62,6 +62,7 @@ KINDS: dict[str, tuple[Callable[[random.Random], str], Refusal]] = {
 }
 
 
+@pytest.mark.slow
 def test_of_ten_thousand_bad_hand_ins_none_counts_and_each_is_named() -> None:
     rng = random.Random(36)
     given = [(kind, make(rng)) for kind, (make, _) in KINDS.items() for _ in range(EACH)]

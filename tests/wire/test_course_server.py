@@ -15,6 +15,7 @@ from client import WireTab
 from served import Served
 
 from observer_lab.cli.courses import course_in
+from observer_lab.page.words.phrases import NOT_HANDED_IN
 
 README = Path(__file__).parents[2] / "README.md"
 TOKEN = re.compile(r'data-text="([^"]+)"')
@@ -57,6 +58,8 @@ def test_the_section_for_lecturers_works_as_it_stands(tmp_path: Path) -> None:
                 tab.press("hand in")
                 tab.until(lambda: shown_tokens(tab), "the hand-in")
                 (written,) = shown_tokens(tab)
+                left_out = [widget for widget in tab.widgets.values() if NOT_HANDED_IN("en") in str(widget["props"].get("content"))]
+                assert len(left_out) == 2  # of the lesson's four exams the course names two
                 tab.press("Save hand-in")
                 tab.until(lambda: any(message["type"].startswith("FileTransfer") for message in tab.messages), "the file")
                 said = repr(tab.messages)

@@ -76,6 +76,8 @@ class _Form:
         self._buttons: tuple[Any, Any] = row, note
         self._told = gui.add_html("")
         self._hand_in = HandInBox(gui, picture, "exam", exam.id, post, lambda: self._answer.value)
+        if picture.state.course is not None and not self._hand_in.asked:
+            gui.add_html(f'<p class="ol-note">{phrases.NOT_HANDED_IN(self._lang)}</p>')
 
         @row.on_click
         async def _(event: viser.GuiEvent) -> None:
@@ -110,7 +112,7 @@ class _Form:
         state, lesson = picture.state, picture.lesson.id
         said, verdict = last_answer(state, lesson, self._exam), present_verdict(state, lesson, self._exam)
         if verdict is None:
-            noted = is_withheld(state, lesson, self._exam) and said
+            noted = is_withheld(state, lesson, self._exam) and said and not self._hand_in.asked
             return f'<div class="ol-note">{with_minus(html.escape(phrases.NOTED.format(said=said)(self._lang)))}</div>' if noted else ""
         if picture.state.predicted is None:  # formulas would answer the prediction
             return judged_html(verdict.solved, verdict.text(self._lang)) + f'<p class="ol-note">{phrases.HOW_LATER(self._lang)}</p>'
