@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from observer_lab.lessons import LESSONS
+from observer_lab.lessons import all_lessons
 
 from ..course.knobs import KnobError
 from ..course.lesson import Design, Lesson
@@ -23,9 +23,10 @@ MAX_FILE_BYTES = 10_000_000  # bytes of a file that is read at all
 
 def find_lesson(id: str) -> Lesson:
     """The lesson of that id. Raises CommandError naming those there are."""
-    if id not in LESSONS:
-        raise CommandError(f"There is no lesson {id[:40]}; there are {', '.join(LESSONS)}.")
-    return LESSONS[id]
+    lessons = all_lessons()
+    if id not in lessons:
+        raise CommandError(f"There is no lesson {id[:40]}; there are {', '.join(lessons)}.")
+    return lessons[id]
 
 
 def fit_lesson(lesson: Lesson, plant: str) -> Lesson:
@@ -99,7 +100,7 @@ def read_view(state: str | None, language: str | None) -> SavedState:
 def _read(state: str) -> SavedState:
     words = state if is_token(state) else read_text(state, "state", "give a token, a link or a file that the app saved")
     try:
-        return read_token(words, LESSONS) if is_token(words) else read_state(words, LESSONS)
+        return read_token(words, all_lessons()) if is_token(words) else read_state(words, all_lessons())
     except KnobError as problem:
         raise CommandError(str(problem)) from problem
 

@@ -32,6 +32,8 @@ The form of such a file (headings are keywords, the rest is Markdown with $LaTeX
     statement with $[[places]]$ for the numbers given
     ### derivation
     how the answer follows, and $$equations with [[places]]$$; `[[answer]]` is the answer
+    ## scene id: title
+    a scene of the path, in the form of `read_scenes`; in the folder of a built-in lesson `path.md` has them
     ## source
     where it comes from
 """
@@ -143,6 +145,7 @@ def parse_prose(text: str, name: str = "text") -> Prose:
     derivation: list[DerivationStep] = []
     tasks: dict[str, TaskWords] = {}
     exams: dict[str, ExamWords] = {}
+    scenes: dict[str, SceneWords] = {}
     for section in sections:
         title, _, body = section.partition("\n")
         kind, _, rest = title.strip().partition(" ")
@@ -163,13 +166,16 @@ def parse_prose(text: str, name: str = "text") -> Prose:
             key, _, label = rest.partition(":")
             statement, _, derived = body.partition("\n### derivation")
             exams[key.strip()] = ExamWords(label.strip(), statement.strip(), derived.strip())
+        elif kind == "scene":
+            key, _, label = rest.partition(":")
+            scenes[key.strip()] = _scene(label.strip(), body)
         elif kind == "source":
             source = body.strip()
         else:
-            raise ProseError(f"{name} has a section '## {title}'; use predict, again, step, derive, task, exam or source.")
+            raise ProseError(f"{name} has a section '## {title}'; use predict, again, step, derive, task, exam, scene or source.")
     prose = Prose(lines[0][2:].strip(), question, introduction, first.question, first.options, first.refutations, first.reveal,
-                  tuple(steps), tasks, exams, source, tuple(derivation), again)
-    for part in ("question", "introduction", "predict", "reveal", "exams", "source"):
+                  tuple(steps), tasks, exams, source, tuple(derivation), again, scenes)
+    for part in ("question", "introduction", "predict", "reveal", "source"):
         if not getattr(prose, part):
             raise ProseError(f"{name} has no {part}.")
     return prose

@@ -142,7 +142,7 @@ def serve(request: ServeRequest) -> int:
 
 
 def _serve(request: ServeRequest, end: Ending) -> None:
-    from observer_lab.lessons import FIRST, LESSONS, OPENING
+    from observer_lab.lessons import FIRST, OPENING, all_lessons
 
     from ...engine.kernels import prepare_kernels
     from ...session.state.token import write_token
@@ -156,12 +156,12 @@ def _serve(request: ServeRequest, end: Ending) -> None:
     if request.state is not None and (request.lesson or request.plant):
         raise CommandError("Give --state without --lesson and --plant: a state brings its own.")
     saved = None if request.state is None else read_saved_state(request.state)
-    first = SANDBOX if plant and SANDBOX in LESSONS else OPENING if request.mode == "lab" else FIRST
+    first = SANDBOX if plant and SANDBOX in all_lessons() else OPENING if request.mode == "lab" else FIRST
     lesson = saved.design.lesson if saved else request.lesson or first
     opening = find_lesson(RECORD if request.data is not None and request.lesson is None else lesson)
-    lessons = LESSONS
+    lessons = all_lessons()
     if request.data is not None:
-        lessons = {**LESSONS, RECORD: lesson_with(find_lesson(RECORD), request.data, request.columns)}
+        lessons = {**lessons, RECORD: lesson_with(find_lesson(RECORD), request.data, request.columns)}
         opening = lessons[opening.id]
     state = "" if saved is None else write_token(opening, replace(saved, notes=()))
     try:

@@ -1,0 +1,51 @@
+"""Write the files of a new lesson, a draft that opens in the page: `new-lesson`."""
+
+from __future__ import annotations
+
+import argparse
+import re
+from pathlib import Path
+
+from ..options import CommandError, error_cause
+
+HELP = "write a new lesson, a draft that opens in the page"
+NAME = re.compile(r"[a-z]{1,30}(-[a-z]{1,30}){0,4}")
+TEMPLATE, SUFFIX = Path(__file__).parents[1] / "lesson_template", ".txt"
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """The options of `new-lesson`."""
+    parser.add_argument("name", metavar="NAME", help="its name: small letters, with hyphens between words, as leaky-tank")
+    parser.add_argument("--folder", metavar="DIR", help="the folder `lessons` of the code (default: that of this installation)")
+
+
+def execute(options: argparse.Namespace) -> int:
+    """Write the lesson and print how to open it. Raises CommandError where its name or place cannot be used."""
+    from observer_lab import lessons
+
+    name = options.name
+    if not NAME.fullmatch(name):
+        raise CommandError(f"{name[:40]} cannot name a lesson; use small letters, with hyphens between words, as in leaky-tank.")
+    if name in lessons.all_lessons():
+        raise CommandError(f"There is a lesson {name} already; choose another name.")
+    home = Path(lessons.__file__).parent if options.folder is None else Path(options.folder)
+    words = name.replace("-", " ")
+    number = 1 + max(lesson.number for lesson in lessons.all_lessons().values())
+    write_template(home / name.replace("-", "_"), {"@id@": name, "@title@": words, "@Title@": words.capitalize(), "@number@": str(number)})
+    print(f"{home / name.replace('-', '_')}\nopen it with: observer-lab serve --lesson {name}")
+    return 0
+
+
+def write_template(place: Path, values: dict[str, str]) -> None:
+    """Every file of the template with its places filled. Raises CommandError where the folder exists or cannot be made."""
+    try:
+        place.mkdir()
+        for path in sorted(TEMPLATE.glob(f"*{SUFFIX}")):
+            words = path.read_text(encoding="utf-8")
+            for mark, value in values.items():
+                words = words.replace(mark, value)
+            (place / path.name.removesuffix(SUFFIX)).write_text(words, encoding="utf-8")
+    except FileExistsError as problem:
+        raise CommandError(f"{str(place)[:80]} exists already; choose another name, or remove it first.") from problem
+    except OSError as problem:
+        raise CommandError(f"{str(place)[:80]} cannot be written ({error_cause(problem)}); choose another folder.") from problem
