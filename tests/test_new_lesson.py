@@ -113,6 +113,7 @@ def test_a_name_that_is_taken_or_none_is_refused_in_one_sentence(capsys: pytest.
 
 
 def test_a_folder_that_cannot_hold_the_lesson_is_refused_in_one_sentence(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
-    assert "cannot be written" in refused(capsys, "new-lesson", "tank", "--folder", str(tmp_path / "nowhere"))
+    (tmp_path / "file").write_text("", encoding="utf-8")
+    assert "cannot be written" in refused(capsys, "new-lesson", "tank", "--folder", str(tmp_path / "file" / "below"))
     (tmp_path / "tank").mkdir()
     assert "exists already" in refused(capsys, "new-lesson", "tank", "--folder", str(tmp_path))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -21,9 +21,9 @@ from .options import CommandError, error_cause
 MAX_FILE_BYTES = 10_000_000  # bytes of a file that is read at all
 
 
-def find_lesson(id: str) -> Lesson:
-    """The lesson of that id. Raises CommandError naming those there are."""
-    lessons = all_lessons()
+def find_lesson(id: str, lessons: Mapping[str, Lesson] | None = None) -> Lesson:
+    """The lesson of that id, of the course if no lessons are given. Raises CommandError naming those there are."""
+    lessons = all_lessons() if lessons is None else lessons
     if id not in lessons:
         raise CommandError(f"There is no lesson {id[:40]}; there are {', '.join(lessons)}.")
     return lessons[id]

@@ -23,6 +23,7 @@ from .commands.commands import (
     Command,
     Designing,
     Edit,
+    LessonsChanged,
     MemoryRecalled,
     PageSeen,
     Paging,
@@ -129,7 +130,7 @@ class Session:
                 return
             self._show.answered = number
             self._show.touched |= not isinstance(
-                edits, (MemoryRecalled, Answer, WindowChanged, RunOnTabThread, PageSeen, PlaceOpened, FileReady)
+                edits, (MemoryRecalled, Answer, WindowChanged, RunOnTabThread, PageSeen, PlaceOpened, FileReady, LessonsChanged)
             )
             try:
                 if isinstance(edits, list):

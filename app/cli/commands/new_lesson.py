@@ -10,37 +10,41 @@ from ..options import CommandError, error_cause
 
 HELP = "write a new lesson, a draft that opens in the page"
 NAME = re.compile(r"[a-z]{1,30}(-[a-z]{1,30}){0,4}")
-TEMPLATE, SUFFIX = Path(__file__).parents[1] / "lesson_template", ".txt"
+TEMPLATES, SUFFIX = Path(__file__).parents[1] / "lesson_template", ".txt"
+PACKAGE, FILES = TEMPLATES / "package", TEMPLATES / "files"  # a lesson in Python for the code, one as TOML and Markdown for any folder
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     """The options of `new-lesson`."""
     parser.add_argument("name", metavar="NAME", help="its name: small letters, with hyphens between words, as leaky-tank")
-    parser.add_argument("--folder", metavar="DIR", help="the folder `lessons` of the code (default: that of this installation)")
+    parser.add_argument("--folder", metavar="DIR", help="folder for lessons as TOML and Markdown, made where it is missing; without it "
+                                                        "the lesson is a Python package in this installation's folder of lessons")
 
 
 def execute(options: argparse.Namespace) -> int:
     """Write the lesson and print how to open it. Raises CommandError where its name or place cannot be used."""
     from observer_lab import lessons
 
-    name = options.name
+    name, known = options.name, lessons.all_lessons()
     if not NAME.fullmatch(name):
         raise CommandError(f"{name[:40]} cannot name a lesson; use small letters, with hyphens between words, as in leaky-tank.")
-    if name in lessons.all_lessons():
+    if name in known:
         raise CommandError(f"There is a lesson {name} already; choose another name.")
-    home = Path(lessons.__file__).parent if options.folder is None else Path(options.folder)
     words = name.replace("-", " ")
-    number = 1 + max(lesson.number for lesson in lessons.all_lessons().values())
-    write_template(home / name.replace("-", "_"), {"@id@": name, "@title@": words, "@Title@": words.capitalize(), "@number@": str(number)})
-    print(f"{home / name.replace('-', '_')}\nopen it with: observer-lab serve --lesson {name}")
+    number = 1 + max(each.number for each in known.values())
+    values = {"@id@": name, "@title@": words, "@Title@": words.capitalize(), "@number@": str(number)}
+    home = None if options.folder is None else Path(options.folder)
+    place = Path(lessons.__file__).parent / name.replace("-", "_") if home is None else home / name
+    write_template(PACKAGE if home is None else FILES, place, values)
+    print(f"{place}\nopen it with: observer-lab serve {'' if home is None else f'--lessons {home} '}--lesson {name}")
     return 0
 
 
-def write_template(place: Path, values: dict[str, str]) -> None:
-    """Every file of the template with its places filled. Raises CommandError where the folder exists or cannot be made."""
+def write_template(template: Path, place: Path, values: dict[str, str]) -> None:
+    """Every file of a template with its places filled. Raises CommandError where the folder exists or cannot be made."""
     try:
-        place.mkdir()
-        for path in sorted(TEMPLATE.glob(f"*{SUFFIX}")):
+        place.mkdir(parents=True)
+        for path in sorted(template.glob(f"*{SUFFIX}")):
             words = path.read_text(encoding="utf-8")
             for mark, value in values.items():
                 words = words.replace(mark, value)

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
+from ...course.lesson import Lesson
 from ...text import Text
 from .exams import Examining
 from .files import Comparing, Shelving, Taking
@@ -248,6 +249,13 @@ class RunOnTabThread:
 
 
 @dataclass(frozen=True)
+class LessonsChanged:
+    """Files of lessons have changed on the server: these are the lessons now, by id."""
+
+    lessons: Mapping[str, Lesson]
+
+
+@dataclass(frozen=True)
 class MemoryRecalled:
     """What the browser's tab kept before it was loaded again, None if nothing.
 
@@ -294,6 +302,6 @@ Designing = Undo | Redo | Reset | DrawByHand | PickPoint | UploadPlant | ChooseP
 Studying = Predict | Reveal | PredictAgain | ShowAgain | CheckTask | CheckNextTask | ShowHint | ShowSolution | RunJob
 Sharing = OpenState | PlaceOpened | ToggleDownloads | SaveState
 Paging = (OpenLesson | TurnPage | SetLanguage | ToggleLecture | ToggleTheme | WindowChanged | ToggleLandscape | LookFrom | ToggleHelp
-          | ToggleCourse | Answer | RunOnTabThread | MemoryRecalled)
+          | ToggleCourse | Answer | RunOnTabThread | LessonsChanged | MemoryRecalled)
 Command = Playing | Designing | Studying | Examining | Sharing | Taking | Comparing | Shelving | Paging | Guiding
 Edit = SetKnobs | Command

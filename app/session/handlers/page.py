@@ -9,6 +9,7 @@ from ...course.knobs import KnobError
 from ...text import languages, text
 from ..commands.commands import (
     Answer,
+    LessonsChanged,
     LookFrom,
     MemoryRecalled,
     OpenLesson,
@@ -25,6 +26,7 @@ from ..commands.commands import (
 )
 from ..state.validate import check_number, check_pixels
 from . import guide
+from .lesson_reload import take_changed_lessons
 from .presenter import Presenter
 from .reload import restore_memory
 
@@ -43,6 +45,8 @@ def obey(show: Presenter, command: Paging) -> None:
             ids = list(show.lessons)
             show.open_lesson(ids[(ids.index(show.lesson.id) + steps) % len(ids)])
             guide.enter(show)
+        case LessonsChanged(lessons):
+            take_changed_lessons(show, lessons)
         case SetLanguage(code):
             show.rebuild(replace(show.state, language=_language(code, show.state.language)))
         case ToggleLecture():
