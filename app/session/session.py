@@ -23,7 +23,6 @@ from .commands.commands import (
     Command,
     Designing,
     Edit,
-    LessonsChanged,
     MemoryRecalled,
     PageSeen,
     Paging,
@@ -35,7 +34,7 @@ from .commands.commands import (
     WindowChanged,
 )
 from .commands.exams import Examining
-from .commands.files import Comparing, FileReady, Shelving, Taking
+from .commands.files import Comparing, FileReady, LessonsChanged, Shelving, Taking
 from .commands.guide import Guiding
 from .handlers import design, downloads, exams, guide, page, pins, playback, saved_designs, sharing, tasks
 from .handlers.presenter import Presenter

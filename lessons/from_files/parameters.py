@@ -14,7 +14,7 @@ from observer_lab.course.knobs import Knob, KnobError, Number, Poles
 from observer_lab.course.lesson import Design
 from observer_lab.text import SaidError, text
 
-from .toml_table import Table, is_number, short
+from .toml_table import LessonFileError, Table, is_number, short
 
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,29}")
 KNOB_KEYS = ("name", "kind", "label", "symbol", "unit", "hint", "low", "high", "default", "scale", "step", "window")
@@ -60,7 +60,7 @@ def read_parameters(top: Table, given: Mapping[str, float]) -> Parameters:
             raise each.refuse("name", text("There are two knobs {name}; choose another name.", name=knob.name))
         knobs.append(knob)
     if len(knobs) > MAX_KNOBS:
-        raise top.refuse("knobs", text("A lesson may have at most {most} knobs; this one has {count}.", most=MAX_KNOBS, count=len(knobs)))
+        raise top.refuse("knobs", text("A lesson may have at most {most} of [[knobs]]; this one has {count}.", most=MAX_KNOBS, count=len(knobs)))
     return Parameters(fixed, tuple(knobs))
 
 
@@ -85,6 +85,8 @@ def _knob(table: Table, fixed: Mapping[str, float]) -> Knob:
                       step=step)
         knob.check(knob.default)
         return knob
+    except LessonFileError:
+        raise
     except KnobError as problem:
         raise table.refuse("default", problem.text) from problem
 
@@ -107,7 +109,7 @@ def _pole(table: Table, key: str, value: object) -> complex:
     try:
         return complex(value.replace(" ", "").replace("i", "j")) if isinstance(value, str) else complex(value)  # type: ignore[arg-type]
     except (TypeError, ValueError):
-        raise table.refuse(key, text("{value} is no pole; write −2 as -2 and a pair as \"-3+1j\", \"-3-1j\".",
+        raise table.refuse(key, text("{value} is no pole; write a number, or a pair in quotes as \"-3+1j\", \"-3-1j\".",
                                      value=short(value))) from None
 
 

@@ -69,8 +69,8 @@ def _refusal(file: str, problem: BaseException) -> LessonFileError:
     """The error of code, with the line of the file at which it arose."""
     lines = [frame.lineno for frame in traceback.extract_tb(problem.__traceback__) if frame.filename == file]
     line = problem.lineno if isinstance(problem, SyntaxError) else next(reversed(lines), 1)
-    return refusal(file, line or 1, text("{kind}: {why}.", kind=type(problem).__name__,
-                                         why=str(problem).partition("\n")[0][:120].rstrip(".") or "—"))
+    why = str(problem.msg if isinstance(problem, SyntaxError) else problem).partition("\n")[0][:120].rstrip(".") or "—"
+    return refusal(file, line or 1, text("{kind}: {why}.", kind=type(problem).__name__, why=why))
 
 
 def _slope(function: Callable[[np.ndarray], np.ndarray], at: np.ndarray, rows: int) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""Build a lesson from `lesson.toml` and `lesson.md` in a folder, or one that shows what is wrong with them."""
+"""Build a lesson from `lesson.toml` and `lesson.md`, or one that shows what is wrong with them."""
 
 from __future__ import annotations
 

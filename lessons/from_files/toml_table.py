@@ -12,7 +12,7 @@ from observer_lab.course.knobs import KnobError
 from observer_lab.text import Text, same, text
 
 HEADER = re.compile(r"\s*(\[\[?)\s*([\w.-]+)\s*\]")
-KEY = re.compile(r"""\s*["']?([\w-]+)["']?\s*[=.]""")
+KEY = re.compile(r"""\s*["']?([^"'=.#\[\]]+?)["']?\s*[=.]""")
 QUOTED = re.compile(r"\"(?:\\.|[^\"\\])*\"|'[^']*'|#.*")
 AT_LINE = re.compile(r"\s*\(at line (\d+),.*\)|\s*\(at end of document\)")
 MAX_SHOWN_CHARS, MAX_TEXT_CHARS = 40, 400

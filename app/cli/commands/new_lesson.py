@@ -17,8 +17,8 @@ PACKAGE, FILES = TEMPLATES / "package", TEMPLATES / "files"  # a lesson in Pytho
 def arguments(parser: argparse.ArgumentParser) -> None:
     """The options of `new-lesson`."""
     parser.add_argument("name", metavar="NAME", help="its name: small letters, with hyphens between words, as leaky-tank")
-    parser.add_argument("--folder", metavar="DIR", help="folder for lessons as TOML and Markdown, made where it is missing; without it "
-                                                        "the lesson is a Python package in this installation's folder of lessons")
+    parser.add_argument("--folder", metavar="DIR", help="folder for lessons as TOML and Markdown; without it the lesson is a Python package "
+                                                        "among the lessons of this installation")
 
 
 def execute(options: argparse.Namespace) -> int:

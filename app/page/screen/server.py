@@ -16,7 +16,8 @@ from PIL import Image
 
 from ...course.lesson import Lesson
 from ...course.scenes import Mode
-from ...session.commands.commands import LessonsChanged, Refuse
+from ...session.commands.commands import Refuse
+from ...session.commands.files import LessonsChanged
 from ...session.session import WATCHDOG, Session
 from ..access.access_policy import AccessPolicy, Refusal
 from ..access.addresses import is_public, listen, url

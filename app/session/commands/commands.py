@@ -8,10 +8,9 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from ...course.lesson import Lesson
 from ...text import Text
 from .exams import Examining
-from .files import Comparing, Shelving, Taking
+from .files import Comparing, LessonsChanged, Shelving, Taking
 from .guide import Guiding
 
 
@@ -246,13 +245,6 @@ class RunOnTabThread:
     """What the view has to do since a browser has said something, on the thread of the tab: nobody has asked for it."""
 
     do: Callable[[], object]
-
-
-@dataclass(frozen=True)
-class LessonsChanged:
-    """Files of lessons have changed on the server: these are the lessons now, by id."""
-
-    lessons: Mapping[str, Lesson]
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from . import guide
 from .presenter import Presenter
 
 log = logging.getLogger(__name__)
-RELOADED = text("The files of this lesson have changed; it is shown anew.")
+RELOADED = text("The files of this lesson have changed; the page shows the new lesson.")
 
 
 def take_changed_lessons(show: Presenter, lessons: Mapping[str, Lesson]) -> None:

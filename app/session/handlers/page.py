@@ -9,7 +9,6 @@ from ...course.knobs import KnobError
 from ...text import languages, text
 from ..commands.commands import (
     Answer,
-    LessonsChanged,
     LookFrom,
     MemoryRecalled,
     OpenLesson,
@@ -24,6 +23,7 @@ from ..commands.commands import (
     TurnPage,
     WindowChanged,
 )
+from ..commands.files import LessonsChanged
 from ..state.validate import check_number, check_pixels
 from . import guide
 from .lesson_reload import take_changed_lessons
