@@ -60,7 +60,8 @@ def read_parameters(top: Table, given: Mapping[str, float]) -> Parameters:
             raise each.refuse("name", text("There are two knobs {name}; choose another name.", name=knob.name))
         knobs.append(knob)
     if len(knobs) > MAX_KNOBS:
-        raise top.refuse("knobs", text("A lesson may have at most {most} of [[knobs]]; this one has {count}.", most=MAX_KNOBS, count=len(knobs)))
+        raise top.refuse("knobs", text("A lesson may have at most {most} of [[knobs]]; this one has {count}.", most=MAX_KNOBS,
+                                        count=len(knobs)))
     return Parameters(fixed, tuple(knobs))
 
 

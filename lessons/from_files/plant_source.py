@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields, replace
 from functools import lru_cache
@@ -19,7 +20,7 @@ from observer_lab.text import error_words, text
 
 from .parameters import Entries, Parameters, read_entries, read_parameters
 from .python_plant import PythonPlant, read_python
-from .toml_table import Table
+from .toml_table import Table, short
 
 Values = Mapping[str, float]
 NAMED: Mapping[str, tuple[Callable[[], Any], Callable[[Any], Plant]]] = MappingProxyType({
@@ -28,6 +29,7 @@ NAMED: Mapping[str, tuple[Callable[[], Any], Callable[[Any], Plant]]] = MappingP
 MATRIX_KEYS = ("A", "B", "C", "D", "dt", "states", "inputs", "outputs", "units")
 PYTHON_KEYS = ("python", "states", "inputs", "outputs", "units", "point", "point_input")
 MAX_FILE_BYTES = 10_000_000
+PLAIN_NAME = re.compile(r"[\w .,+/()°·²³⁻¹µ%-]{1,24}")
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,15 +115,24 @@ def _built(matrices: Mapping[str, np.ndarray], dt: float, names: Mapping[str, An
 
 
 def _names_of(table: Table) -> dict[str, Any]:
+    """State, input and output names and units, all plain words: pages, formulas and scripts show them."""
     found: dict[str, Any] = {}
     for key, argument in (("states", "state_names"), ("inputs", "input_names"), ("outputs", "output_names")):
         if key in table.data:
-            found[argument] = table.names(key, [each for each in table.data[key] if isinstance(each, str)]
-                                          if isinstance(table.data[key], list) else ())
+            given = table.data[key]
+            known = [each for each in given if isinstance(each, str)] if isinstance(given, list) else []
+            found[argument] = tuple(_plain(table, key, name) for name in table.names(key, known))
     units = table.table("units")
     if units.data:
-        found["units"] = tuple((name, units.words(name)) for name in units.data)
+        found["units"] = tuple((name, _plain(units, name, units.words(name))) for name in units.data)
     return found
+
+
+def _plain(table: Table, key: str, name: str) -> str:
+    if not PLAIN_NAME.fullmatch(name):
+        raise table.refuse(key, text("The name {name} must be short and plain: letters, digits, spaces and . , + - / ( ) ° · ² % _.",
+                                     name=short(name)))
+    return name
 
 
 def _python(table: Table, top: Table, folder: Path, trusted: bool) -> tuple[PlantSource, Parameters]:

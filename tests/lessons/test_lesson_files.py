@@ -221,6 +221,7 @@ WRONG = (
     ("answer = 2", "anwser = 2", "There is no key anwser here; use draft, answer,"),
     ("draft = true", 'draft = "yes"', "draft must be true or false; it is yes."),
     ("[model]\nk = 1.0", "[model]\nkk = 1.0", "There is no parameter kk; there are m, b, k, first."),
+    ('inputs = ["force"]', 'inputs = ["<b>force"]', "The name <b>force must be short and plain"),
     ("units = {", "unit = {", "There is no key unit here; use A, B, C, D,"),
     ("[plant]", '[plant]\nnamed = "chip"', "[plant] needs exactly one of A (with B and C), file, named and python."),
 )

@@ -17,7 +17,7 @@ PACKAGE, FILES = TEMPLATES / "package", TEMPLATES / "files"  # a lesson in Pytho
 def arguments(parser: argparse.ArgumentParser) -> None:
     """The options of `new-lesson`."""
     parser.add_argument("name", metavar="NAME", help="its name: small letters, with hyphens between words, as leaky-tank")
-    parser.add_argument("--folder", metavar="DIR", help="folder for lessons as TOML and Markdown; without it the lesson is a Python package "
+    parser.add_argument("--folder", metavar="DIR", help="folder for a lesson as TOML and Markdown; without it a Python package is written "
                                                         "among the lessons of this installation")
 
 
