@@ -130,7 +130,7 @@ def _names_of(table: Table) -> dict[str, Any]:
 
 def _plain(table: Table, key: str, name: str) -> str:
     if not PLAIN_NAME.fullmatch(name):
-        raise table.refuse(key, text("The name {name} must be short and plain: letters, digits, spaces and . , + - / ( ) ° · ² % _.",
+        raise table.refuse(key, text("The name {name} must be short and plain; use letters, digits, spaces and signs such as + and %.",
                                      name=short(name)))
     return name
 
