@@ -36,6 +36,11 @@ def open_folder(name: str, taken: Iterable[str], trusted: bool) -> LessonFolder:
     return folder
 
 
+def first_whole(lessons: Mapping[str, Lesson]) -> str:
+    """The first lesson that could be read, else the first."""
+    return next((id for id, lesson in lessons.items() if not lesson.fault.id), next(iter(lessons)))
+
+
 def _report(id: str, lesson: Lesson) -> None:
     if lesson.fault.id:
         print(f"observer-lab: lesson {id}: {lesson.fault('en')}", file=sys.stderr)

@@ -45,7 +45,8 @@ def compute(setup: Setup, design: Design) -> Outcome[Study]:
     """Gains on the believed plant, one run on the true one. Raises LessonFileError or EngineError."""
     values = setup.parameters.values(design)
     believed = setup.belief(values)
-    truth, model = setup.source.plant(values), setup.source.plant(believed)
+    truth = setup.source.plant(values)
+    model = truth if believed == values else setup.source.plant(believed)
     K, L = setup.K(design, model, believed), setup.L(design, model, believed)
     run = _run(setup, design, truth, model, K, L)
     if setup.source.python is not None:

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 from ...course.scenes import MODES, Mode
 from ...text.languages import languages
 from ..file_limit import allow_many_files
-from ..lesson_folder import follow_folder, open_folder
+from ..lesson_folder import first_whole, follow_folder, open_folder
 from ..options import PLANT_HELP, STATE_HELP, CommandError, error_cause, host_name, whole_number
 from ..records import COLUMNS_HELP, DATA_HELP, RECORD, lesson_with
 
@@ -164,7 +164,7 @@ def _serve(request: ServeRequest, end: Ending) -> None:
     folder = None if request.lessons is None else open_folder(request.lessons, all_lessons(), request.trusted)
     own = {} if folder is None else folder.lessons()
     lessons = {**all_lessons(), **own}
-    first = next(iter(own)) if own else SANDBOX if plant and SANDBOX in lessons else OPENING if request.mode == "lab" else FIRST
+    first = first_whole(own) if own else SANDBOX if plant and SANDBOX in lessons else OPENING if request.mode == "lab" else FIRST
     lesson = saved.design.lesson if saved else request.lesson or first
     opening = find_lesson(RECORD if request.data is not None and request.lesson is None else lesson, lessons)
     if request.data is not None:
