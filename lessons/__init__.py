@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import lru_cache
+from importlib import import_module
 from pathlib import Path
 from types import MappingProxyType
 
@@ -61,6 +63,19 @@ OPENING = "separation"  # the lesson that the page opens on
 def folder(id: str) -> Path:
     """Where a lesson's code and English words stand."""
     return Path(__file__).parent / id.replace("-", "_")
+
+
+def draft_folders() -> tuple[Path, ...]:
+    """The folders with a `lesson.py` that the table above does not name: drafts, by name."""
+    named = {folder(id) for id in LESSONS}
+    return tuple(sorted(path.parent for path in Path(__file__).parent.glob("*/lesson.py") if path.parent not in named))
+
+
+@lru_cache(maxsize=1)
+def all_lessons() -> MappingProxyType[str, Lesson]:
+    """The lessons of the course, and after them the drafts."""
+    drafts = (import_module(f"{__name__}.{place.name}.lesson").LESSON for place in draft_folders())
+    return MappingProxyType({**LESSONS, **{draft.id: draft for draft in drafts}})
 
 
 def glossaries() -> Mapping[str, Glossary]:

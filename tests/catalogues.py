@@ -13,11 +13,13 @@ from babel.messages.extract import extract_from_file
 from syntax import nodes
 
 from observer_lab.export.scripts.comment_translation import comments_of
+from observer_lab.lessons import draft_folders
 
 ROOT = Path(__file__).resolve().parent.parent
 KEYWORDS = {"text": None, "phrase": None, "text_in": ((1, "c"), 2),
             **dict.fromkeys(("EngineError", "ShapeError", "PoleError", "RiccatiError"))}
-SOURCES = sorted(p for folder in ("app", "lessons") for p in (ROOT / folder).rglob("*.py"))
+DRAFTS = draft_folders()  # their words wait for a translation
+SOURCES = sorted(p for folder in ("app", "lessons") for p in (ROOT / folder).rglob("*.py") if p.parent not in DRAFTS)
 Message = tuple[str, str]  # context, English
 
 

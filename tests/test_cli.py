@@ -35,7 +35,7 @@ def run_json(capsys, *words: str) -> tuple[int, dict]:
 
 
 def use(monkeypatch, lesson: Lesson) -> None:
-    monkeypatch.setattr(inputs, "LESSONS", MappingProxyType({lesson.id: lesson}))
+    monkeypatch.setattr(inputs, "all_lessons", lambda: MappingProxyType({lesson.id: lesson}))
 
 
 def test_run_prints_the_contracts_record_at_the_lessons_start(capsys) -> None:

@@ -67,7 +67,6 @@ def test_every_part_is_read() -> None:
 
 @each("lost, name", [("> A question\n> over two lines?\n", "question"), ("What happens?\n", "predict"),
                      ("It was so.\n", "reveal"), ("## source\nHere.\n", "source"),
-                     ("## exam square: The square\nWhat is $[[a]]$ in $x^{2}$?\n### derivation\n$$[[a]]^2=[[answer]]$$\n", "exams"),
                      ("Some $x$ words.\n\nA second paragraph.\n", "introduction")])
 def test_what_is_missing_is_named(lost: str, name: str) -> None:
     assert lost in GOOD

@@ -27,7 +27,7 @@ def test_what_cannot_be_played_or_written_is_one_sentence(capsys: pytest.Capture
     assert "no lesson nothing" in refused(capsys, "replay", "nothing")
     still = replace(NETWORK, compute=lambda design: replace(NETWORK.compute(design), stage=None))
     with monkeypatch.context() as patched:
-        patched.setattr(inputs, "LESSONS", {"network": still})
+        patched.setattr(inputs, "all_lessons", lambda: {"network": still})
         assert "no run in time" in refused(capsys, "replay", "network", "-o", str(tmp_path / "run.html"))
     monkeypatch.setattr("observer_lab.page.replay.replay.replay", lambda *_: "<html>")
     assert "cannot be written" in refused(capsys, "replay", "network", "-o", str(tmp_path / "nowhere" / "run.html"))

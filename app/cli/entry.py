@@ -15,7 +15,7 @@ from contextlib import suppress
 from types import MappingProxyType
 from typing import Protocol
 
-from .commands import exam, export, glossary, grade, link, replay, run, serve, status, study, teach, variant, verify
+from .commands import exam, export, glossary, grade, link, new_lesson, replay, run, serve, status, study, teach, variant, verify
 from .commands import list as list_
 from .options import THREADS, CommandError, Parser, error_cause
 from .terminal import give_up_output, set_up
@@ -41,7 +41,7 @@ DEFAULT = "serve"
 DEBUG = "OBSERVER_LAB_DEBUG"  # set in the environment: errors that nobody foresaw show where they arose
 COMMANDS: Mapping[str, Command] = MappingProxyType({
     DEFAULT: serve, "list": list_, "teach": teach, "glossary": glossary, "exam": exam, "variant": variant, "grade": grade, "run": run,
-    "link": link, "export": export, "replay": replay, "study": study, "verify": verify, "status": status})
+    "link": link, "export": export, "replay": replay, "study": study, "new-lesson": new_lesson, "verify": verify, "status": status})
 
 
 def main(argv: Sequence[str] | None = None) -> int:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from observer_lab.lessons import LESSONS
+from observer_lab.lessons import all_lessons
 
 from ..course.knobs import KnobError
 from ..course.lectures import Lecture, read_lecture
@@ -22,11 +22,12 @@ from .options import CommandError, error_cause
 MAX_FILE_BYTES = 10_000_000  # bytes of a file that is read at all
 
 
-def find_lesson(id: str) -> Lesson:
-    """The lesson of that id. Raises CommandError naming those there are."""
-    if id not in LESSONS:
-        raise CommandError(f"There is no lesson {id[:40]}; there are {', '.join(LESSONS)}.")
-    return LESSONS[id]
+def find_lesson(id: str, lessons: Mapping[str, Lesson] | None = None) -> Lesson:
+    """The lesson of that id, of the course if no lessons are given. Raises CommandError naming those there are."""
+    lessons = all_lessons() if lessons is None else lessons
+    if id not in lessons:
+        raise CommandError(f"There is no lesson {id[:40]}; there are {', '.join(lessons)}.")
+    return lessons[id]
 
 
 def fit_lesson(lesson: Lesson, plant: str) -> Lesson:
@@ -94,7 +95,7 @@ def read_saved_state(state: str) -> SavedState:
 def read_lecture_file(name: str) -> Lecture:
     """The lecture of a TOML file. Raises CommandError."""
     try:
-        return read_lecture(read_text(name, "lecture", "give a TOML file"), LESSONS)
+        return read_lecture(read_text(name, "lecture", "give a TOML file"), all_lessons())
     except KnobError as problem:
         raise CommandError(str(problem)) from problem
 
@@ -108,7 +109,7 @@ def read_view(state: str | None, language: str | None) -> SavedState:
 def _read(state: str) -> SavedState:
     words = state if is_token(state) else read_text(state, "state", "give a token, a link or a file that the app saved")
     try:
-        return read_token(words, LESSONS) if is_token(words) else read_state(words, LESSONS)
+        return read_token(words, all_lessons()) if is_token(words) else read_state(words, all_lessons())
     except KnobError as problem:
         raise CommandError(str(problem)) from problem
 

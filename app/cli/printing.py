@@ -23,7 +23,8 @@ def print_lesson(lesson: Lesson) -> None:
     place = lesson.place
     after = f"after {', '.join(place.needs)}" if place.needs else "needs none before"
     ways = "".join(f"; {way.title('en')}" for way in place.ways)
-    print(f"{lesson.number}. {lesson.id}: {words.question}\n     {place.minutes} min, {after}{ways}")
+    standing = "draft" if lesson.draft else f"{place.minutes} min, {after}{ways}"
+    print(f"{lesson.number}. {lesson.id}: {words.question}\n     {standing}")
     for knob in lesson.knobs:
         unit = f" {knob.unit}" if knob.unit else ""
         print(f"     --set {knob.name}={knob.show(knob.check(knob.default))}    {knob.label('en')}, "
@@ -39,6 +40,7 @@ def lesson_record(lesson: Lesson) -> dict[str, Any]:
         "id": lesson.id, "number": lesson.number, "source": lesson.source,
         "title": {lang: prose.title for lang, prose in words.items()},
         "question": {lang: prose.question for lang, prose in words.items()},
+        "draft": lesson.draft,
         "minutes": lesson.place.minutes, "needs": list(lesson.place.needs), "ways": [way.id for way in lesson.place.ways],
         "knobs": [_knob_record(knob) for knob in lesson.knobs],
         "tasks": [{"id": task.id, "title": {lang: prose.tasks[task.id].title for lang, prose in words.items()}}

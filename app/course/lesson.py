@@ -164,7 +164,8 @@ class Lesson(Generic[S]):
     those that a hall needs, at most KEYS of which matter at once: in large print all others are behind "more knobs".
     `code` says what a script of a design starts from and finds again, where the run is no plain loop.
     `derived` gives the numbers of the derivation's places, `place` its place in the course, `again` its second prediction,
-    `path` its scenes, which are told on the lesson's own plant.
+    `path` its scenes, which are told on the lesson's own plant. A `draft` may lack derivation, exams, second prediction and
+    translation. `fault` says what is wrong with the files of a lesson that could not be read.
     """
 
     id: str
@@ -174,9 +175,9 @@ class Lesson(Generic[S]):
     figures: Callable[[Outcome[S]], Sequence[Figure]]
     answer: int
     tasks: tuple[Task[S], ...]
-    exams: tuple[Exam, ...]
     source: str
     words: Mapping[str, Any]  # language → Prose
+    exams: tuple[Exam, ...] = ()
     answering: str = ""
     kick: bool = True
     aside: tuple[str, ...] = ()
@@ -193,6 +194,8 @@ class Lesson(Generic[S]):
     place: CoursePlace = NO_PLACE
     again: SecondPrediction | None = None
     path: tuple[Scene, ...] = NO_PATH
+    draft: bool = False
+    fault: Text = NO_WORDS
 
     def fit(self, plant: str) -> Lesson:
         """This lesson for the user's plant (canonical JSON), itself for "". Raises EngineError or KnobError."""

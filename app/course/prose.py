@@ -32,6 +32,8 @@ The form of such a file (headings are keywords, the rest is Markdown with $LaTeX
     statement with $[[places]]$ for the numbers given
     ### derivation
     how the answer follows, and $$equations with [[places]]$$; `[[answer]]` is the answer
+    ## scene id: title
+    a scene of the path, in the form of `read_scenes`; in the folder of a built-in lesson `path.md` has them
     ## source
     where it comes from
 """
@@ -50,7 +52,7 @@ from .glossary import Glossary, glossaries_in
 from .prose_error import ProseError as ProseError
 from .scenes import SceneWords
 
-SectionKind = Literal["predict", "again", "step", "derive", "task", "exam", "source"]
+SectionKind = Literal["predict", "again", "step", "derive", "task", "exam", "scene", "source"]
 SECTION_KINDS: tuple[SectionKind, ...] = get_args(SectionKind)
 
 
@@ -152,6 +154,7 @@ def parse_prose(text: str, name: str = "text") -> Prose:
     derivation: list[DerivationStep] = []
     tasks: dict[str, TaskWords] = {}
     exams: dict[str, ExamWords] = {}
+    scenes: dict[str, SceneWords] = {}
     for section in sections:
         kind, rest, body = _section(section, name)
         match kind:
@@ -167,13 +170,16 @@ def parse_prose(text: str, name: str = "text") -> Prose:
                 tasks.update([_task(rest, body)])
             case "exam":
                 exams.update([_exam(rest, body)])
+            case "scene":
+                key, _, label = rest.partition(":")
+                scenes[key.strip()] = _scene(label.strip(), body)
             case "source":
                 source = body.strip()
             case _:
                 assert_never(kind)
     prose = Prose(lines[0][2:].strip(), question, introduction, first.question, first.options, first.refutations, first.reveal,
-                  tuple(steps), tasks, exams, source, tuple(derivation), again)
-    for part in ("question", "introduction", "predict", "reveal", "exams", "source"):
+                  tuple(steps), tasks, exams, source, tuple(derivation), again, scenes)
+    for part in ("question", "introduction", "predict", "reveal", "source"):
         if not getattr(prose, part):
             raise ProseError(f"{name} has no {part}.")
     return prose

@@ -36,7 +36,7 @@ from .commands.commands import (
     WindowChanged,
 )
 from .commands.exams import Examining, HandingIn
-from .commands.files import Comparing, FileReady, Shelving, Taking
+from .commands.files import Comparing, FileReady, LessonsChanged, Shelving, Taking
 from .commands.guide import Guiding
 from .handlers import design, downloads, exams, guide, hand_in, lectures, page, pins, playback, saved_designs, sharing, tasks
 from .handlers.presenter import Presenter
@@ -134,7 +134,7 @@ class Session:
                 return
             self._show.answered = number
             self._show.touched |= not isinstance(
-                edits, (MemoryRecalled, Answer, WindowChanged, RunOnTabThread, PageSeen, PlaceOpened, FileReady)
+                edits, (MemoryRecalled, Answer, WindowChanged, RunOnTabThread, PageSeen, PlaceOpened, FileReady, LessonsChanged)
             )
             try:
                 if isinstance(edits, list):

@@ -16,13 +16,13 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(options: argparse.Namespace) -> int:
     """Print every lesson."""
-    from observer_lab.lessons import LESSONS
+    from observer_lab.lessons import all_lessons
 
     from ..printing import lesson_record, print_json, print_lesson
 
     if options.json:
-        print_json([lesson_record(lesson) for lesson in LESSONS.values()])
+        print_json([lesson_record(lesson) for lesson in all_lessons().values()])
         return 0
-    for lesson in LESSONS.values():
+    for lesson in all_lessons().values():
         print_lesson(lesson)
     return 0

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 from ...course.scenes import MODES, Mode
 from ...text.languages import languages
 from ..file_limit import allow_many_files
+from ..lesson_folder import first_whole, follow_folder, open_folder
 from ..options import PLANT_HELP, STATE_HELP, CommandError, error_cause, host_name, whole_number
 from ..records import COLUMNS_HELP, DATA_HELP, RECORD, lesson_with
 
@@ -62,6 +63,8 @@ class ServeRequest:
     columns: str | None = None
     lecture: str | None = None
     course: str | None = None
+    lessons: str | None = None
+    trusted: bool = False
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -81,6 +84,8 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--token", metavar="WORD|auto", help="let nobody in who does not know this word; auto draws one (or in the "
                                                              "environment, OBSERVER_LAB_TOKEN, where it is not printed)")
     parser.add_argument("--lesson", metavar="ID", help="lesson that a page opens on")
+    parser.add_argument("--lessons", metavar="FOLDER", help="lessons of your own as well, one folder each; changed files are read again")
+    parser.add_argument("--trust-code", action="store_true", help="run the Python files of these lessons")
     parser.add_argument("--view", choices=MODES, default="guide", help="how a page shows its lesson (default %(default)s)")
     parser.add_argument("--lang", choices=languages(), default="en", help="language that a page opens in")
     parser.add_argument("--plant", metavar="FILE", help=PLANT_HELP)
@@ -107,7 +112,8 @@ def execute(options: argparse.Namespace) -> int:
                               options.plant, tuple(options.names), options.public, options.log_json, options.data_dir,
                               tuple(options.frames), options.state, options.exam, options.workers, options.exact_port,
                               options.view, options.worker_timeout,
-                              options.token, options.data, options.columns, options.lecture, options.course))
+                              options.token, options.data, options.columns, options.lecture, options.course, options.lessons,
+                              options.trust_code))
 
 
 class Ending:
@@ -146,7 +152,7 @@ def serve(request: ServeRequest) -> int:
 
 
 def _serve(request: ServeRequest, end: Ending) -> None:
-    from observer_lab.lessons import FIRST, LESSONS, OPENING
+    from observer_lab.lessons import FIRST, OPENING, all_lessons
 
     from ...engine.kernels import prepare_kernels
     from ...session.state.token import write_token
@@ -167,12 +173,14 @@ def _serve(request: ServeRequest, end: Ending) -> None:
     if request.course is not None and request.exam:
         raise CommandError("Give --course without --exam: the course file says what is withheld.")
     course = None if request.course is None else served_course(request.course)
-    first = SANDBOX if plant and SANDBOX in LESSONS else OPENING if request.mode == "lab" else FIRST
+    folder = None if request.lessons is None else open_folder(request.lessons, all_lessons(), request.trusted)
+    own = {} if folder is None else folder.lessons()
+    lessons = {**all_lessons(), **own}
+    first = first_whole(own) if own else SANDBOX if plant and SANDBOX in lessons else OPENING if request.mode == "lab" else FIRST
     lesson = saved.design.lesson if saved else request.lesson or (talk.stops[0].lesson if talk else first)
-    opening = find_lesson(RECORD if request.data is not None and request.lesson is None else lesson)
-    lessons = LESSONS
+    opening = find_lesson(RECORD if request.data is not None and request.lesson is None else lesson, lessons)
     if request.data is not None:
-        lessons = {**LESSONS, RECORD: lesson_with(find_lesson(RECORD), request.data, request.columns)}
+        lessons = {**lessons, RECORD: lesson_with(find_lesson(RECORD), request.data, request.columns)}
         opening = lessons[opening.id]
     state = "" if saved is None else write_token(opening, replace(saved, notes=()))
     try:
@@ -187,17 +195,22 @@ def _serve(request: ServeRequest, end: Ending) -> None:
 
     def server(listener: socket.socket, seat: WorkerSlot) -> LabServer:
         return LabServer(lessons, request.host, 0, opening.id, request.language, plant=plant, names=request.names, state=state,
-                         insists=bool(request.lesson or plant or request.data or talk), sealed=request.exam or course is not None,
-                         access=access, frames=request.frames, listener=listener, seat=seat,
+                         insists=bool(request.lesson or own or plant or request.data or talk),
+                         sealed=request.exam or course is not None, access=access, frames=request.frames, listener=listener, seat=seat,
                          mode="present" if talk else request.mode, talk=talk, course=course)
 
     def tell() -> None:
         log.info("serving %s", url)
         print(printed, flush=True)
 
+    def prepare(made: LabServer) -> None:
+        if folder is not None:
+            follow_folder(folder, made.replace_lessons, end.come)
+        prepare_kernels()
+
     tally = SharedCounters(request.workers)
     if request.workers == 1:
-        _run(server(listener, WorkerSlot(tally, 0, request.max_sessions)), tell, prepare_kernels, end)
+        _run(server(listener, WorkerSlot(tally, 0, request.max_sessions)), tell, prepare, end)
         return
     from ...page.access.socket_handoff import READY, HandedListener
     from ..workers import CHECK_INTERVAL_S, WorkerPool
@@ -209,7 +222,7 @@ def _serve(request: ServeRequest, end: Ending) -> None:
         handed = HandedListener(
             channel, address, lambda: tally.count_ended_connection(number), lambda: os.kill(os.getpid(), signal.SIGTERM)
         )
-        _run(server(handed, WorkerSlot(tally, number, request.max_sessions)), lambda: handed.send(READY), prepare_kernels, end,
+        _run(server(handed, WorkerSlot(tally, number, request.max_sessions)), lambda: handed.send(READY), prepare, end,
              request.timeout / HEARTBEATS_PER_TIMEOUT)
 
     def stand() -> None:
@@ -221,13 +234,13 @@ def _serve(request: ServeRequest, end: Ending) -> None:
     )
 
 
-def _run(server: LabServer, tell: Callable[[], object], prepare: Callable[[], object], end: Ending,
+def _run(server: LabServer, tell: Callable[[], object], prepare: Callable[[LabServer], object], end: Ending,
          heartbeat: float = 5.0) -> None:
     """Serve until somebody asks for the end; `tell` is called first. `heartbeat` is the time in s between two signs of life."""
     try:
         tell()
         server.prepare()
-        prepare()
+        prepare(server)
         end.stands = True
         server.wait(end.come, heartbeat)
     finally:

@@ -17,7 +17,7 @@ from ...course.lesson import Lesson
 from ...session.commands.commands import Edit, OpenLesson, ToggleCourse
 from ...session.commands.guide import OpenLecture
 from ...session.state.view import Picture, progress_of
-from ...text import listed, same
+from ...text import Text, listed, same
 from ..viser_private import viser_internals
 from ..viser_private.hidden_input import hidden_input
 from ..words import phrases
@@ -116,15 +116,21 @@ class CourseDialog(Dialog):
 
     def _card(self, lesson: Lesson, picture: Picture, far: Progress) -> str:
         lang, words = picture.state.language, lesson.words[picture.state.language]
-        needs = [same(str(each.number)) for each in picture.catalogue if each.id in lesson.place.needs]
-        told = phrases.NEEDING.format(lessons=listed(needs)) if needs else phrases.ON_ITS_OWN
         done = [f"✓ {phrases.PREDICTED(lang)}"] if far.predicted else []
         done += [_tasks(far, lesson, lang)] if far.solved else []
         inner = (f'<i class="ol-shot ol-shot-{lesson.id}"></i><b>{lesson.number} · {html.escape(words.title)}</b>'
-                 f"<span>{html.escape(words.question)}</span><small>{html.escape(told(lang))}</small>"
+                 f"<span>{html.escape(words.question)}</span><small>{html.escape(_standing(lesson, picture)(lang))}</small>"
                  f'<small>{html.escape(" · ".join(done))}{_bar(far, lesson)}</small>')
         here = f' aria-current=page title="{html.escape(phrases.OPEN_NOW(lang), quote=True)}"'
         return _button(self._hand, lesson.id, inner, here if lesson.id == picture.lesson.id else "")
+
+
+def _standing(lesson: Lesson, picture: Picture) -> Text:
+    """How long a lesson takes and what comes before it; of a draft, that it is one."""
+    if lesson.draft:
+        return phrases.DRAFT
+    needs = [same(str(each.number)) for each in picture.catalogue if each.id in lesson.place.needs]
+    return phrases.NEEDING.format(lessons=listed(needs)) if needs else phrases.ON_ITS_OWN
 
 
 def _button(answers: viser.GuiButtonGroupHandle, value: str, inner: str, look: str = "") -> str:

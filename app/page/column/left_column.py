@@ -62,7 +62,8 @@ class Panel:
         self._make_tasks(picture)
         self._exams = ExamPanel(gui, picture, post)
         self._guide.end(picture)
-        gui.add_markdown(f"*{phrases.SOURCE(self._lang)}: {render_markdown(self._words.source)}*")
+        if self._words.source:
+            gui.add_markdown(f"*{phrases.SOURCE(self._lang)}: {render_markdown(self._words.source)}*")
         if self._words.references:
             gui.add_html(f'<details class="ol-note ol-others"><summary>{phrases.READ_ON(self._lang)}</summary>'
                          + "".join(f"<p>{html.escape(item)}</p>" for item in self._words.references) + "</details>")

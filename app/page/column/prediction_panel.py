@@ -23,7 +23,7 @@ class PredictionPanel:
     def __init__(self, gui: viser.GuiApi, picture: Picture, post: Post) -> None:
         lang = picture.state.language
         self._words = picture.lesson.words[lang]
-        with gui.add_folder(phrases.PREDICTION(lang)):
+        with gui.add_folder(phrases.PREDICTION(lang), visible=bool(self._words.options)):
             gui.add_markdown(render_markdown(self._words.predict))
             letters = tuple(LETTERS[: len(self._words.options)])
             self._letters = gui.add_button_group("", (*letters, phrases.SKIP(lang)), visible=False)

@@ -19,6 +19,7 @@ from ...course.lectures import Lecture
 from ...course.lesson import Lesson
 from ...course.scenes import Mode
 from ...session.commands.commands import Refuse
+from ...session.commands.files import LessonsChanged
 from ...session.session import WATCHDOG, Session
 from ..access.access_policy import AccessPolicy, Refusal
 from ..access.addresses import is_public, listen, url
@@ -90,6 +91,12 @@ class LabServer:
     def sessions(self) -> Mapping[int, Session]:
         """The open tabs' sessions."""
         return self._sessions
+
+    def replace_lessons(self, lessons: Mapping[str, Lesson]) -> None:
+        """Offer these lessons too, in place of those of the same id; open tabs take them over."""
+        self._lessons = {**self._lessons, **lessons}
+        for session in list(self._sessions.values()):
+            session.post(LessonsChanged(lessons))
 
     def health(self) -> Mapping[str, object]:
         """What `GET /health` answers: nothing of any person."""

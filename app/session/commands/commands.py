@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from ...text import Text
 from .exams import Examining, HandingIn
-from .files import Comparing, Shelving, Taking
+from .files import Comparing, LessonsChanged, Shelving, Taking
 from .guide import Guiding, ToggleGlossary
 
 
@@ -294,6 +294,6 @@ Designing = Undo | Redo | Reset | DrawByHand | PickPoint | UploadPlant | ChooseP
 Studying = Predict | Reveal | PredictAgain | ShowAgain | CheckTask | CheckNextTask | ShowHint | ShowSolution | RunJob
 Sharing = OpenState | PlaceOpened | ToggleDownloads | SaveState
 Paging = (OpenLesson | TurnPage | SetLanguage | ToggleLecture | ToggleTheme | WindowChanged | ToggleLandscape | LookFrom | ToggleHelp
-          | ToggleGlossary | ToggleCourse | Answer | RunOnTabThread | MemoryRecalled)
+          | ToggleGlossary | ToggleCourse | Answer | RunOnTabThread | LessonsChanged | MemoryRecalled)
 Command = Playing | Designing | Studying | Examining | HandingIn | Sharing | Taking | Comparing | Shelving | Paging | Guiding
 Edit = SetKnobs | Command

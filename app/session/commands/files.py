@@ -1,9 +1,11 @@
-"""Define the commands about files, pins, saved designs and steps of the history."""
+"""Define the commands about files, changed lessons, pins, saved designs and steps of the history."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
+from ...course.lesson import Lesson
 from ...text import Text
 
 
@@ -23,6 +25,13 @@ class FileReady:
     name: str
     content: bytes
     why: Text | None = None
+
+
+@dataclass(frozen=True)
+class LessonsChanged:
+    """Files of lessons have changed on the server: these are the lessons now, by id."""
+
+    lessons: Mapping[str, Lesson]
 
 
 @dataclass(frozen=True)

@@ -23,9 +23,11 @@ from ..commands.commands import (
     TurnPage,
     WindowChanged,
 )
+from ..commands.files import LessonsChanged
 from ..commands.guide import ToggleGlossary
 from ..state.validate import check_number, check_pixels
 from . import guide
+from .lesson_reload import take_changed_lessons
 from .presenter import Presenter
 from .reload import restore_memory
 
@@ -44,6 +46,8 @@ def obey(show: Presenter, command: Paging) -> None:
             ids = list(show.lessons)
             show.open_lesson(ids[(ids.index(show.lesson.id) + steps) % len(ids)])
             guide.enter(show)
+        case LessonsChanged(lessons):
+            take_changed_lessons(show, lessons)
         case SetLanguage(code):
             show.rebuild(replace(show.state, language=_language(code, show.state.language)))
         case ToggleLecture():

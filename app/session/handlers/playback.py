@@ -114,7 +114,7 @@ def replay_while_dragging(show: Presenter) -> None:
     Not before a prediction, not where the person has stopped the run at a moment, and not where the browser asks for calm.
     """
     state = show.state
-    if show.picture.veiled or show.picture.asks_second_prediction or state.stopped or state.calm or not show.estimates:
+    if show.picture.veiled or show.picture.asks_second_prediction or state.stopped or state.calm or not _has_ghost(show):
         return
     if state.loop is not None:
         show.state = replace(state, loop=replace(state.loop, rounds=HAND_ROUNDS, rest=state.loop.part.end))
@@ -144,7 +144,7 @@ def _watched(show: Presenter, seen: bool) -> None:
     show.state = replace(show.state, calm=not seen)
     if not seen and show.state.loop is not None:
         show.change(replace(show.state, loop=None))
-    elif seen and not show.state.moving and not show.state.stopped and show.state.t == 0.0 and show.estimates:
+    elif seen and not show.state.moving and not show.state.stopped and show.state.t == 0.0 and _has_ghost(show):
         _go_round(show, OPENING_ROUNDS)
 
 
@@ -184,3 +184,9 @@ def _kick(show: Presenter) -> None:
     show.last_tick = show.clock()
     show.adopt_design(show.lesson.apply(show.design, {"kick": show.state.t}))
     show.change(replace(show.state, playing=True, loop=None, stopped=False))
+
+
+def _has_ghost(show: Presenter) -> bool:
+    """Whether the run that is shown has a ghost beside its plant."""
+    stage = show.picture.outcome.stage
+    return stage is not None and stage.xhat is not None

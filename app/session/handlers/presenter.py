@@ -73,12 +73,6 @@ class Presenter:
         plant = self.state.plant if self._shown is None else self._shown.design.plant
         return self.desks.of(self.lesson.id, lambda: lesson_to_open_first(self.lessons[self.lesson.id], plant, self.view.say).start())
 
-    @property
-    def estimates(self) -> bool:
-        """Whether the run that is shown has a ghost beside its plant."""
-        stage = self.picture.outcome.stage
-        return stage is not None and stage.xhat is not None
-
     # --- lessons ---------------------------------------------------------------------------------------------------
     def open(self) -> None:
         """Compute the lesson's present design and lay the screen out."""
@@ -111,6 +105,11 @@ class Presenter:
             self.lesson = before
             self.open()
             raise
+
+    def forget_outcomes(self) -> None:
+        """Forget what was computed: the files of a lesson have changed."""
+        self._drafts, self.unfinished = OutcomeCache(), None
+        self._pinning = PinOutcomes(self._drafts, self.lessons)
 
     def rebuild(self, state: State) -> None:
         """Lay the screen out anew: the language or the size of the print has changed."""

@@ -117,7 +117,7 @@ class Picture:
     @property
     def veiled(self) -> bool:
         """Whether the figures wait for a prediction; the path shows nothing that would answer a question that it has not asked."""
-        return self.state.predicted is None and not self.guided
+        return self.state.predicted is None and not self.guided and bool(self.lesson.words[self.state.language].options)
 
     def saved(self, design: Design, eye: tuple[float, ...] | None) -> SavedState:
         """The state as a link carries it, with a design and a camera."""

@@ -1,0 +1,59 @@
+"""Open the folder of lessons that `serve` was given, and follow its files while the server runs."""
+
+from __future__ import annotations
+
+import logging
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ..course.lesson import Lesson
+from .options import CommandError
+
+if TYPE_CHECKING:
+    from observer_lab.lessons.from_files.folder import LessonFolder
+
+log = logging.getLogger(__name__)
+LOOK_INTERVAL_S = 0.5  # s between two looks at the files
+
+
+def open_folder(name: str, taken: Iterable[str], trusted: bool) -> LessonFolder:
+    """The folder with its lessons. What is wrong with one is said on stderr. Raises CommandError where there is none."""
+    from observer_lab.lessons.from_files.folder import LessonFolder
+
+    path = Path(name)
+    if not path.is_dir():
+        raise CommandError(f"There is no folder {name[:80]}; give one that holds a folder for each lesson.")
+    folder = LessonFolder(path, tuple(taken), trusted)
+    lessons = folder.lessons()
+    if not lessons:
+        raise CommandError(f"The folder {name[:80]} holds no lesson; write one with observer-lab new-lesson NAME --folder {name[:80]}.")
+    for id, lesson in lessons.items():
+        _report(id, lesson)
+    return folder
+
+
+def first_whole(lessons: Mapping[str, Lesson]) -> str:
+    """The first lesson that could be read, else the first."""
+    return next((id for id, lesson in lessons.items() if not lesson.fault.id), next(iter(lessons)))
+
+
+def _report(id: str, lesson: Lesson) -> None:
+    if lesson.fault.id:
+        print(f"observer-lab: lesson {id}: {lesson.fault('en')}", file=sys.stderr)
+
+
+def follow_folder(folder: LessonFolder, replace_lessons: Callable[[Mapping[str, Lesson]], None], ended: Callable[[], bool]) -> None:
+    """Look at the files on a thread of its own until `ended`, and hand the lessons on when a file has changed."""
+    def look() -> None:
+        while not ended():
+            time.sleep(LOOK_INTERVAL_S)
+            try:
+                if folder.changed():
+                    replace_lessons(folder.lessons())
+            except Exception:  # a folder may vanish, and a file may change while it is read
+                log.exception("the folder of lessons cannot be read")
+    threading.Thread(target=look, name="observer-lab lessons", daemon=True).start()

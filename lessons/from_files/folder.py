@@ -1,0 +1,76 @@
+"""Load the lessons of a folder, and those again whose files have changed."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from observer_lab.course.lesson import Lesson
+from observer_lab.text import text
+
+from .read_lesson import TOML, broken_lesson, read_lesson
+from .toml_table import LessonFileError, refusal
+
+ID = re.compile(r"[a-z0-9]{1,30}(-[a-z0-9]{1,30}){0,4}")
+Stamp = tuple[tuple[str, int, int], ...]  # name, time and size of every file of a lesson
+
+
+@dataclass(eq=False)
+class LessonFolder:
+    """The lessons below a folder, one in each subfolder with a `lesson.toml`; `taken` are ids that are not free."""
+
+    path: Path
+    taken: tuple[str, ...]
+    trusted: bool
+    _stamps: dict[str, Stamp] = field(default_factory=dict)
+    _lessons: dict[str, Lesson] = field(default_factory=dict)
+
+    def lessons(self) -> dict[str, Lesson]:
+        """Every lesson by its id, in the order of the folders' names; changed ones are read anew."""
+        places = self._places()
+        for number, place in enumerate(places, len(self.taken) + 1):
+            stamp = _stamp_of(place)
+            if stamp != self._stamps.get(place.name):
+                self._lessons[place.name], self._stamps[place.name] = self._read(place, number), stamp
+        names = [place.name for place in places]
+        return {self._lessons[name].id: self._lessons[name] for name in names}
+
+    def changed(self) -> bool:
+        """Whether a file has changed since the lessons were read last."""
+        places = self._places()
+        return any(_stamp_of(place) != self._stamps.get(place.name) for place in places) or (
+            {place.name for place in places} != set(self._stamps))
+
+    def _places(self) -> list[Path]:
+        found = sorted(path.parent for path in self.path.glob(f"*/{TOML}"))
+        for name in set(self._stamps) - {place.name for place in found}:
+            del self._stamps[name], self._lessons[name]
+        return found
+
+    def _read(self, place: Path, number: int) -> Lesson:
+        try:
+            if not ID.fullmatch(place.name):
+                raise refusal(place.name[:40], 1, text("Name the folder with small letters, digits and hyphens."))
+            if place.name in self.taken:
+                raise refusal(place.name, 1, text("There is a lesson of this name already; rename the folder."))
+            return read_lesson(place, number, self.trusted)
+        except LessonFileError as problem:
+            id = re.sub(r"[^a-z0-9-]", "-", place.name.lower())[:30]
+            return broken_lesson(f"{id}-broken" if id in self.taken else id, number, problem.text)
+
+
+def _stamp_of(place: Path) -> Stamp:
+    found = []
+    for path in sorted(_files(place)):
+        try:
+            known = path.stat()
+        except OSError:  # removed meanwhile
+            continue
+        found.append((path.name, known.st_mtime_ns, known.st_size))
+    return tuple(found)
+
+
+def _files(place: Path) -> Iterable[Path]:
+    return (path for path in place.iterdir() if path.is_file()) if place.is_dir() else ()
