@@ -14,6 +14,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import assert_never
 
+from ..classroom.room import RoomView, VoteDesk
 from ..course.knobs import KnobError
 from ..course.lesson import Lesson
 from ..course.scenes import Mode
@@ -36,7 +37,8 @@ from .commands.commands import (
 from .commands.exams import Examining
 from .commands.files import Comparing, FileReady, Shelving, Taking
 from .commands.guide import Guiding
-from .handlers import design, downloads, exams, guide, page, pins, playback, saved_designs, sharing, tasks
+from .commands.room import Lecturing, RoomChanged
+from .handlers import design, downloads, exams, guide, page, pins, playback, room, saved_designs, sharing, tasks
 from .handlers.presenter import Presenter
 from .handlers.reload import RECALL_TIMEOUT_S, MemoryRequest, restore_memory
 from .runtime.background_jobs import BackgroundJobs
@@ -62,20 +64,24 @@ class Session:
 
     def __init__(self, lessons: Mapping[str, Lesson], view: View, lesson: str, language: str = "en",
                  clock: Callable[[], float] = time.monotonic, plant: str = "",
-                 state: str = "", insists: bool = False, sealed: bool = False, mode: Mode = "lab") -> None:
+                 state: str = "", insists: bool = False, sealed: bool = False, mode: Mode = "lab",
+                 desk: VoteDesk | None = None) -> None:
         """`state` is a token, or the words of a saved file, that the tab opens with if nothing else is known of it.
 
         A new tab goes on where the browser's last one was, unless the server `insists` on its lesson or its state.
 
-        Exams are drawn for a random key until the person gives one; a `sealed` tab only notes answers to them.
+        Exams are drawn for a random key until the person gives one; a `sealed` tab only notes answers to them. A tab that presents
+        to a room has a `desk` there.
         """
         if lesson not in lessons:
             raise KeyError(f"There is no lesson {lesson}; there are {', '.join(lessons)}.")
         self._mailbox, self._state = Mailbox(), state
         first = State(language=language, fresh=secrets.token_hex(8), plant=plant, withheld=sealed, sealed=sealed, mode=mode,
-                      newcomer=mode == "guide" and not insists and not state)
+                      newcomer=mode == "guide" and not insists and not state and desk is None,
+                      room=None if desk is None else RoomView())
         self._show = Presenter(lessons, view, lesson, first, clock)
         self._show.insists = insists or bool(state)
+        self._desk = desk
         self._errands = BackgroundJobs(self.post)
         self._ended: Callable[[], object] = lambda: None
         self._recall = MemoryRequest(self._show, lambda *kept: self.post(MemoryRecalled(*kept)))
@@ -129,7 +135,7 @@ class Session:
                 return
             self._show.answered = number
             self._show.touched |= not isinstance(
-                edits, (MemoryRecalled, Answer, WindowChanged, RunOnTabThread, PageSeen, PlaceOpened, FileReady)
+                edits, (MemoryRecalled, Answer, WindowChanged, RunOnTabThread, PageSeen, PlaceOpened, FileReady, RoomChanged)
             )
             try:
                 if isinstance(edits, list):
@@ -185,6 +191,8 @@ class Session:
             saved_designs.obey(self._show, command)
         elif isinstance(command, Guiding):
             guide.obey(self._show, command)
+        elif isinstance(command, Lecturing):
+            room.obey(self._show, self._desk, command)
         elif isinstance(command, Paging):
             page.obey(self._show, command)
         else:

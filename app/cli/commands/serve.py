@@ -15,7 +15,8 @@ from typing import TYPE_CHECKING
 from ...course.scenes import MODES, Mode
 from ...text.languages import languages
 from ..file_limit import allow_many_files
-from ..options import PLANT_HELP, STATE_HELP, CommandError, error_cause, host_name, whole_number
+from ..lecture_room import LectureFolder, audience_address, names_of, open_folder, room_told
+from ..options import PLANT_HELP, STATE_HELP, CommandError, error_cause, host_name, web_address, whole_number
 from ..records import COLUMNS_HELP, DATA_HELP, RECORD, lesson_with
 
 if TYPE_CHECKING:
@@ -60,6 +61,8 @@ class ServeRequest:
     token: str | None = field(default=None, repr=False)
     data: str | None = None
     columns: str | None = None
+    room: bool = False
+    at: str | None = None
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -91,6 +94,9 @@ def arguments(parser: argparse.ArgumentParser) -> None:
                         help="a name that people reach this server by, as that of a proxy; may be repeated")
     parser.add_argument("--embed-in", action="append", default=[], type=host_name, metavar="NAME", dest="frames",
                         help="a site that may show the page inside its own, over TLS; may be repeated (default: none may)")
+    parser.add_argument("--room", action="store_true",
+                        help="hold a lecture: one tab presents, all others follow; prints the links of both")
+    parser.add_argument("--at", type=web_address, metavar="URL", help="the address of the audience's link, as that of a proxy")
     parser.add_argument("--log-json", action="store_true", help="write the log as lines of JSON")
     parser.add_argument("--data-dir", metavar="FOLDER", help="folder for what is kept: the log, in files that rotate")
     parser.add_argument("--max-sessions", type=count, default=200, metavar="N",
@@ -103,7 +109,7 @@ def execute(options: argparse.Namespace) -> int:
                               options.plant, tuple(options.names), options.public, options.log_json, options.data_dir,
                               tuple(options.frames), options.state, options.exam, options.workers, options.exact_port,
                               options.view, options.worker_timeout,
-                              options.token, options.data, options.columns))
+                              options.token, options.data, options.columns, options.room, options.at))
 
 
 class Ending:
@@ -170,18 +176,28 @@ def _serve(request: ServeRequest, end: Ending) -> None:
         if saved:
             raise
         print(f"observer-lab: lesson {opening.id} does not take this plant: {problem} The other lessons have it.", file=sys.stderr)
+    if request.at is not None and not request.room:
+        raise CommandError("--at names the address of a room's audience; give it with --room.")
+    folder = open_folder(request.data_dir) if request.room else None
     listener, access, url, printed = _door(request)
+    presenter, links = None, ""
+    if folder is not None:
+        presenter, links = _links(request, folder, listener.getsockname()[1], access)
+        request = replace(request, names=(*request.names, *names_of(request.at)))
     from ...page.access.shared_counters import SharedCounters, WorkerSlot
     from ...page.screen.server import LabServer  # viser is loaded only here
 
-    def server(listener: socket.socket, seat: WorkerSlot) -> LabServer:
+    def server(listener: socket.socket, seat: WorkerSlot, worker: int = 0) -> LabServer:
+        from ...page.room.lecture_room import LectureRoom
+
+        room = None if folder is None else LectureRoom(folder.path, worker, request.language)
         return LabServer(lessons, request.host, 0, opening.id, request.language, plant=plant, names=request.names, state=state,
                          insists=bool(request.lesson or plant or request.data), sealed=request.exam, access=access,
-                         frames=request.frames, listener=listener, seat=seat, mode=request.mode)
+                         frames=request.frames, listener=listener, seat=seat, mode=request.mode, room=room, presenter=presenter)
 
     def tell() -> None:
         log.info("serving %s", url)
-        print(printed, flush=True)
+        print(printed, *([links] if links else []), sep="\n", flush=True)
 
     tally = SharedCounters(request.workers)
     if request.workers == 1:
@@ -197,7 +213,7 @@ def _serve(request: ServeRequest, end: Ending) -> None:
         handed = HandedListener(
             channel, address, lambda: tally.count_ended_connection(number), lambda: os.kill(os.getpid(), signal.SIGTERM)
         )
-        _run(server(handed, WorkerSlot(tally, number, request.max_sessions)), lambda: handed.send(READY), prepare_kernels, end,
+        _run(server(handed, WorkerSlot(tally, number, request.max_sessions), number), lambda: handed.send(READY), prepare_kernels, end,
              request.timeout / HEARTBEATS_PER_TIMEOUT)
 
     def stand() -> None:
@@ -207,6 +223,18 @@ def _serve(request: ServeRequest, end: Ending) -> None:
     WorkerPool(listener, tally, work, silent=request.timeout, check=min(CHECK_INTERVAL_S, request.timeout / HEARTBEATS_PER_TIMEOUT)).run(
         stand, end.come
     )
+
+
+def _links(request: ServeRequest, folder: LectureFolder, port: int, access: AccessToken | None) -> tuple[AccessToken, str]:
+    """The presenter's word, and what is printed of a room."""
+    from ...page.access.addresses import url
+    from ...page.access.tokens import PRESENTER_FIELD, AccessToken
+
+    presenter = AccessToken(folder.secret, port, PRESENTER_FIELD)
+    audience, own = audience_address(request.host, port, request.at), url(request.host, port)
+    if access is None:
+        return presenter, room_told(presenter.at(own), audience, request.data_dir is not None)
+    return presenter, room_told(f"{access.at(own)}&{PRESENTER_FIELD}={folder.secret}", access.at(audience), request.data_dir is not None)
 
 
 def _run(server: LabServer, tell: Callable[[], object], prepare: Callable[[], object], end: Ending,

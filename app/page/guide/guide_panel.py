@@ -20,6 +20,7 @@ from ...session.commands.commands import (
     ToggleTheme,
 )
 from ...session.commands.guide import ChooseOption, GoToScene, SetMode, TurnScene
+from ...session.commands.room import CloseVote, LowerHands, OpenVote
 from ...session.state.view import Picture
 from ..charts.charts import Chart
 from ..charts.print_sizes import Sizes
@@ -28,6 +29,7 @@ from ..viser_private import viser_internals
 from ..viser_private.hidden_input import hidden_input
 from ..viser_private.write_once import write_content
 from ..words import phrases
+from .room_card import room_html
 from .scene_card import card_html, formulas_html, mode_row, verdict_html
 
 Post = Callable[[Edit], int]
@@ -51,6 +53,7 @@ class GuidePanel:
                     lambda name, value: post(DrawByHand(name, value)))
         self._formulas = gui.add_html("")
         self._verdict = gui.add_html("")
+        self._room = gui.add_html("") if picture.state.room is not None else None
         shown = {name for scene in picture.lesson.path for name in scene.figures}
         self.charts = {figure.id: Chart(gui, figure, picture.state.language, Sizes(picture.state), picture.horizon, None, 2)
                        for figure in picture.seen if figure.id in shown}
@@ -67,7 +70,8 @@ class GuidePanel:
         edits: dict[str, Callable[[], Edit]] = {
             "mode": lambda: SetMode(value), "scene": lambda: GoToScene(_whole(value)), "turn": lambda: TurnScene(_whole(value)),
             "option": lambda: ChooseOption(_whole(value)), "course": ToggleCourse, "language": SetLanguage, "theme": ToggleTheme,
-            "take": ToggleDownloads, "help": ToggleHelp, "reset": lambda: GoToScene(self._scene), "lesson": lambda: OpenLesson(value)}
+            "take": ToggleDownloads, "help": ToggleHelp, "reset": lambda: GoToScene(self._scene), "lesson": lambda: OpenLesson(value),
+            "vote": lambda: CloseVote() if value == "close" else OpenVote(), "hands": LowerHands}
         if kind in edits:
             self._post(edits[kind]())
 
@@ -84,6 +88,8 @@ class GuidePanel:
         if picture.resting:
             write_content(self._formulas, formulas_html(picture))
         write_content(self._verdict, verdict_html(picture, self._hand))
+        if self._room is not None:
+            write_content(self._room, room_html(picture, self._hand))
         self._tell_notes(picture)
         for name, chart in self.charts.items():
             chart.set_visible(name in scene.figures)

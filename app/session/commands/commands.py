@@ -12,6 +12,7 @@ from ...text import Text
 from .exams import Examining
 from .files import Comparing, Shelving, Taking
 from .guide import Guiding
+from .room import Lecturing
 
 
 @dataclass(frozen=True)
@@ -295,5 +296,5 @@ Studying = Predict | Reveal | PredictAgain | ShowAgain | CheckTask | CheckNextTa
 Sharing = OpenState | PlaceOpened | ToggleDownloads | SaveState
 Paging = (OpenLesson | TurnPage | SetLanguage | ToggleLecture | ToggleTheme | WindowChanged | ToggleLandscape | LookFrom | ToggleHelp
           | ToggleCourse | Answer | RunOnTabThread | MemoryRecalled)
-Command = Playing | Designing | Studying | Examining | Sharing | Taking | Comparing | Shelving | Paging | Guiding
+Command = Playing | Designing | Studying | Examining | Sharing | Taking | Comparing | Shelving | Paging | Guiding | Lecturing
 Edit = SetKnobs | Command

@@ -8,6 +8,8 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Protocol
 
+from ...classroom.room import RoomView
+from ...classroom.votes import Vote, votes_on
 from ...course.course_map import Progress
 from ...course.error_window import run_end
 from ...course.figures.records import Figure, TableFigure
@@ -75,6 +77,7 @@ class State:
     done: frozenset[str] = frozenset()  # scenes whose action the person has done
     chosen: Mapping[str, int] = field(default_factory=dict)  # the option chosen in a scene, by its id; −1 where it was skipped
     performance: Performance | None = None  # what the page still does by itself
+    room: RoomView | None = None  # the class that follows, None in a tab that presents to nobody
 
     @property
     def is_dark(self) -> bool:
@@ -150,6 +153,12 @@ class Picture:
         """The words of that scene."""
         assert self.scene is not None
         return self.lesson.words[self.state.language].scenes[self.scene.id]
+
+    @property
+    def votes(self) -> tuple[Vote, ...]:
+        """How the class has voted on the question of that scene, now and the time before."""
+        room = self.state.room
+        return () if room is None or self.scene is None else votes_on(room.votes, self.lesson.id, self.scene.id)
 
     @property
     def veiled(self) -> bool:

@@ -7,10 +7,11 @@
   const lab = window.observerLabAddress = {own, shown: store(), asked: 0, widget: '', carried: location.hash};
   const plain = () => {
     const asked = new URLSearchParams(location.search);
-    for (const name of ['token', 'again', 'websocket']) asked.delete(name);
+    for (const name of ['token', 'present', 'again', 'websocket']) asked.delete(name);
     return location.pathname + (asked.size ? '?' + asked : '');
   };
-  const server = location.origin.replace(/^http/, 'ws') + folder;
+  const role = ['own', 'follow'].find(name => new URLSearchParams(location.search).has(name));  // in a lecture room
+  const server = location.origin.replace(/^http/, 'ws') + folder + (role ? `?${role}=1` : '');
   lab.token = () => (lab.carried || location.hash).slice(1);
   lab.say = what => window.__viserMutable.sendMessage({type: 'GuiUpdateMessage', uuid: lab.widget, updates: {value: JSON.stringify(what)}});
   lab.show = (token, lesson, asked) => {

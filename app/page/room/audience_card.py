@@ -1,0 +1,85 @@
+"""Write what a follower reads: the scene's card, its options, and the way to one's own copy."""
+
+from __future__ import annotations
+
+import html
+
+from ...classroom.votes import Vote
+from ...course.scenes import Choose, Scene
+from ...session.handlers.guide import options_of
+from ...session.state.view import Picture
+from ...text import format_number
+from ..guide.histogram import bars_html
+from ..guide.scene_card import LETTERS, paragraphs
+from ..words import phrases
+from ..words.prose import render_markdown
+
+OWN = "?own=1"  # after which the page of one's own stands
+
+
+def head_html(picture: Picture) -> str:
+    """The lesson's number and title."""
+    title = html.escape(picture.lesson.words[picture.state.language].title)
+    return f'<div class="ol-head"><span class="ol-lesson">{picture.lesson.number} · {title}</span></div>'
+
+
+def card_html(picture: Picture) -> str:
+    """The scene's title, text and options; in the lab the lesson's question."""
+    scene, words = picture.scene, picture.lesson.words[picture.state.language]
+    if scene is None:
+        return f'<section class="ol-card"><h2 class="ol-scene">{html.escape(words.question)}</h2></section>'
+    at, said = picture.lesson.path.index(scene) + 1, picture.scene_words
+    parts = [f'<div class="ol-where"><span>{at}/{len(picture.lesson.path)}</span></div>',
+             f'<h2 class="ol-scene">{html.escape(said.title)}</h2><div class="ol-text">{paragraphs(picture, said.text)}</div>']
+    if isinstance(scene.do, Choose):
+        parts.append(_options(picture, scene))
+    return f'<section class="ol-card" data-scene="{scene.id}">{"".join(parts)}</section>'
+
+
+def _options(picture: Picture, scene: Scene) -> str:
+    """The options, which can be pressed while the vote is open; the right one is lit once its action is done."""
+    options, _, answer = options_of(picture.lesson, scene, picture.state.language)
+    vote, done = picture.votes[-1] if picture.votes else None, scene.id in picture.state.done
+    open_now = vote is not None and vote.open
+    out = []
+    for k, option in enumerate(options):
+        lit = " ol-right" if done and not open_now and k == answer else ""
+        press = f' data-room="vote:{vote.number}:{k}"' if vote is not None and open_now else " disabled"
+        out.append(f'<button type="button" class="ol-option{lit}"{press}><b>{LETTERS[k]}</b> {render_markdown(option)}</button>')
+    lead = f'<p class="ol-todo">{html.escape(phrases.VOTE_NOW(picture.state.language))}</p>' if open_now else ""
+    return f'{lead}<div class="ol-choice">{"".join(out)}</div>'
+
+
+def answer_html(picture: Picture) -> str:
+    """How the class has voted once the vote is closed, and what is said once the scene is done."""
+    scene = picture.scene
+    if scene is None:
+        return ""
+    done, closed = scene.id in picture.state.done, [vote for vote in picture.votes if not vote.open]
+    return (f'<div class="ol-answer" role="status" aria-live="polite">{_histograms(picture, closed)}'
+            + (f'<div class="ol-say">{paragraphs(picture, picture.scene_words.say)}</div>' if done and picture.scene_words.say else "")
+            + "</div>")
+
+
+def _histograms(picture: Picture, closed: list[Vote]) -> str:
+    return bars_html(closed, picture.state.language) if closed and not picture.votes[-1].open else ""
+
+
+def knobs_html(picture: Picture) -> str:
+    """The scene's knobs with their values, or in the lab those that differ from the default."""
+    lesson, lang, start = picture.lesson, picture.state.language, picture.lesson.start()
+    names = picture.scene.knobs if picture.scene is not None else [
+        knob.name for knob in lesson.knobs if not knob.hidden and picture.design[knob.name] != start[knob.name]]
+    rows = []
+    for name in names:
+        knob, value = lesson.knob(name), picture.design[name]
+        words = format_number(value, ".4g", lang) if isinstance(value, float) else knob.show(value)
+        unit = f" {html.escape(knob.unit)}" if knob.unit else ""
+        rows.append(f"<dt>{html.escape(knob.label(lang))}</dt><dd>{html.escape(words)}{unit}</dd>")
+    return f'<dl class="ol-knobs">{"".join(rows)}</dl>' if rows else ""
+
+
+def way_html(token: str, language: str) -> str:
+    """The link to one's own copy of what is shown, and the button that asks for a slower lecture."""
+    return (f'<div class="ol-way"><a class="ol-do" href="{OWN}#{token}">{html.escape(phrases.TRY_YOURSELF(language))}</a>'
+            f'<button type="button" class="ol-do ol-hand" data-room="slower">{html.escape(phrases.SLOWER_PLEASE(language))}</button></div>')
