@@ -15,7 +15,7 @@ IRREGULAR = MappingProxyType({"axes": "axis", "entries": "entry", "frequencies":
 NOUNS = frozenset((
     "changes", "channels", "characters", "columns", "counts", "decimals", "designs", "dimensions", "directions", "gains",
     "inputs", "members", "names", "numbers", "outputs", "perturbations", "places", "points", "poles", "predictions", "readings",
-    "rows", "runs", "samples", "seconds", "starts", "states", "steps", "windows", "years", "zeros"))
+    "rows", "runs", "samples", "seconds", "starts", "states", "steps", "votes", "windows", "years", "zeros"))
 
 
 def singular_if_one(template: str, values: Mapping[str, object]) -> str:

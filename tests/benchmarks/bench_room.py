@@ -47,7 +47,7 @@ class Tab(WirePage):  # type: ignore[misc]
     """A tab whose messages are read as they come."""
 
     def __init__(self, socket: ClientConnection) -> None:
-        super().__init__()
+        super().__init__(plays=True)
         self.socket, self.sources = socket, list[str]()
 
     def send_raw(self, data: bytes | str) -> None:

@@ -134,6 +134,12 @@ class AudienceScreen(Screen):
         """Show what changed since the last picture."""
         super().show(self._for_followers(picture))
 
+    def play(self, t: float, end: float, rate: float, every: float) -> float:
+        """Let every page show the run from t on by itself; a run under a moving knob is posed with each picture instead."""
+        if self._player is None or self._picture is None or not self._picture.resting:
+            return every
+        return self._player.go_on(t, end, rate, every)
+
     def _for_followers(self, picture: Picture) -> Picture:
         """The picture in the followers' language and window, with boards that nobody drags."""
         if self._outcome is None or self._outcome[0] is not picture.outcome:

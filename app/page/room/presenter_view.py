@@ -22,6 +22,7 @@ class PresenterScreen(Screen):
         super().__init__(client)
         self._broadcast, self.leads = broadcast, True
         self._seen_from: Any = ()
+        self._plays = False
 
         @client.camera.on_update
         async def _(_: viser.CameraHandle) -> None:
@@ -42,14 +43,18 @@ class PresenterScreen(Screen):
     def pose(self, t: float) -> None:
         """Stage and cursors at time t, here and for the room."""
         super().pose(t)
-        if self.leads:
+        if self.leads and not self._plays:
             self._broadcast.move(lambda screen: screen.pose(t))
 
     def play(self, t: float, end: float, rate: float, every: float) -> float:
         """Show the run from t on, here and to the room, whose pages always play by themselves."""
         if self.leads:
             self._broadcast.move(lambda screen: screen.play(t, end, rate, every))
-        return super().play(t, end, rate, every)
+        self._plays = True  # a pose of this page's own is none for the room
+        try:
+            return super().play(t, end, rate, every)
+        finally:
+            self._plays = False
 
     def camera(self, preset: str) -> None:
         """Look from a named place, here and for the room."""
