@@ -290,3 +290,36 @@ def test_a_code_that_no_other_machine_can_open_says_so(enter: Enter) -> None:
     own.settle()
     ask(own, "take")
     own.until(lambda: "Only this computer can open this link" in part(own, '<div class="ol-take"'), "the sentence beside the code")
+
+
+def test_the_last_presenter_leads_and_the_one_before_leads_again_when_it_leaves(enter: Enter, present: Callable[[], WireTab]) -> None:
+    first, follower = present(), enter()
+    follower.until(lambda: 'data-scene="predict"' in card(follower), "the first presenter's scene")
+    second = present()
+    first.until(lambda: any("Another tab now leads" in note for note in first.notes), "that another leads")
+    ask(first, "scene:1")
+    first.settle()
+    ask(second, "scene:2")
+    follower.until(lambda: 'data-scene="boards"' in card(follower), "the second presenter's scene")
+    assert not any('data-scene="meet"' in str(m.get("updates")) for m in follower.messages)
+    second.close()
+    follower.until(lambda: 'data-scene="meet"' in card(follower), "the first presenter's scene once more")
+
+
+def test_of_presenters_at_two_workers_the_last_one_leads_and_followers_come_back_to_it(tmp_path: Path) -> None:
+    one, other = opened(tmp_path, 0), opened(tmp_path, 1)
+    secret = RoomStore(tmp_path).secret
+    try:
+        with WireTab(one.url, word=secret) as first, WireTab(one.url) as follower:
+            first.settle()
+            follower.until(lambda: card(follower), "the card")
+            with WireTab(other.url, word=secret) as second:
+                second.settle()
+                assert follower.closed() == 1012, "its page comes back by itself"
+                ask(second, f"scene:{PREDICT}")
+                first.until(lambda: any("Another tab now leads" in note for note in first.notes), "that another leads")
+                with WireTab(one.url) as back:
+                    back.until(lambda: 'data-scene="predict"' in card(back), "the scene of who leads now")
+    finally:
+        one.stop()
+        other.stop()

@@ -28,6 +28,7 @@ log = logging.getLogger(__name__)
 
 HELP = "serve the lessons to browsers (default)"
 
+USUAL_TABS, ROOM_TABS = 200, 600  # followers cost little
 SANDBOX = "sandbox"  # the lesson that opens when a plant is brought and no lesson named
 HEARTBEATS_PER_TIMEOUT = 10  # signs of life within the time after which a silent worker is replaced
 ENDINGS = (signal.SIGINT, signal.SIGTERM)
@@ -45,7 +46,7 @@ class ServeRequest:
     port: int = 8080
     lesson: str | None = None
     language: str = "en"
-    max_sessions: int = 200
+    max_sessions: int | None = None
     plant: str | None = None
     names: tuple[str, ...] = ()
     public: bool = False
@@ -99,8 +100,8 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--at", type=web_address, metavar="URL", help="the address of the audience's link, as that of a proxy")
     parser.add_argument("--log-json", action="store_true", help="write the log as lines of JSON")
     parser.add_argument("--data-dir", metavar="FOLDER", help="folder for what is kept: the log, in files that rotate")
-    parser.add_argument("--max-sessions", type=count, default=200, metavar="N",
-                        help="most tabs, of all workers together (default %(default)s)")
+    parser.add_argument("--max-sessions", type=count, metavar="N",
+                        help=f"most tabs, of all workers together (default {USUAL_TABS}, in a room {ROOM_TABS})")
 
 
 def execute(options: argparse.Namespace) -> int:
@@ -199,9 +200,10 @@ def _serve(request: ServeRequest, end: Ending) -> None:
         log.info("serving %s", url)
         print(printed, *([links] if links else []), sep="\n", flush=True)
 
+    most = request.max_sessions or (ROOM_TABS if request.room else USUAL_TABS)
     tally = SharedCounters(request.workers)
     if request.workers == 1:
-        _run(server(listener, WorkerSlot(tally, 0, request.max_sessions)), tell, prepare_kernels, end)
+        _run(server(listener, WorkerSlot(tally, 0, most)), tell, prepare_kernels, end)
         return
     from ...page.access.socket_handoff import READY, HandedListener
     from ..workers import CHECK_INTERVAL_S, WorkerPool
@@ -213,7 +215,7 @@ def _serve(request: ServeRequest, end: Ending) -> None:
         handed = HandedListener(
             channel, address, lambda: tally.count_ended_connection(number), lambda: os.kill(os.getpid(), signal.SIGTERM)
         )
-        _run(server(handed, WorkerSlot(tally, number, request.max_sessions), number), lambda: handed.send(READY), prepare_kernels, end,
+        _run(server(handed, WorkerSlot(tally, number, most), number), lambda: handed.send(READY), prepare_kernels, end,
              request.timeout / HEARTBEATS_PER_TIMEOUT)
 
     def stand() -> None:

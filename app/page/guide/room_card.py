@@ -53,6 +53,5 @@ def _vote(picture: Picture, hand: str) -> str:
     scene, votes, lang = picture.scene, picture.votes, picture.state.language
     if scene is None or not isinstance(scene.do, Choose):
         return ""
-    now_open = bool(votes) and votes[-1].open
-    word = phrases.CLOSE_VOTE if now_open else phrases.VOTE_AGAIN if votes else phrases.OPEN_VOTE
-    return (bars_html(votes, lang) if votes else "") + _button(hand, "vote:close" if now_open else "vote:open", word, lang)
+    word = phrases.CLOSE_VOTE if picture.voting else phrases.VOTE_AGAIN if votes else phrases.OPEN_VOTE
+    return (bars_html(votes, lang) if votes else "") + _button(hand, "vote:close" if picture.voting else "vote:open", word, lang)

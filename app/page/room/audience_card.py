@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import html
 
-from ...classroom.votes import Vote
 from ...course.scenes import Choose, Scene
 from ...session.handlers.guide import options_of
 from ...session.state.view import Picture
@@ -39,12 +38,10 @@ def card_html(picture: Picture) -> str:
 def _options(picture: Picture, scene: Scene) -> str:
     """The options, which can be pressed while the vote is open; the right one is lit once its action is done."""
     options, _, answer = options_of(picture.lesson, scene, picture.state.language)
-    vote, done = picture.votes[-1] if picture.votes else None, scene.id in picture.state.done
-    open_now = vote is not None and vote.open
-    out = []
+    open_now, done, out = picture.voting, scene.id in picture.state.done, []
     for k, option in enumerate(options):
         lit = " ol-right" if done and not open_now and k == answer else ""
-        press = f' data-room="vote:{vote.number}:{k}"' if vote is not None and open_now else " disabled"
+        press = f' data-room="vote:{picture.votes[-1].number}:{k}"' if open_now else " disabled"
         out.append(f'<button type="button" class="ol-option{lit}"{press}><b>{LETTERS[k]}</b> {render_markdown(option)}</button>')
     lead = f'<p class="ol-todo">{html.escape(phrases.VOTE_NOW(picture.state.language))}</p>' if open_now else ""
     return f'{lead}<div class="ol-choice">{"".join(out)}</div>'
@@ -55,14 +52,12 @@ def answer_html(picture: Picture) -> str:
     scene = picture.scene
     if scene is None:
         return ""
-    done, closed = scene.id in picture.state.done, [vote for vote in picture.votes if not vote.open]
-    return (f'<div class="ol-answer" role="status" aria-live="polite">{_histograms(picture, closed)}'
-            + (f'<div class="ol-say">{paragraphs(picture, picture.scene_words.say)}</div>' if done and picture.scene_words.say else "")
-            + "</div>")
-
-
-def _histograms(picture: Picture, closed: list[Vote]) -> str:
-    return bars_html(closed, picture.state.language) if closed and not picture.votes[-1].open else ""
+    said = ""
+    if not picture.voting:
+        said += bars_html(picture.votes, picture.state.language) if picture.votes else ""
+        if scene.id in picture.state.done and picture.scene_words.say:
+            said += f'<div class="ol-say">{paragraphs(picture, picture.scene_words.say)}</div>'
+    return f'<div class="ol-answer" role="status" aria-live="polite">{said}</div>'
 
 
 def knobs_html(picture: Picture) -> str:

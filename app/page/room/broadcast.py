@@ -48,13 +48,18 @@ class Waiting:
 
 @dataclass
 class Broadcast:
-    """All shared pages of a room, made where its presenter is. `woken` is called when there is something to send."""
+    """All shared pages of a room, made where its presenter is.
+
+    `woken` is called when there is something to send, `lost` when a presenter of another worker leads.
+    """
 
     store: PageStore
     woken: Callable[[], object]
     keep_state: Callable[[str], object]
+    lost: Callable[[], object]
     _kinds: dict[str, KindOfPage] = field(default_factory=dict)
     _series: int = -1
+    _claims: bool = False  # whether a presenter has come here to lead
     _waiting: Waiting = field(default_factory=Waiting)
     _ready: threading.Condition = field(default_factory=threading.Condition)
     _picture: Picture | None = None
@@ -70,6 +75,11 @@ class Broadcast:
         with self._ready:
             self._closed = True
             self._ready.notify()
+
+    def lead(self) -> None:
+        """A presenter of this worker leads from now on."""
+        with self._ready:
+            self._claims = True
 
     # --- from the presenter's tab ----------------------------------------------------------------------------------
     def build(self, picture: Picture) -> None:
@@ -122,8 +132,13 @@ class Broadcast:
         self._picture = picture = waiting.picture or self._picture
         if picture is None:
             return
-        if self._series != self.store.series:  # another worker has led meanwhile, or none has
+        if self._series != self.store.series:  # another worker leads, or none has yet
+            if not self._claims:
+                self._picture = None
+                self.lost()
+                return
             self._series, self._kinds = self.store.begin_series(), {}
+        self._claims = False
         for name in self.store.wanted():
             kind = self._kinds.get(name) or self._open(name)
             fresh = not kind.built

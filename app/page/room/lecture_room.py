@@ -7,6 +7,7 @@ import logging
 import threading
 from collections import Counter
 from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 
 import viser
@@ -15,6 +16,7 @@ from ...classroom.page_store import PageStore
 from ...classroom.room import LECTURE, RoomView, overview
 from ...classroom.room_store import RoomStore
 from ...classroom.vote_writer import VoteWriter
+from ...session.commands.commands import RunOnTabThread
 from ...session.commands.room import RoomChanged
 from ...session.session import Session
 from ...text import languages
@@ -39,7 +41,7 @@ class LectureRoom:
         self._writer = VoteWriter(self._store)
         self._relay: Relay | None = None
         self._loop: asyncio.AbstractEventLoop | None = None
-        self._broadcast = Broadcast(self._pages, self._wake, self._store.keep_state)
+        self._broadcast = Broadcast(self._pages, self._wake, self._store.keep_state, self._stop_leading)
         self._followers: dict[int, Follower] = {}
         self._tasks: dict[int, asyncio.Task[None]] = {}
         self._alone: dict[int, Session] = {}
@@ -76,11 +78,15 @@ class LectureRoom:
 
     def presenter_screen(self, client: viser.ClientHandle) -> PresenterScreen:
         """The screen of a tab that presents; the one before it no longer leads."""
-        for _, screen in self._presenting.values():
+        self._stop_leading()
+        self._broadcast.lead()
+        return PresenterScreen(client, self._broadcast)
+
+    def _stop_leading(self) -> None:
+        for session, screen in list(self._presenting.values()):
             if screen.leads:
                 screen.leads = False
-                screen.say(phrases.OTHER_LEADS, True)
-        return PresenterScreen(client, self._broadcast)
+                session.post(RunOnTabThread(partial(screen.say, phrases.OTHER_LEADS, True)))
 
     def own_screen(self, client: viser.ClientHandle) -> OwnScreen:
         """The screen of a tab that works on its own."""
@@ -119,7 +125,11 @@ class LectureRoom:
 
     def leave(self, client_id: int) -> bool:
         """A tab has left; whether it followed."""
-        self._presenting.pop(client_id, None)
+        left = self._presenting.pop(client_id, None)
+        if left is not None and left[1].leads and self._presenting:  # who led before leads again
+            session, screen = next(reversed(self._presenting.values()))
+            screen.leads = True
+            session.post(RunOnTabThread(screen.lead_again))
         self._alone.pop(client_id, None)
         task = self._tasks.pop(client_id, None)
         if task is not None:

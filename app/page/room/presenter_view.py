@@ -66,6 +66,11 @@ class PresenterScreen(Screen):
         super().look(camera)
         self._tell_look()
 
+    def lead_again(self) -> None:
+        """Show the room what stands here: the tab that led has left."""
+        if self._picture is not None:
+            self._broadcast.build(self._picture)
+
     def _tell_look(self) -> None:
         eye = self.eye()
         if self.leads and not _alike(eye, self._seen_from):

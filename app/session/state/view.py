@@ -161,6 +161,11 @@ class Picture:
         return () if room is None or self.scene is None else votes_on(room.votes, self.lesson.id, self.scene.id)
 
     @property
+    def voting(self) -> bool:
+        """Whether a vote on that question is open, so that nothing shows its answer."""
+        return bool(self.votes) and self.votes[-1].open
+
+    @property
     def veiled(self) -> bool:
         """Whether the figures wait for a prediction; the path shows nothing that would answer a question that it has not asked."""
         return self.state.predicted is None and not self.guided
