@@ -10,25 +10,34 @@ from typing import Protocol
 from .votes import Vote
 
 LECTURE = "lecture"  # the place of those who follow
+UNSOLVED = "unsolved:"  # before the place of a task that was tried without success
 MAX_PLACES = 6  # that are named; the others are counted together
 
 
 @dataclass(frozen=True)
 class RoomView:
-    """Counts of a room, and its latest votes. `places` counts those who work on their own by lesson, scene and task."""
+    """Counts of a room, and its latest votes. `places` counts those who work on their own by lesson and scene, `unsolved` those who
+    have tried a task there without success."""
 
     here: int = 0
     following: int = 0
     slower: int = 0
     places: tuple[tuple[str, int], ...] = ()
+    unsolved: tuple[tuple[str, int], ...] = ()
     votes: tuple[Vote, ...] = ()
 
 
 def overview(counts: Mapping[str, int], slower: int, votes: tuple[Vote, ...]) -> RoomView:
     """The view of a room from the counts by place, in all of its workers."""
-    own = Counter({place: count for place, count in counts.items() if place != LECTURE and count > 0})
     following = counts.get(LECTURE, 0)
-    return RoomView(following + own.total(), following, slower, tuple(sorted(own.most_common(MAX_PLACES))), votes)
+    own = Counter({place: count for place, count in counts.items() if place != LECTURE and not place.startswith(UNSOLVED)})
+    tried = Counter({place.removeprefix(UNSOLVED): count for place, count in counts.items() if place.startswith(UNSOLVED)})
+    return RoomView(following + own.total(), following, slower, _first(own), _first(tried), votes)
+
+
+def _first(counts: Counter[str]) -> tuple[tuple[str, int], ...]:
+    """Those with the highest counts, in the order of their names."""
+    return tuple(sorted((place, count) for place, count in counts.most_common(MAX_PLACES) if count > 0))
 
 
 class VoteDesk(Protocol):

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from observer_lab.classroom.page_store import PageStore, StandingPage
-from observer_lab.classroom.room import LECTURE, MAX_PLACES, overview
+from observer_lab.classroom.room import LECTURE, MAX_PLACES, UNSOLVED, overview
 from observer_lab.classroom.room_store import FILE, RoomStore
 from observer_lab.classroom.vote_writer import VoteWriter
 from observer_lab.classroom.votes import HIDDEN_BELOW, Vote, is_ballot, votes_on
@@ -102,11 +102,11 @@ def test_the_presenters_word_and_the_state_survive_and_the_file_is_for_its_owner
 
 def test_the_counts_of_all_workers_are_added(store: RoomStore, tmp_path: Path) -> None:
     other = RoomStore(tmp_path)
-    store.report(0, {LECTURE: 3, "kalman/why": 1}, 2)
+    store.report(0, {LECTURE: 3, "kalman/why": 1, UNSOLVED + "kalman/band": 1}, 2)
     other.report(1, {LECTURE: 4, "kalman/why": 2, "noise": 1}, 1)
     view = overview(*store.presence(), store.votes())
     assert (view.here, view.following, view.slower) == (11, 7, 3)
-    assert dict(view.places) == {"kalman/why": 3, "noise": 1}
+    assert dict(view.places) == {"kalman/why": 3, "noise": 1} and view.unsolved == (("kalman/band", 1),)
     other.lower_hands()
     assert store.presence()[1] == 0 and store.hands == 1
     store.forget_presence()

@@ -18,6 +18,7 @@ from observer_lab.page.access.tokens import PRESENTER_FIELD, AccessToken
 from observer_lab.page.room.follower import read_ballot
 from observer_lab.page.room.lecture_room import LectureRoom, preferred_language
 from observer_lab.page.screen.server import LabServer
+from observer_lab.session.commands.commands import CheckNextTask
 
 PREDICT = next(k for k, scene in enumerate(LESSONS["separation"].path) if scene.id == "predict")
 Enter = Callable[..., WireTab]
@@ -207,7 +208,8 @@ def test_votes_count_once_are_hidden_below_five_and_light_the_right_option_at_th
     follower.until(lambda: part(follower, '<div class="ol-answer"').count("<figure") == 2, "both histograms")
 
 
-def test_the_presenter_sees_how_many_are_here_where_and_who_asks_for_less_speed(enter: Enter, present: Callable[[], WireTab]) -> None:
+def test_the_presenter_sees_how_many_are_here_where_what_they_fail_at_and_raised_hands(enter: Enter, present: Callable[[], WireTab],
+                                                                                       server: LabServer) -> None:
     presenter, follower, own = present(), enter(), enter(path="/?own=1")
     follower.until(lambda: card(follower), "the card")
     own.settle()
@@ -217,6 +219,8 @@ def test_the_presenter_sees_how_many_are_here_where_and_who_asks_for_less_speed(
         return part(presenter, '<section class="ol-room"')
     presenter.until(lambda: "2 here · following: 1" in seen() and "slower, please: 1" in seen(), "the counts")
     assert LESSONS["separation"].words["en"].title in seen()
+    server.sessions[max(server.sessions)].post(CheckNextTask())
+    presenter.until(lambda: "tried without success by 1" in seen(), "the task that was not solved")
     ask(presenter, "hands")
     presenter.until(lambda: "slower, please" not in seen(), "lowered hands")
 

@@ -33,6 +33,7 @@ def _counts(picture: Picture, room: RoomView, hand: str) -> str:
     lang = picture.state.language
     said = [phrases.HERE.format(here=room.here, following=room.following)]
     said += [phrases.AT_PLACE.format(place=_place(picture, place), count=count) for place, count in room.places]
+    said += [phrases.TRIED.format(place=_place(picture, place), count=count) for place, count in room.unsolved]
     lines = html.escape(" · ".join(words(lang) for words in said))
     slower = "" if not room.slower else (f'<p class="ol-note ol-slower">{html.escape(phrases.ASK_SLOWER.format(count=room.slower)(lang))} '
                                          f"{_button(hand, 'hands', phrases.LOWER_HANDS, lang)}</p>")
@@ -40,12 +41,13 @@ def _counts(picture: Picture, room: RoomView, hand: str) -> str:
 
 
 def _place(picture: Picture, place: str) -> str:
-    """A lesson and its scene by their titles."""
-    lesson, _, scene = place.partition("/")
+    """A lesson and its scene or task by their titles."""
+    lesson, _, part = place.partition("/")
     words = next((each.words[picture.state.language] for each in picture.catalogue if each.id == lesson), None)
     if words is None:
         return place
-    return words.title + (f", {words.scenes[scene].title}" if scene in words.scenes else "")
+    titles = {name: scene.title for name, scene in words.scenes.items()} | {name: task.title for name, task in words.tasks.items()}
+    return words.title + (f", {titles[part]}" if part in titles else "")
 
 
 def _vote(picture: Picture, hand: str) -> str:

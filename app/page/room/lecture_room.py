@@ -13,7 +13,7 @@ from pathlib import Path
 import viser
 
 from ...classroom.page_store import PageStore
-from ...classroom.room import LECTURE, RoomView, overview
+from ...classroom.room import LECTURE, UNSOLVED, RoomView, overview
 from ...classroom.room_store import RoomStore
 from ...classroom.vote_writer import VoteWriter
 from ...session.commands.commands import RunOnTabThread
@@ -181,6 +181,8 @@ class LectureRoom:
             picture = session.picture
             if picture is not None:
                 people[picture.lesson.id + (f"/{picture.scene.id}" if picture.scene else "")] += 1
+                people.update(f"{UNSOLVED}{picture.lesson.id}/{name}" for name, task in picture.state.tasks.items()
+                              if task.verdict is not None and not task.verdict.solved)
         now = dict(people), sum(follower.raised for follower in list(self._followers.values()))
         if now != self._reported:
             self._reported = now
