@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Protocol
 
-from .votes import Vote
+from .votes import Asked, Vote
 
 LECTURE = "lecture"  # the place of those who follow
 UNSOLVED = "unsolved:"  # before the place of a task that was tried without success
@@ -43,8 +43,8 @@ def _first(counts: Counter[str]) -> tuple[tuple[str, int], ...]:
 class VoteDesk(Protocol):
     """What a presenter's session asks of its room."""
 
-    def open_vote(self, lesson: str, scene: str, options: int) -> RoomView:
-        """Ask the class the question of a scene, once more where it was asked before; the vote that was open ends."""
+    def open_vote(self, lesson: str, scene: str, options: int, asked: Asked | None = None) -> RoomView:
+        """Ask the class the question of a scene, or what was typed, once more where it was asked before; the open vote ends."""
         ...
 
     def close_vote(self) -> RoomView:

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 
-from .votes import Vote
+from .votes import Asked, Vote
 
 FILE = "room.sqlite"  # in the folder of --data-dir
 WAIT_S = 10.0  # s that one worker waits for another one's writing
@@ -19,8 +19,8 @@ SECRET_BYTES = 24  # of the presenter's word
 SCHEMA = """
 CREATE TABLE IF NOT EXISTS room (id INTEGER PRIMARY KEY CHECK (id = 1), secret TEXT NOT NULL, state TEXT NOT NULL, hands INTEGER NOT NULL);
 CREATE TABLE IF NOT EXISTS votes (number INTEGER PRIMARY KEY, lesson TEXT NOT NULL, scene TEXT NOT NULL, round INTEGER NOT NULL,
-  open INTEGER NOT NULL, counts TEXT NOT NULL);
-CREATE TABLE IF NOT EXISTS ballots (vote INTEGER NOT NULL, ballot TEXT NOT NULL, option INTEGER NOT NULL, PRIMARY KEY (vote, ballot))
+  open INTEGER NOT NULL, counts TEXT NOT NULL, asked TEXT NOT NULL, edges TEXT NOT NULL);
+CREATE TABLE IF NOT EXISTS ballots (vote INTEGER NOT NULL, ballot TEXT NOT NULL, answer REAL NOT NULL, PRIMARY KEY (vote, ballot))
   WITHOUT ROWID;
 CREATE TABLE IF NOT EXISTS presence (worker INTEGER NOT NULL, place TEXT NOT NULL, people INTEGER NOT NULL, slower INTEGER NOT NULL,
   PRIMARY KEY (worker, place));
@@ -84,13 +84,16 @@ class RoomStore:
             database.execute("UPDATE room SET state = ?", (token,))
 
     # --- votes -----------------------------------------------------------------------------------------------------
-    def open_vote(self, lesson: str, scene: str, options: int) -> None:
-        """Begin a vote; the one that was open ends."""
+    def open_vote(self, lesson: str, scene: str, options: int, asked: Asked | None = None) -> None:
+        """Begin a vote on a scene's question with so many options, or on what was `asked` there; the one that was open ends."""
+        words = "" if asked is None else json.dumps([asked.question, *asked.options])
+        count = options if asked is None else len(asked.options)
         with self._writing() as database:
             self._close(database)
-            before = database.execute("SELECT MAX(round) FROM votes WHERE lesson = ? AND scene = ?", (lesson, scene)).fetchone()[0]
-            database.execute("INSERT INTO votes (lesson, scene, round, open, counts) VALUES (?, ?, ?, 1, ?)",
-                             (lesson, scene, (before or 0) + 1, json.dumps([0] * options)))
+            before = database.execute("SELECT MAX(round) FROM votes WHERE lesson = ? AND scene = ? AND asked = ?",
+                                      (lesson, scene, words)).fetchone()[0]
+            database.execute("INSERT INTO votes (lesson, scene, round, open, counts, asked, edges) VALUES (?, ?, ?, 1, ?, ?, '[]')",
+                             (lesson, scene, (before or 0) + 1, json.dumps([0] * count), words))
 
     def close_vote(self) -> None:
         """Take no more votes: their counts stay, the ballots go."""
@@ -99,18 +102,22 @@ class RoomStore:
 
     def _close(self, database: sqlite3.Connection) -> None:
         for vote in self._votes(database, "WHERE open"):
-            database.execute("UPDATE votes SET open = 0, counts = ? WHERE number = ?", (json.dumps(vote.counts), vote.number))
+            database.execute("UPDATE votes SET open = 0, counts = ?, edges = ? WHERE number = ?",
+                             (json.dumps(vote.counts), json.dumps(vote.edges), vote.number))
         database.execute("DELETE FROM ballots")
 
-    def cast(self, ballots: Iterable[tuple[int, str, int]]) -> list[bool]:
-        """Write (vote, ballot, option) down, all in one transaction; for each whether it counts. A newer one replaces an older one."""
+    def cast(self, ballots: Iterable[tuple[int, str, float]]) -> list[bool]:
+        """Write (vote, ballot, answer) down, all in one transaction; for each whether it counts. A newer one replaces an older one.
+
+        The answer is the index of an option, or a number where one was asked for.
+        """
         with self._writing() as database:
-            open_now = {vote.number: len(vote.counts) for vote in self._votes(database, "WHERE open")}
+            open_now = {vote.number: vote for vote in self._votes(database, "WHERE open")}
             taken = []
-            for vote, ballot, option in ballots:
-                taken.append(0 <= option < open_now.get(vote, 0))
+            for number, ballot, answer in ballots:
+                taken.append(number in open_now and open_now[number].takes(answer))
                 if taken[-1]:
-                    database.execute("INSERT OR REPLACE INTO ballots VALUES (?, ?, ?)", (vote, ballot, option))
+                    database.execute("INSERT OR REPLACE INTO ballots VALUES (?, ?, ?)", (number, ballot, answer))
             return taken
 
     def votes(self) -> tuple[Vote, ...]:
@@ -120,13 +127,15 @@ class RoomStore:
 
     def _votes(self, database: sqlite3.Connection, which: str = "") -> list[Vote]:
         out = []
-        for number, lesson, scene, asked, is_open, counts in database.execute(
-                f"SELECT number, lesson, scene, round, open, counts FROM votes {which} ORDER BY number").fetchall():
-            found = json.loads(counts)
+        for number, lesson, scene, times, is_open, counts, asked, edges in database.execute(
+                f"SELECT number, lesson, scene, round, open, counts, asked, edges FROM votes {which} ORDER BY number").fetchall():
+            question, *options = json.loads(asked) if asked else [""]
+            vote = Vote(number, lesson, scene, times, bool(is_open), tuple(json.loads(counts)),
+                        Asked(question, tuple(options)) if asked else None, tuple(json.loads(edges)))
             if is_open:
-                rows = dict(database.execute("SELECT option, COUNT(*) FROM ballots WHERE vote = ? GROUP BY option", (number,)).fetchall())
-                found = [rows.get(k, 0) for k in range(len(found))]
-            out.append(Vote(number, lesson, scene, asked, bool(is_open), tuple(found)))
+                answers = database.execute("SELECT answer FROM ballots WHERE vote = ?", (number,)).fetchall()
+                vote = vote.counting([answer for (answer,) in answers])
+            out.append(vote)
         return out
 
     # --- who is here -----------------------------------------------------------------------------------------------

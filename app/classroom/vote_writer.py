@@ -12,7 +12,7 @@ from .room_store import RoomStore
 MAX_BATCH = 1000  # votes of one transaction
 
 log = logging.getLogger(__name__)
-Cast = tuple[int, str, int, Callable[[bool], object]]  # vote, ballot, option, who is told
+Cast = tuple[int, str, float, Callable[[bool], object]]  # vote, ballot, answer, who is told
 
 
 class VoteWriter:
@@ -30,9 +30,9 @@ class VoteWriter:
         """End it after what waits."""
         self._waiting.put(None)
 
-    def cast(self, vote: int, ballot: str, option: int, told: Callable[[bool], object]) -> None:
+    def cast(self, vote: int, ballot: str, answer: float, told: Callable[[bool], object]) -> None:
         """Take a vote; `told` is called on the writer's thread once it is on the disk, with whether it counts."""
-        self._waiting.put((vote, ballot, option, told))
+        self._waiting.put((vote, ballot, answer, told))
 
     def _run(self) -> None:
         while True:

@@ -6,13 +6,24 @@ import sqlite3
 import threading
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from observer_lab.classroom.page_store import PageStore, StandingPage
 from observer_lab.classroom.room import LECTURE, MAX_PLACES, UNSOLVED, overview
 from observer_lab.classroom.room_store import FILE, RoomStore
 from observer_lab.classroom.vote_writer import VoteWriter
-from observer_lab.classroom.votes import HIDDEN_BELOW, Vote, is_ballot, votes_on
+from observer_lab.classroom.votes import (
+    HIDDEN_BELOW,
+    MAX_BINS,
+    Asked,
+    Vote,
+    histogram,
+    is_ballot,
+    read_question,
+    votes_on,
+    votes_on_typed,
+)
 
 
 @pytest.fixture
@@ -61,8 +72,8 @@ def test_closing_keeps_the_counts_and_no_ballot(store: RoomStore, tmp_path: Path
     with sqlite3.connect(tmp_path / FILE) as database:
         assert database.execute("SELECT COUNT(*) FROM ballots").fetchone() == (0,)
         columns = {row[1] for table in ("votes", "ballots", "presence") for row in database.execute(f"PRAGMA table_info({table})")}
-    assert columns == {"number", "lesson", "scene", "round", "open", "counts", "vote", "ballot", "option", "worker", "place", "people",
-                       "slower"}
+    assert columns == {"number", "lesson", "scene", "round", "open", "counts", "vote", "ballot", "answer", "asked", "edges", "worker",
+                       "place", "people", "slower"}
 
 
 def test_asking_again_makes_a_second_round_beside_the_first(store: RoomStore) -> None:
@@ -134,3 +145,41 @@ def test_a_page_is_the_whole_and_the_batches_after_it(tmp_path: Path) -> None:
     other.want("zh-phone")
     assert pages.wanted() == ["zh-phone"]
     assert pages.after("en-wide", pages.begin_series(), 0) == []
+
+
+def test_numbers_are_counted_between_round_edges_and_an_absurd_one_spreads_nothing(store: RoomStore) -> None:
+    store.open_vote("kalman", "gain", 0, Asked("How large is the gain?"))
+    vote = store.votes()[-1]
+    numbers = [0.31, 0.33, 0.35, 0.38, 0.42, 0.47, 0.52, 0.36, 0.34, 0.39] * 4 + [1e12]
+    assert store.cast([(vote.number, f"ballot{k:04d}", number) for k, number in enumerate(numbers)]) == [True] * len(numbers)
+    assert store.cast([(vote.number, f"odd{k:09d}", odd) for k, odd in enumerate((np.nan, np.inf, -np.inf, 1e300))]) == [False] * 4
+    store.close_vote()
+    closed = store.votes()[-1]
+    assert closed.total == len(numbers) and len(closed.edges) == len(closed.counts) + 1 <= MAX_BINS + 1
+    assert closed.edges[0] <= 0.31 and 0.52 <= closed.edges[-1] < 0.7
+    np.testing.assert_allclose(closed.edges, np.round(np.array(closed.edges) / 0.05) * 0.05, atol=1e-12)
+
+
+@pytest.mark.parametrize("numbers", [[], [0.0], [3.0] * 9, [-1e12, 1e12], [1e-300, 2e-300], [-5.0, -5.0, 7.0], [1e12, 1e12 - 1]])
+def test_every_number_is_in_some_bin(numbers: list[float]) -> None:
+    edges, counts = histogram(numbers)
+    assert sum(counts) == len(numbers) and len(counts) <= MAX_BINS and (len(edges) == len(counts) + 1 or not numbers)
+    assert all(np.isfinite(edges)) and list(edges) == sorted(edges)
+
+
+def test_a_typed_question_is_a_vote_of_its_own_beside_the_scenes(store: RoomStore) -> None:
+    asked = Asked("Which one?", ("this", "that"))
+    opened(store)
+    for _ in range(2):
+        store.open_vote("separation", "why", 0, asked)
+    assert store.cast([(store.votes()[-1].number, "ballot0001", 1), (store.votes()[-1].number, "ballot0002", 2)]) == [True, False]
+    assert [vote.round for vote in votes_on(store.votes(), "separation", "why")] == [1]
+    assert [(vote.round, vote.asked, vote.counts) for vote in votes_on_typed(store.votes(), "separation", "why")] == [
+        (1, asked, (0, 0)), (2, asked, (0, 1))]
+
+
+@pytest.mark.parametrize("words, asked", [
+    ("How large?", Asked("How large?")), (" Which? \n\n a \n b\n", Asked("Which?", ("a", "b"))), ("", None), ("\n \n", None),
+    ("Which?\nonly one", None), ("Which?" + "\nx" * 9, None), ("x" * 301, None), ("Which?\na\n" + "b" * 121, None)])
+def test_a_question_is_its_first_line_and_its_options_the_others(words: str, asked: Asked | None) -> None:
+    assert read_question(words) == asked

@@ -91,7 +91,15 @@ def test_a_class_votes_tries_for_itself_comes_back_and_survives_a_restart(browse
                 shows(page, "predict")
             presenter.get_by_role("button", name="Close the vote").click(timeout=PATIENCE)
             expect(laptop.locator(".ol-poll")).to_have_count(2, timeout=PATIENCE)
-            assert [each.counts for each in RoomStore(tmp_path).votes()] == [(0, 2, 0), (0, 1, 0)]
+            presenter.get_by_text("Ask the class a question of your own").click(timeout=PATIENCE)
+            presenter.locator(".ol-ask textarea").fill("How many poles has the loop?")
+            presenter.locator(".ol-ask").get_by_role("button", name="Open the vote").click()
+            phone.get_by_role("spinbutton", name="your number").fill("12")
+            phone.get_by_role("button", name="Send").click(timeout=PATIENCE)
+            expect(phone.get_by_text("Your answer 12 is counted.")).to_be_visible(timeout=PATIENCE)
+            for name, page in (("presenter", presenter), ("phone", phone)):
+                page.screenshot(path=ARTEFACTS / f"room-typed-{name}.png")
+            assert [each.counts for each in RoomStore(tmp_path).votes()] == [(0, 2, 0), (0, 1, 0), (1,)]
     finally:
         for page in pages:
             page.context.close()

@@ -277,7 +277,41 @@ def test_another_worker_serves_the_same_page(tmp_path: Path) -> None:
         second.stop()
 
 
-@pytest.mark.parametrize("said", ["", "vote", "vote:1:0", "vote:1:9:ballot0001", "vote:-1:0:ballot0001", "vote:1:0:b",
+def test_a_typed_question_is_answered_by_options_or_a_number(enter: Enter, present: Callable[[], WireTab]) -> None:
+    presenter, follower = present(), enter()
+    follower.until(lambda: card(follower), "the card")
+
+    def typed(tab: WireTab) -> str:
+        return part(tab, '<section class="ol-typed"')
+
+    def room() -> str:
+        return part(presenter, '<section class="ol-room"')
+    ask(presenter, "ask:Which <b>gain</b>?\nK\nL\n")
+    follower.until(lambda: typed(follower).count('data-room="vote:') == 2, "two options")
+    assert "&lt;b&gt;gain" in typed(follower) and "<b>gain" not in typed(follower), "what is typed is no HTML"
+    ask(presenter, "ask:How large is it?")
+    follower.until(lambda: 'data-room="number:' in typed(follower), "the field for a number")
+    found = re.search(r'data-room="number:(\d+)"', typed(follower))
+    assert found is not None
+    for k in range(6):
+        say(follower, f"number:{found[1]}:{0.5 + k / 10}:ballot{k:04d}")
+    for odd in ("nan", "inf", "1e99999", "0x10", "", "1_000", "9" * 40):
+        say(follower, f"number:{found[1]}:{odd}:ballot9999")
+    follower.until(lambda: sum("is counted" in note for note in follower.notes) == 6, "six numbers")
+    presenter.until(lambda: "6 votes" in room() and "ol-bar" in room(), "the histogram")
+    before = card(presenter)
+    ask(presenter, "vote:close")
+    follower.until(lambda: "ol-bar" in typed(follower), "the histogram for all")
+    assert card(presenter) == before and "ol-right" not in card(follower), "closing it answers no question of the scene"
+    ask(presenter, "vote:typed")
+    follower.until(lambda: 'data-room="number:' in typed(follower), "the same question again")
+    ask(presenter, "ask:only\none")
+    presenter.until(lambda: any("two to 8 short options" in note for note in presenter.notes), "what to type")
+    ask(presenter, "vote:close")
+
+
+@pytest.mark.parametrize("said", ["number:1:nan:ballot0001", "number:1::ballot0001", "number:1:1e999:ballot0001", "", "vote",
+                                  "vote:1:0", "vote:1:9:ballot0001", "vote:-1:0:ballot0001", "vote:1:0:b",
                                   "vote:1:0:ballot 001", "vote:1234567890:0:ballot0001", "vote:1:0:ballot0001:more",
                                   "vote:\u0661:0:ballot0001"])
 def test_what_is_no_vote_is_not_taken(said: str) -> None:

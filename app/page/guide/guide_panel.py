@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from types import MappingProxyType
 
 import viser
 
@@ -20,7 +21,7 @@ from ...session.commands.commands import (
     ToggleTheme,
 )
 from ...session.commands.guide import ChooseOption, GoToScene, SetMode, TurnScene
-from ...session.commands.room import CloseVote, LowerHands, OpenVote
+from ...session.commands.room import AskTyped, AskTypedAgain, CloseVote, LowerHands, OpenVote
 from ...session.state.view import Picture
 from ..charts.charts import Chart
 from ..charts.print_sizes import Sizes
@@ -29,9 +30,10 @@ from ..viser_private import viser_internals
 from ..viser_private.hidden_input import hidden_input
 from ..viser_private.write_once import write_content
 from ..words import phrases
-from .room_card import room_html
+from .room_card import ask_html, room_html
 from .scene_card import card_html, formulas_html, mode_row, verdict_html
 
+VOTES = MappingProxyType({"close": CloseVote, "typed": AskTypedAgain})
 Post = Callable[[Edit], int]
 
 
@@ -54,6 +56,9 @@ class GuidePanel:
         self._formulas = gui.add_html("")
         self._verdict = gui.add_html("")
         self._room = gui.add_html("") if picture.state.room is not None else None
+        if self._room is not None:
+            gui.add_html(ask_html(self._hand, picture.state.language))
+            viser_internals.run_script(client, "ask")
         shown = {name for scene in picture.lesson.path for name in scene.figures}
         self.charts = {figure.id: Chart(gui, figure, picture.state.language, Sizes(picture.state), picture.horizon, None, 2)
                        for figure in picture.seen if figure.id in shown}
@@ -71,7 +76,7 @@ class GuidePanel:
             "mode": lambda: SetMode(value), "scene": lambda: GoToScene(_whole(value)), "turn": lambda: TurnScene(_whole(value)),
             "option": lambda: ChooseOption(_whole(value)), "course": ToggleCourse, "language": SetLanguage, "theme": ToggleTheme,
             "take": ToggleDownloads, "help": ToggleHelp, "reset": lambda: GoToScene(self._scene), "lesson": lambda: OpenLesson(value),
-            "vote": lambda: CloseVote() if value == "close" else OpenVote(), "hands": LowerHands}
+            "vote": VOTES.get(value, OpenVote), "ask": lambda: AskTyped(value), "hands": LowerHands}
         if kind in edits:
             self._post(edits[kind]())
 

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import html
 from collections.abc import Sequence
+from itertools import pairwise
 
 from ...classroom.votes import HIDDEN_BELOW, Vote
+from ...text import format_number
 from ..words import phrases
 
 LETTERS = "ABCDEFGH"
@@ -19,8 +21,10 @@ def bars_html(votes: Sequence[Vote], language: str) -> str:
 def _histogram(vote: Vote, language: str) -> str:
     shares = vote.shares
     told = html.escape((phrases.VOTES.format(count=vote.total) if shares else phrases.FEW_VOTES.format(count=HIDDEN_BELOW))(language))
+    names = LETTERS if not vote.numeric else [
+        f"{format_number(low, '.6g', language)} – {format_number(high, '.6g', language)}" for low, high in pairwise(vote.edges)]
     rows = "" if shares is None else "".join(
-        f'<div class="ol-bar" style="--share:{share:.3f}"><b>{LETTERS[k]}</b><i></i><span>{count}</span></div>'
+        f'<div class="ol-bar" style="--share:{share:.3f}"><b>{names[k]}</b><i></i><span>{count}</span></div>'
         for k, (share, count) in enumerate(zip(shares, vote.counts, strict=True)))
     name = html.escape(phrases.VOTE_ROUND.format(number=vote.round)(language))
     return f'<figure class="ol-poll" data-vote="{vote.number}"><figcaption>{name} · {told}</figcaption>{rows}</figure>'

@@ -17,7 +17,27 @@ def room_html(picture: Picture, hand: str) -> str:
     room = picture.state.room
     if room is None:
         return ""
-    return f'<section class="ol-room">{_counts(picture, room, hand)}{_vote(picture, hand)}</section>'
+    return f'<section class="ol-room">{_counts(picture, room, hand)}{_vote(picture, hand)}{_typed(picture, hand)}</section>'
+
+
+def ask_html(hand: str, language: str) -> str:
+    """The field for a question that is typed on the spot; it never changes, so that nothing takes away what is being typed."""
+    hint = html.escape(phrases.TYPE_QUESTION(language), quote=True)
+    return (f'<details class="ol-ask"><summary>{html.escape(phrases.ASK_CLASS(language))}</summary>'
+            f'<textarea rows="4" maxlength="1500" aria-label="{hint}" placeholder="{hint}"></textarea>'
+            f'<button type="button" class="ol-do" data-asks="{hand}">{html.escape(phrases.OPEN_VOTE(language))}</button></details>')
+
+
+def _typed(picture: Picture, hand: str) -> str:
+    """The typed question with its counts, and the button that closes or repeats its vote."""
+    if not picture.typed:
+        return ""
+    vote, lang = picture.typed[-1], picture.state.language
+    assert vote.asked is not None
+    options = "".join(f"<li>{html.escape(option)}</li>" for option in vote.asked.options)
+    button = _button(hand, "vote:close", phrases.CLOSE_VOTE, lang) if vote.open else _button(hand, "vote:typed", phrases.VOTE_AGAIN, lang)
+    return (f'<h3 class="ol-asked">{html.escape(vote.asked.question)}</h3><ol class="ol-letters">{options}</ol>'
+            f"{bars_html(picture.typed, lang)}{button}")
 
 
 def way_back(language: str) -> str:

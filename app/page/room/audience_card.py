@@ -47,6 +47,25 @@ def _options(picture: Picture, scene: Scene) -> str:
     return f'{lead}<div class="ol-choice">{"".join(out)}</div>'
 
 
+def typed_html(picture: Picture) -> str:
+    """What the presenter has typed: its options or a field for a number while it is open, its histograms afterwards."""
+    if not picture.typed:
+        return ""
+    vote, lang = picture.typed[-1], picture.state.language
+    assert vote.asked is not None
+    head = f'<h3 class="ol-asked">{html.escape(vote.asked.question)}</h3>'
+    if not vote.open:
+        return f'<section class="ol-typed">{head}{bars_html(picture.typed, lang)}</section>'
+    if vote.numeric:
+        name, send = html.escape(phrases.YOUR_NUMBER(lang), quote=True), html.escape(phrases.SEND(lang))
+        body = (f'<p class="ol-number"><input type="number" step="any" aria-label="{name}" placeholder="{name}">'
+                f'<button type="button" class="ol-do" data-room="number:{vote.number}">{send}</button></p>')
+    else:
+        body = "".join(f'<button type="button" class="ol-option" data-room="vote:{vote.number}:{k}"><b>{LETTERS[k]}</b> '
+                       f"{html.escape(option)}</button>" for k, option in enumerate(vote.asked.options))
+    return f'<section class="ol-typed">{head}{body}</section>'
+
+
 def answer_html(picture: Picture) -> str:
     """How the class has voted once the vote is closed, and what is said once the scene is done."""
     scene = picture.scene

@@ -35,7 +35,7 @@ class AudiencePanel:
     def __init__(self, gui: viser.GuiApi, picture: Picture) -> None:
         shown = {name for scene in picture.lesson.path for name in scene.figures} if picture.guided else {
             figure.id for figure in picture.seen[:MAX_FIGURES]}
-        self._head, self._card, self._knobs, self._answer, self._way = (gui.add_html("") for _ in range(5))
+        self._head, self._typed, self._card, self._knobs, self._answer, self._way = (gui.add_html("") for _ in range(6))
         self.charts = {figure.id: Chart(gui, figure, picture.state.language, Sizes(picture.state), picture.horizon, None, 2)
                        for figure in picture.seen if figure.id in shown}
         self._token = ""
@@ -43,6 +43,7 @@ class AudiencePanel:
     def show(self, picture: Picture) -> None:
         """Show what changed; the link to one's own copy names what rests."""
         write_content(self._head, audience_card.head_html(picture))
+        write_content(self._typed, audience_card.typed_html(picture))
         write_content(self._card, audience_card.card_html(picture))
         write_content(self._knobs, audience_card.knobs_html(picture))
         write_content(self._answer, audience_card.answer_html(picture))

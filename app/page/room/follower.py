@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
@@ -9,7 +10,7 @@ from typing import Protocol
 import viser
 
 from ...classroom.votes import MAX_OPTIONS, is_ballot
-from ...text import Text
+from ...text import Text, format_number
 from ..guide.histogram import LETTERS
 from ..viser_private import viser_internals
 from ..viser_private.hidden_input import hidden_input
@@ -17,22 +18,26 @@ from ..words import phrases
 
 NOTICE_S = 4.0  # s that a sentence stands on the page
 LONGEST_NUMBER = 9  # digits
+DECIMAL = re.compile(r"[+-]?(?:\d{1,15}(?:\.\d{0,15})?|\.\d{1,15})(?:[eE][+-]?\d{1,2})?", re.ASCII)
 
 
 @dataclass(frozen=True)
 class Ballot:
-    """A vote as a browser sends it: which one, its random number, and the index of the option."""
+    """A vote as a browser sends it: which one, its random number, and the index of an option or a number."""
 
     vote: int
     ballot: str
-    option: int
+    answer: float
+    numeric: bool = False
 
 
 def read_ballot(said: str) -> Ballot | None:
-    """The vote in `vote:NUMBER:OPTION:BALLOT`; None where that is not one."""
+    """The vote in `vote:VOTE:OPTION:BALLOT` or `number:VOTE:NUMBER:BALLOT`; None where that is not one."""
     match said.split(":"):
-        case ["vote", number, option, ballot] if is_number(number) and is_number(option) and is_ballot(ballot):
-            return Ballot(int(number), ballot, int(option)) if int(option) < MAX_OPTIONS else None
+        case ["vote", vote, option, ballot] if is_number(vote) and is_number(option) and is_ballot(ballot):
+            return Ballot(int(vote), ballot, int(option)) if int(option) < MAX_OPTIONS else None
+        case ["number", vote, number, ballot] if is_number(vote) and DECIMAL.fullmatch(number) and is_ballot(ballot):
+            return Ballot(int(vote), ballot, float(number), True)
     return None
 
 
@@ -79,8 +84,9 @@ class Follower:
             self._ears.cast(ballot, lambda counted: self._tell(ballot, counted))
 
     def _tell(self, ballot: Ballot, counted: bool) -> None:
-        viser_internals.run_script(self._client, "room", vote=ballot.vote, option=ballot.option, counted=counted)
-        self._say(phrases.VOTE_COUNTED.format(letter=LETTERS[ballot.option]) if counted else phrases.VOTE_REFUSED)
+        viser_internals.run_script(self._client, "room", vote=ballot.vote, option=ballot.answer, counted=counted)
+        answer = format_number(ballot.answer, ".6g", self._language) if ballot.numeric else LETTERS[int(ballot.answer)]
+        self._say(phrases.VOTE_COUNTED.format(letter=answer) if counted else phrases.VOTE_REFUSED)
 
     def _say(self, words: Text) -> None:
         self._client.add_notification("Observer Lab", words(self._language), auto_close_seconds=NOTICE_S)

@@ -16,6 +16,7 @@ from ...classroom.page_store import PageStore
 from ...classroom.room import LECTURE, UNSOLVED, RoomView, overview
 from ...classroom.room_store import RoomStore
 from ...classroom.vote_writer import VoteWriter
+from ...classroom.votes import Asked
 from ...session.commands.commands import RunOnTabThread
 from ...session.commands.room import RoomChanged
 from ...session.session import Session
@@ -141,11 +142,11 @@ class LectureRoom:
         """Take a vote; `told` is called on the event loop once it is written down."""
         assert self._loop is not None
         loop = self._loop
-        self._writer.cast(ballot.vote, ballot.ballot, ballot.option, lambda counted: loop.call_soon_threadsafe(told, counted))
+        self._writer.cast(ballot.vote, ballot.ballot, ballot.answer, lambda counted: loop.call_soon_threadsafe(told, counted))
 
-    def open_vote(self, lesson: str, scene: str, options: int) -> RoomView:
-        """Ask the class the question of a scene."""
-        self._store.open_vote(lesson, scene, options)
+    def open_vote(self, lesson: str, scene: str, options: int, asked: Asked | None = None) -> RoomView:
+        """Ask the class the question of a scene, or what was typed there."""
+        self._store.open_vote(lesson, scene, options, asked)
         return self._view()
 
     def close_vote(self) -> RoomView:

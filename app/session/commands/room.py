@@ -13,6 +13,18 @@ class OpenVote:
 
 
 @dataclass(frozen=True)
+class AskTyped:
+    """Ask the class a question that was typed: its first line, and on each further line an option; without options a number."""
+
+    words: object
+
+
+@dataclass(frozen=True)
+class AskTypedAgain:
+    """Ask the typed question once more."""
+
+
+@dataclass(frozen=True)
 class CloseVote:
     """Take no more votes; the page then does what the question asks about."""
 
@@ -29,4 +41,4 @@ class RoomChanged:
     view: RoomView
 
 
-Lecturing = OpenVote | CloseVote | LowerHands | RoomChanged
+Lecturing = OpenVote | AskTyped | AskTypedAgain | CloseVote | LowerHands | RoomChanged

@@ -9,7 +9,7 @@ from functools import cached_property
 from typing import Protocol
 
 from ...classroom.room import RoomView
-from ...classroom.votes import Vote, votes_on
+from ...classroom.votes import Vote, votes_on, votes_on_typed
 from ...course.course_map import Progress
 from ...course.error_window import run_end
 from ...course.figures.records import Figure, TableFigure
@@ -159,6 +159,12 @@ class Picture:
         """How the class has voted on the question of that scene, now and the time before."""
         room = self.state.room
         return () if room is None or self.scene is None else votes_on(room.votes, self.lesson.id, self.scene.id)
+
+    @property
+    def typed(self) -> tuple[Vote, ...]:
+        """How the class has answered what the presenter typed in that scene, now and the time before."""
+        room, scene = self.state.room, self.scene.id if self.scene else ""
+        return () if room is None else votes_on_typed(room.votes, self.lesson.id, scene)
 
     @property
     def voting(self) -> bool:

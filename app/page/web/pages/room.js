@@ -24,7 +24,9 @@
     const pressed = event.target?.closest?.('button[data-room]:enabled');
     if (!pressed) return;
     const [kind, number] = pressed.dataset.room.split(':');
-    const value = kind === 'vote' ? `${pressed.dataset.room}:${ballot(number)}` : kind;
+    const typed = pressed.parentElement.querySelector('input')?.value ?? '';
+    if (kind === 'number' && typed === '') return;
+    const value = {vote: `${pressed.dataset.room}:${ballot(number)}`, number: `${pressed.dataset.room}:${typed}:${ballot(number)}`}[kind] ?? kind;
     window.__viserMutable.sendMessage({type: 'GuiUpdateMessage', uuid: lab.hand, updates: {value}});
   });
 }
