@@ -24,11 +24,13 @@ from commands import refused
 from served import Served
 from websockets.exceptions import InvalidStatus
 
+from observer_lab.classroom.room_store import RoomStore
 from observer_lab.cli import jupyter
 from observer_lab.cli.commands import serve
 from observer_lab.cli.entry import main
+from observer_lab.cli.lecture_room import audience_address, own_address, room_told
 from observer_lab.cli.logs import RotatingFile
-from observer_lab.page.access.addresses import url
+from observer_lab.page.access.addresses import is_reachable, url
 from observer_lab.page.access.tokens import VARIABLE
 
 ROOT = Path(__file__).parents[1]
@@ -319,3 +321,69 @@ def test_an_interrupt_that_something_else_swallows_ends_the_server_all_the_same(
     monkeypatch.setattr(serve, "_serve", begins)
     assert serve.serve(object()) == 0  # type: ignore[arg-type]
     assert heard == ["ended", "calm", "stopped"]
+
+
+@pytest.mark.slow
+def test_serve_room_prints_both_links_and_says_that_no_phone_reaches_loopback(tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "observer_lab", "--port", "0", "--room", "--data-dir", str(tmp_path), "--workers", "2"]
+    with Served(command, cwd=ROOT, env=plain_environment(), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as server:
+        assert server.stdout is not None
+        told = [server.stdout.readline().rstrip()]
+        while not told[-1].startswith("This server listens on this computer alone"):
+            told.append(server.stdout.readline().rstrip())
+        links = dict(line.split(": ", 1) for line in told if ": http" in line)
+        word = links["Presenter's link (keep it secret)"].partition("?present=")[2]
+        assert word == RoomStore(tmp_path).secret and links["Audience"] == told[0] + "/" and len(told) > 12, "the code has its lines"
+        with WireTab(told[0]) as follower, WireTab(told[0], word=word) as presenter:
+            presenter.settle()
+            follower.until(lambda: any('<section class="ol-card"' in str(w["props"].get("content")) for w in follower.widgets.values()),
+                           "the lecture, from whichever worker")
+        server.send_signal(signal.SIGTERM)
+        logged = server.communicate(timeout=60)[1]
+    assert word not in logged
+
+
+@pytest.mark.parametrize("at, reachable", [("https://lab.example.org/course", True), ("http://192.168.1.7:8080", True),
+                                           ("http://127.0.0.1:8080", False), ("http://localhost", False)])
+def test_the_audience_gets_the_address_that_was_given(at: str, reachable: bool) -> None:
+    address = audience_address("127.0.0.1", 8080, at)
+    assert address == at + "/" and is_reachable(address) is reachable
+    assert ("no phone" in room_told("http://x/?present=word", address, True)) is not reachable
+    assert "--data-dir" in room_told("http://x/?present=word", address, False)
+
+
+def test_a_room_on_all_addresses_names_one_that_others_reach() -> None:
+    host = audience_address("0.0.0.0", 8080, None)
+    assert host == f"http://{own_address('localhost')}:8080/"
+    assert audience_address("127.0.0.1", 8080, None) == "http://127.0.0.1:8080/"
+
+
+def test_an_address_for_a_room_without_a_room_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    assert "--room" in refused(capsys, "serve", "--at", "http://lab.example.org/")
+    assert "is not an address" in refused(capsys, "serve", "--room", "--at", "lab.example.org")
+
+
+@pytest.mark.slow
+def test_a_server_that_is_killed_while_a_class_votes_has_kept_every_vote_that_it_acknowledged(tmp_path: Path) -> None:
+    def said(tab: WireTab) -> int:
+        return sum("is counted" in note for note in tab.notes)
+    command = [sys.executable, "-m", "observer_lab", "--port", "0", "--room", "--data-dir", str(tmp_path)]
+    with Served(command, cwd=ROOT, env=plain_environment(), stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True) as server:
+        assert server.stdout is not None
+        address = server.stdout.readline().strip()
+        store = RoomStore(tmp_path)
+        store.open_vote("separation", "predict", 3)
+        number = store.votes()[-1].number
+        follower = WireTab(address)
+        follower.until(lambda: any("// room.js" in m.get("source", "") for m in follower.messages), "the follower's page")
+        source = next(m["source"] for m in follower.messages if "// room.js" in m.get("source", ""))
+        hand = re.search(r'"hand": "([^"]+)"', source)
+        assert hand is not None
+        for k in range(100):
+            follower.send("GuiUpdateMessage", uuid=hand[1], updates={"value": f"vote:{number}:{k % 3}:ballot{k:04d}"})
+        follower.until(lambda: said(follower) >= 20, "the first votes")
+        acknowledged = said(follower)
+        server.kill()
+        server.wait(30)
+    kept = RoomStore(tmp_path).votes()[-1]
+    assert kept.open and acknowledged <= kept.total <= 100

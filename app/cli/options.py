@@ -53,6 +53,13 @@ def host_name(words: str) -> str:
     return words
 
 
+def web_address(words: str) -> str:
+    """The reader of an option that is an address of a page."""
+    if not re.fullmatch(r"https?://[A-Za-z0-9_.\[\]:-]{1,253}(?:/[\w.~/%-]{0,200})?", words, re.ASCII):
+        raise argparse.ArgumentTypeError(f"{words[:60]} is not an address; give it as in https://lab.example.org/")
+    return words
+
+
 def error_cause(problem: BaseException | None) -> str:
     """What went wrong, to stand in the middle of a sentence."""
     words = getattr(problem, "strerror", None) or str(problem) or type(problem).__name__

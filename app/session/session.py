@@ -14,6 +14,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import assert_never
 
+from ..classroom.room import RoomView, VoteDesk
 from ..course.handin.served_course import ServedCourse
 from ..course.knobs import KnobError
 from ..course.lectures import Lecture
@@ -38,7 +39,8 @@ from .commands.commands import (
 from .commands.exams import Examining, HandingIn
 from .commands.files import Comparing, FileReady, LessonsChanged, Shelving, Taking
 from .commands.guide import Guiding
-from .handlers import design, downloads, exams, guide, hand_in, lectures, page, pins, playback, saved_designs, sharing, tasks
+from .commands.room import Lecturing, RoomChanged
+from .handlers import design, downloads, exams, guide, hand_in, lectures, page, pins, playback, room, saved_designs, sharing, tasks
 from .handlers.presenter import Presenter
 from .handlers.reload import RECALL_TIMEOUT_S, MemoryRequest, restore_memory
 from .runtime.background_jobs import BackgroundJobs
@@ -65,22 +67,24 @@ class Session:
     def __init__(self, lessons: Mapping[str, Lesson], view: View, lesson: str, language: str = "en",
                  clock: Callable[[], float] = time.monotonic, plant: str = "",
                  state: str = "", insists: bool = False, sealed: bool = False, mode: Mode = "lab", talk: Lecture | None = None,
-                 course: ServedCourse | None = None) -> None:
+                 course: ServedCourse | None = None, desk: VoteDesk | None = None) -> None:
         """`state` is a token, or the words of a saved file, that the tab opens with if nothing else is known of it.
 
         A new tab goes on where the browser's last one was, unless the server `insists` on its lesson or its state.
 
         Exams are drawn for a random key until the person gives one; a `sealed` tab only notes answers to them.
-        With a `course` its numbers are drawn instead, and its answers are handed in.
+        With a `course` its numbers are drawn instead, and its answers are handed in. A tab that presents to a room has a `desk` there.
         """
         if lesson not in lessons:
             raise KeyError(f"There is no lesson {lesson}; there are {', '.join(lessons)}.")
         self._mailbox, self._state = Mailbox(), state
         first = State(language=language, fresh=secrets.token_hex(8), plant=plant, withheld=sealed, sealed=sealed, mode=mode,
                       talk=talk, lecture=talk is not None, course=course,
-                      newcomer=mode == "guide" and not insists and not state)
+                      newcomer=mode == "guide" and not insists and not state and desk is None,
+                      room=None if desk is None else RoomView())
         self._show = Presenter(lessons, view, lesson, first, clock)
         self._show.insists = insists or bool(state)
+        self._desk = desk
         self._errands = BackgroundJobs(self.post)
         self._ended: Callable[[], object] = lambda: None
         self._recall = MemoryRequest(self._show, lambda *kept: self.post(MemoryRecalled(*kept)))
@@ -134,7 +138,8 @@ class Session:
                 return
             self._show.answered = number
             self._show.touched |= not isinstance(
-                edits, (MemoryRecalled, Answer, WindowChanged, RunOnTabThread, PageSeen, PlaceOpened, FileReady, LessonsChanged)
+                edits, (MemoryRecalled, Answer, WindowChanged, RunOnTabThread, PageSeen, PlaceOpened, FileReady, LessonsChanged,
+                        RoomChanged)
             )
             try:
                 if isinstance(edits, list):
@@ -192,6 +197,8 @@ class Session:
             saved_designs.obey(self._show, command)
         elif isinstance(command, Guiding):
             lectures.obey(self._show, command)
+        elif isinstance(command, Lecturing):
+            room.obey(self._show, self._desk, command)
         elif isinstance(command, Paging):
             page.obey(self._show, command)
         else:

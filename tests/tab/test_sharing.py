@@ -8,6 +8,7 @@ import pytest
 from fakes import BROKEN, FORBIDDEN, FakeView, Tab, toy
 
 from observer_lab.course.figures.records import tab_names
+from observer_lab.lessons import LESSONS as COURSE
 from observer_lab.session.commands.commands import (
     MemoryRecalled,
     OpenLesson,
@@ -15,10 +16,12 @@ from observer_lab.session.commands.commands import (
     PlaceOpened,
     Predict,
     SaveState,
+    SetKnobs,
     SetLanguage,
     ToggleDownloads,
     Undo,
 )
+from observer_lab.session.commands.guide import GoToScene
 from observer_lab.session.session import Session
 from observer_lab.session.state.saved_state import SavedState, write_state
 from observer_lab.session.state.token import DAMAGED_LINK, read_token, write_token
@@ -169,3 +172,18 @@ def test_the_opened_tab_and_step_travel(tab_number: object, step: object, kept: 
     tab.do(PlaceOpened(tab_number, step))
     saved = read_token(tab.view.addresses[-1][0], tab.lessons)
     assert (saved.tab, saved.step) == kept
+
+
+def test_a_link_that_names_a_scene_opens_it_with_the_design_as_it_was() -> None:
+    first = Session(COURSE, FakeView(), "separation", mode="guide")
+    first.open()
+    for edit in (GoToScene(3), SetKnobs({"stiffness_error": 7.0})):
+        first.post(edit)
+        first.step(0.0)
+    picture = first.picture
+    assert picture is not None and picture.design["stiffness_error"] == 7.0
+    second = Session(COURSE, FakeView(), "kalman", mode="guide")
+    second.restore(None, write_token(picture.lesson, picture.saved(picture.design, None)))
+    second.open()
+    opened = second.picture
+    assert opened is not None and (opened.lesson.id, opened.state.scene, opened.design) == ("separation", 3, picture.design)

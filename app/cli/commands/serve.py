@@ -9,15 +9,17 @@ import signal
 import socket
 import sys
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from ...course.scenes import MODES, Mode
+from ...course.scenes import MODES
 from ...text.languages import languages
 from ..file_limit import allow_many_files
-from ..lesson_folder import first_whole, follow_folder, open_folder
-from ..options import PLANT_HELP, STATE_HELP, CommandError, error_cause, host_name, whole_number
-from ..records import COLUMNS_HELP, DATA_HELP, RECORD, lesson_with
+from ..lecture_room import LectureFolder, audience_address, names_of, open_room_folder, room_told
+from ..lesson_folder import follow_folder
+from ..opening import ServeRequest, opening_of
+from ..options import PLANT_HELP, STATE_HELP, CommandError, error_cause, host_name, web_address, whole_number
+from ..records import COLUMNS_HELP, DATA_HELP
 
 if TYPE_CHECKING:
     from ...page.access.shared_counters import WorkerSlot
@@ -28,43 +30,13 @@ log = logging.getLogger(__name__)
 
 HELP = "serve the lessons to browsers (default)"
 
-SANDBOX = "sandbox"  # the lesson that opens when a plant is brought and no lesson named
+USUAL_TABS, ROOM_TABS = 200, 600  # followers cost little
 HEARTBEATS_PER_TIMEOUT = 10  # signs of life within the time after which a silent worker is replaced
 ENDINGS = (signal.SIGINT, signal.SIGTERM)
 OPEN_TO_ALL = """\
 observer-lab: {host} can be reached by other machines. Whoever reaches it {may}, and what
 observer-lab: they send and see is not encrypted. For a course put a proxy with TLS in front, listen on 127.0.0.1 and
 observer-lab: name the proxy with --allow-host NAME."""
-
-
-@dataclass(frozen=True)
-class ServeRequest:
-    """What `serve` was asked for."""
-
-    host: str = "127.0.0.1"
-    port: int = 8080
-    lesson: str | None = None
-    language: str = "en"
-    max_sessions: int = 200
-    plant: str | None = None
-    names: tuple[str, ...] = ()
-    public: bool = False
-    log_json: bool = False
-    data_dir: str | None = None
-    frames: tuple[str, ...] = ()
-    state: str | None = None
-    exam: bool = False
-    workers: int = 1
-    exact: bool = False
-    mode: Mode = "guide"
-    timeout: float = 90.0
-    token: str | None = field(default=None, repr=False)
-    data: str | None = None
-    columns: str | None = None
-    lecture: str | None = None
-    course: str | None = None
-    lessons: str | None = None
-    trusted: bool = False
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -100,10 +72,13 @@ def arguments(parser: argparse.ArgumentParser) -> None:
                         help="a name that people reach this server by, as that of a proxy; may be repeated")
     parser.add_argument("--embed-in", action="append", default=[], type=host_name, metavar="NAME", dest="frames",
                         help="a site that may show the page inside its own, over TLS; may be repeated (default: none may)")
+    parser.add_argument("--room", action="store_true",
+                        help="hold a lecture: one tab presents, all others follow; prints the links of both")
+    parser.add_argument("--at", type=web_address, metavar="URL", help="the address of the audience's link, as that of a proxy")
     parser.add_argument("--log-json", action="store_true", help="write the log as lines of JSON")
     parser.add_argument("--data-dir", metavar="FOLDER", help="folder for what is kept: the log, in files that rotate")
-    parser.add_argument("--max-sessions", type=count, default=200, metavar="N",
-                        help="most tabs, of all workers together (default %(default)s)")
+    parser.add_argument("--max-sessions", type=count, metavar="N",
+                        help=f"most tabs, of all workers together (default {USUAL_TABS}, in a room {ROOM_TABS})")
 
 
 def execute(options: argparse.Namespace) -> int:
@@ -113,7 +88,7 @@ def execute(options: argparse.Namespace) -> int:
                               tuple(options.frames), options.state, options.exam, options.workers, options.exact_port,
                               options.view, options.worker_timeout,
                               options.token, options.data, options.columns, options.lecture, options.course, options.lessons,
-                              options.trust_code))
+                              options.trust_code, options.room, options.at))
 
 
 class Ending:
@@ -152,65 +127,44 @@ def serve(request: ServeRequest) -> int:
 
 
 def _serve(request: ServeRequest, end: Ending) -> None:
-    from observer_lab.lessons import FIRST, OPENING, all_lessons
-
     from ...engine.kernels import prepare_kernels
-    from ...session.state.token import write_token
-    from ..courses import served_course
-    from ..inputs import find_lesson, fit_lesson, read_lecture_file, read_plant, read_saved_state
 
     _keep_log(request)
     allow_many_files()
-    plant = "" if request.plant is None else read_plant(request.plant)
-    if request.data is not None and (request.plant or request.state):
-        raise CommandError("Give --data without --plant and --state: the record brings its own model.")
-    if request.state is not None and (request.lesson or request.plant):
-        raise CommandError("Give --state without --lesson and --plant: a state brings its own.")
-    if request.lecture is not None and (request.lesson or request.plant or request.state or request.data):
-        raise CommandError("Give --lecture without --lesson, --plant, --state and --data: a lecture names its own lessons.")
-    talk = None if request.lecture is None else read_lecture_file(request.lecture)
-    saved = None if request.state is None else read_saved_state(request.state)
-    if request.course is not None and request.exam:
-        raise CommandError("Give --course without --exam: the course file says what is withheld.")
-    course = None if request.course is None else served_course(request.course)
-    folder = None if request.lessons is None else open_folder(request.lessons, all_lessons(), request.trusted)
-    own = {} if folder is None else folder.lessons()
-    lessons = {**all_lessons(), **own}
-    first = first_whole(own) if own else SANDBOX if plant and SANDBOX in lessons else OPENING if request.mode == "lab" else FIRST
-    lesson = saved.design.lesson if saved else request.lesson or (talk.stops[0].lesson if talk else first)
-    opening = find_lesson(RECORD if request.data is not None and request.lesson is None else lesson, lessons)
-    if request.data is not None:
-        lessons = {**lessons, RECORD: lesson_with(find_lesson(RECORD), request.data, request.columns)}
-        opening = lessons[opening.id]
-    state = "" if saved is None else write_token(opening, replace(saved, notes=()))
-    try:
-        fit_lesson(opening, saved.design.plant if saved else plant)
-    except CommandError as problem:
-        if saved:
-            raise
-        print(f"observer-lab: lesson {opening.id} does not take this plant: {problem} The other lessons have it.", file=sys.stderr)
+    first = opening_of(request)
+    if request.at is not None and not request.room:
+        raise CommandError("--at names the address of a room's audience; give it with --room.")
+    room_folder = open_room_folder(request.data_dir) if request.room else None
     listener, access, url, printed = _door(request)
+    presenter, links = None, ""
+    if room_folder is not None:
+        presenter, links = _links(request, room_folder, listener.getsockname()[1], access)
+        request = replace(request, names=(*request.names, *names_of(request.at)))
     from ...page.access.shared_counters import SharedCounters, WorkerSlot
     from ...page.screen.server import LabServer  # viser is loaded only here
 
-    def server(listener: socket.socket, seat: WorkerSlot) -> LabServer:
-        return LabServer(lessons, request.host, 0, opening.id, request.language, plant=plant, names=request.names, state=state,
-                         insists=bool(request.lesson or own or plant or request.data or talk),
-                         sealed=request.exam or course is not None, access=access, frames=request.frames, listener=listener, seat=seat,
-                         mode="present" if talk else request.mode, talk=talk, course=course)
+    def server(listener: socket.socket, seat: WorkerSlot, worker: int = 0) -> LabServer:
+        from ...page.room.lecture_room import LectureRoom
+
+        room = None if room_folder is None else LectureRoom(room_folder.path, worker, request.language)
+        return LabServer(first.lessons, request.host, 0, first.lesson, request.language, plant=first.plant, names=request.names,
+                         state=first.state, insists=first.insists, sealed=request.exam or first.course is not None, access=access,
+                         frames=request.frames, listener=listener, seat=seat, mode="present" if first.talk else request.mode,
+                         talk=first.talk, course=first.course, room=room, presenter=presenter)
 
     def tell() -> None:
         log.info("serving %s", url)
-        print(printed, flush=True)
+        print(printed, *([links] if links else []), sep="\n", flush=True)
 
     def prepare(made: LabServer) -> None:
-        if folder is not None:
-            follow_folder(folder, made.replace_lessons, end.come)
+        if first.folder is not None:
+            follow_folder(first.folder, made.replace_lessons, end.come)
         prepare_kernels()
 
+    most = request.max_sessions or (ROOM_TABS if request.room else USUAL_TABS)
     tally = SharedCounters(request.workers)
     if request.workers == 1:
-        _run(server(listener, WorkerSlot(tally, 0, request.max_sessions)), tell, prepare, end)
+        _run(server(listener, WorkerSlot(tally, 0, most)), tell, prepare, end)
         return
     from ...page.access.socket_handoff import READY, HandedListener
     from ..workers import CHECK_INTERVAL_S, WorkerPool
@@ -222,7 +176,7 @@ def _serve(request: ServeRequest, end: Ending) -> None:
         handed = HandedListener(
             channel, address, lambda: tally.count_ended_connection(number), lambda: os.kill(os.getpid(), signal.SIGTERM)
         )
-        _run(server(handed, WorkerSlot(tally, number, request.max_sessions)), lambda: handed.send(READY), prepare, end,
+        _run(server(handed, WorkerSlot(tally, number, most), number), lambda: handed.send(READY), prepare, end,
              request.timeout / HEARTBEATS_PER_TIMEOUT)
 
     def stand() -> None:
@@ -232,6 +186,18 @@ def _serve(request: ServeRequest, end: Ending) -> None:
     WorkerPool(listener, tally, work, silent=request.timeout, check=min(CHECK_INTERVAL_S, request.timeout / HEARTBEATS_PER_TIMEOUT)).run(
         stand, end.come
     )
+
+
+def _links(request: ServeRequest, folder: LectureFolder, port: int, access: AccessToken | None) -> tuple[AccessToken, str]:
+    """The presenter's word, and what is printed of a room."""
+    from ...page.access.addresses import url
+    from ...page.access.tokens import PRESENTER_FIELD, AccessToken
+
+    presenter = AccessToken(folder.secret, port, PRESENTER_FIELD)
+    audience, own = audience_address(request.host, port, request.at), url(request.host, port)
+    if access is None:
+        return presenter, room_told(presenter.at(own), audience, request.data_dir is not None)
+    return presenter, room_told(f"{access.at(own)}&{PRESENTER_FIELD}={folder.secret}", access.at(audience), request.data_dir is not None)
 
 
 def _run(server: LabServer, tell: Callable[[], object], prepare: Callable[[LabServer], object], end: Ending,

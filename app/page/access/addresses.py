@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import ipaddress
 import socket
+from urllib.parse import urlsplit
 
 from .patient_listener import PatientListener
 
@@ -39,6 +40,15 @@ def url(host: str, port: int) -> str:
     """What to type into a browser on this machine; IPv6 in brackets, a name for an address that means all addresses."""
     shown = "localhost" if host in EVERYWHERE else f"[{host}]" if ":" in host else host
     return f"http://{shown}:{port}"
+
+
+def is_reachable(address: str) -> bool:
+    """Whether another machine could open an address: its host does not name the machine itself."""
+    host = urlsplit(address).hostname or ""
+    try:
+        return not ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return host != "localhost"
 
 
 def _resolved(host: str) -> tuple[socket.AddressFamily, str]:

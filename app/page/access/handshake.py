@@ -88,6 +88,7 @@ class AdmissionControl:
 
     `refused` hears of each whom the gate turns away; `health` is what HEALTH answers; `full` is the page for whoever comes while
     there is no place, else empty; `stranger` is the page for who does not know the word; `headers` stand on every answer.
+    Whoever shows the word of `presenter` presents to a room.
     """
 
     gate: AccessPolicy
@@ -97,6 +98,7 @@ class AdmissionControl:
     full: Callable[[], str]
     stranger: str
     headers: PageHeaders = field(default_factory=PageHeaders)
+    presenter: AccessToken | None = None
 
     def answer(self, request: Request, page: PackedPage, ready: bool) -> Response | None:
         """The answer to a request, None where it asks for a WebSocket and gets it."""
@@ -126,15 +128,16 @@ class AdmissionControl:
             return _answer(200, json.dumps(self.health()), "application/json")
         if path not in WHERE:
             return plain_answer(NO_PAGE)
-        if access is not None and access.shown(request.path) and not asks_for_websocket(head):
-            return self._exchange(access, request)
+        for word in (access, self.presenter):
+            if word is not None and word.shown(request.path) and not asks_for_websocket(head):
+                return self._exchange(word, request)
         if busy := self.full():
             return _with(_html(503, busy), "Retry-After", str(RETRY_AFTER_S))
         return None if asks_for_websocket(head) else page.answer(request)
 
     def _exchange(self, access: AccessToken, request: Request) -> Response:
         """Give the cookie for the word in the address, and send the browser to the address without it."""
-        answer = _with(_answer(303, "The access token is in a cookie now.", "text/plain; charset=utf-8"), "Location",
+        answer = _with(_answer(303, "The word is in a cookie now.", "text/plain; charset=utf-8"), "Location",
                        access.address_without(request.path))
         return _with(answer, "Set-Cookie", access.cookie_in_frames() if self.headers.frames else access.cookie(request.headers))
 

@@ -6,13 +6,15 @@ import hmac
 import re
 import secrets
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from dataclasses import field as record_field
 from urllib.parse import parse_qs, quote, unquote_plus
 
 from .access_policy import RequestHead
 
 VARIABLE = "OBSERVER_LAB_TOKEN"  # of the environment, which the list of processes does not show
 FIELD = "token"  # of an address
+PRESENTER_FIELD = "present"  # of the presenter's link
 SHAPE = re.compile(r"[A-Za-z0-9._~-]{8,200}", re.ASCII)
 TOKEN_BYTES = 24  # of a word that is drawn
 
@@ -26,8 +28,9 @@ def draw_token() -> str:
 class AccessToken:
     """What one must know of the server on a port. The word stands in no text of this record."""
 
-    word: str = field(repr=False)
+    word: str = record_field(repr=False)
     port: int
+    field: str = FIELD  # of an address
 
     def __post_init__(self) -> None:
         """Raises ValueError at a word that an address cannot hold, or that is soon guessed."""
@@ -40,7 +43,7 @@ class AccessToken:
 
     def shown(self, path: str) -> bool:
         """Whether the address holds the word."""
-        return self._knows(parse_qs(path.partition("?")[2]).get(FIELD, []))
+        return self._knows(parse_qs(path.partition("?")[2]).get(self.field, []))
 
     def knows_token(self, head: RequestHead, path: str) -> bool:
         """Whether whoever sends this knows the word."""
@@ -59,16 +62,17 @@ class AccessToken:
     def address_without(self, path: str) -> str:
         """The address of a request without the word, relative to it: a proxy may have taken away where the page stands."""
         place, _, question = path.partition("?")
-        rest = [part for part in question.split("&") if part.isascii() and part and unquote_plus(part.partition("=")[0]) != FIELD]
+        rest = [part for part in question.split("&") if part.isascii() and part and unquote_plus(part.partition("=")[0]) != self.field]
         return (place.rpartition("/")[2] or "./") + ("?" + "&".join(rest) if rest else "")
 
     def at(self, url: str) -> str:
         """An address with the word in it."""
-        return f"{url.rstrip('/')}/?{FIELD}={quote(self.word)}"
+        return f"{url.rstrip('/')}/?{self.field}={quote(self.word)}"
 
     @property
     def _name(self) -> str:
-        return f"observer-lab-{self.port}"  # the servers of one machine share the cookies of its name
+        part = "" if self.field == FIELD else f"-{self.field}"
+        return f"observer-lab-{self.port}{part}"  # the servers of one machine share the cookies of its name
 
     def _cookies(self, head: RequestHead) -> Iterator[str]:
         for value in head.get_all("Cookie"):

@@ -15,6 +15,7 @@ from ...session.state.saved_state import MAX_STATE_CHARACTERS
 from ...session.state.token import LONGEST_LINK, LONGEST_TOKEN
 from ...session.state.view import Picture
 from ...text import Text, read_outside_json
+from ..access.addresses import is_reachable
 from ..viser_private import page_scripts
 from ..words import phrases
 from .dialog import Dialog
@@ -134,6 +135,8 @@ class DownloadDialog(Dialog):
         field = (f'<div class="ol-take"><input class="ol-link" readonly aria-label="{copy}" value="{link}">'
                  f'<button type="button" class="ol-copy" data-token="{token}" data-done="{done}">{copy}</button></div>')
         shown = self._home and len(self._home) + 1 + len(token) <= LONGEST_CODE
+        alone = "" if not self._home or is_reachable(self._home) else phrases.ONLY_THIS_MACHINE(self._lang)
+        field += f'<p class="ol-note">{html.escape(alone)}</p>' if alone else ""
         return field + (qr_code(f"{self._home}#{token}") if shown else "")
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from types import MappingProxyType
 
 import viser
 
@@ -20,6 +21,7 @@ from ...session.commands.commands import (
     ToggleTheme,
 )
 from ...session.commands.guide import ChooseOption, EndLecture, GoToScene, RecordStop, SaveLecture, SetMode, ToggleGlossary, TurnScene
+from ...session.commands.room import AskTyped, AskTypedAgain, CloseVote, LowerHands, OpenVote
 from ...session.state.view import Picture
 from ..charts.charts import Chart
 from ..charts.print_sizes import Sizes
@@ -28,8 +30,10 @@ from ..viser_private import viser_internals
 from ..viser_private.hidden_input import hidden_input
 from ..viser_private.write_once import write_content
 from ..words import phrases
+from .room_card import ask_html, room_html
 from .scene_card import card_html, formulas_html, mode_row, verdict_html
 
+VOTES = MappingProxyType({"close": CloseVote, "typed": AskTypedAgain})
 Post = Callable[[Edit], int]
 
 
@@ -51,6 +55,10 @@ class GuidePanel:
                     lambda name, value: post(DrawByHand(name, value)))
         self._formulas = gui.add_html("")
         self._verdict = gui.add_html("")
+        self._room = gui.add_html("") if picture.state.room is not None else None
+        if self._room is not None:
+            gui.add_html(ask_html(self._hand, picture.state.language))
+            viser_internals.run_script(client, "ask")
         shown = {name for scene in picture.lesson.path for name in scene.figures}
         self.charts = {figure.id: Chart(gui, figure, picture.state.language, Sizes(picture.state), picture.horizon, None, 2)
                        for figure in picture.seen if figure.id in shown}
@@ -68,7 +76,8 @@ class GuidePanel:
             "mode": lambda: SetMode(value), "scene": lambda: GoToScene(_whole(value)), "turn": lambda: TurnScene(_whole(value)),
             "option": lambda: ChooseOption(_whole(value)), "course": ToggleCourse, "language": SetLanguage, "theme": ToggleTheme,
             "take": ToggleDownloads, "help": ToggleHelp, "terms": ToggleGlossary, "reset": lambda: GoToScene(self._stop),
-            "end": EndLecture, "record": RecordStop, "save": SaveLecture, "lesson": lambda: OpenLesson(value)}
+            "end": EndLecture, "record": RecordStop, "save": SaveLecture, "lesson": lambda: OpenLesson(value),
+            "vote": VOTES.get(value, OpenVote), "ask": lambda: AskTyped(value), "hands": LowerHands}
         if kind in edits:
             self._post(edits[kind]())
 
@@ -85,6 +94,8 @@ class GuidePanel:
         if picture.resting:
             write_content(self._formulas, formulas_html(picture))
         write_content(self._verdict, verdict_html(picture, self._hand))
+        if self._room is not None:
+            write_content(self._room, room_html(picture, self._hand))
         self._tell_notes(picture)
         for name, chart in self.charts.items():
             chart.set_visible(name in scene.figures)

@@ -91,9 +91,11 @@ def card_html(picture: Picture, hand: str) -> str:
 
 
 def _options(picture: Picture, scene: Scene, hand: str) -> str:
-    options, _, _ = options_of(picture.lesson, scene, picture.state.language)
+    options, _, answer = options_of(picture.lesson, scene, picture.state.language)
     chosen = picture.state.chosen.get(scene.id)
-    buttons = [f'<button type="button" class="ol-option{" ol-chosen" if k == chosen else ""}" data-to="{hand}" data-value="option:{k}"'
+    lit = answer if picture.votes and scene.id in picture.state.done and not picture.voting else None  # the class has voted
+    marks = [(" ol-chosen" if k == chosen else "") + (" ol-right" if k == lit else "") for k in range(len(options))]
+    buttons = [f'<button type="button" class="ol-option{marks[k]}" data-to="{hand}" data-value="option:{k}"'
                f'{"" if chosen is None else " disabled"}><b>{LETTERS[k]}</b> {render_markdown(option)}</button>'
                for k, option in enumerate(options)]
     return f'<div class="ol-choice">{"".join(buttons)}</div>'
@@ -105,7 +107,9 @@ def verdict_html(picture: Picture, hand: str) -> str:
     assert scene is not None
     done, (at, count) = scene.id in picture.state.done, picture.place
     said = ""
-    if isinstance(scene.do, Choose) and scene.id in picture.state.chosen:
+    if picture.voting:
+        done = False  # once more: nothing shows the answer
+    elif isinstance(scene.do, Choose) and scene.id in picture.state.chosen:
         said = _verdict(picture, scene) if done else f'<p class="ol-note">{html.escape(phrases.WATCH(lang))}</p>'
     if (done and words.say and not isinstance(scene.do, Read)) or (done and words.say and scene.play):
         said += f'<div class="ol-say">{paragraphs(picture, words.say)}</div>'

@@ -7,13 +7,17 @@ import socket
 import sys
 import threading
 import time
+from asyncio import AbstractEventLoop
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from importlib import import_module
+from typing import Any, Protocol
+from urllib.parse import parse_qs
 
 import viser
 from PIL import Image
 
+from ...classroom.room import VoteDesk
 from ...course.handin.served_course import ServedCourse
 from ...course.lectures import Lecture
 from ...course.lesson import Lesson
@@ -23,6 +27,7 @@ from ...session.commands.files import LessonsChanged
 from ...session.session import WATCHDOG, Session
 from ..access.access_policy import AccessPolicy, Refusal
 from ..access.addresses import is_public, listen, url
+from ..access.connection import Connection
 from ..access.handshake import RETRY_AFTER_S, AdmissionControl
 from ..access.memory_arena import share_one_arena
 from ..access.page_headers import PageHeaders
@@ -41,8 +46,43 @@ NEEDED = ("imageio.v3", "babel.numbers")  # by which viser packs pictures, and a
 STOP_TIMEOUT_S = 5.0  # s within which a server has stopped, whatever its tabs are doing
 SWITCH_INTERVAL_S = 5e-4  # s that a computing thread keeps the interpreter for, while the one that talks to all browsers waits
 LAST_MESSAGE_S = 0.5  # s in which the last word goes out
+OWN, FOLLOW = "own", "follow"  # of an address: a copy of one's own, and the lecture also for who presents
 END_POLL_S = 0.1  # s within which it hears of its end
 HEALTH_INTERVAL_S = 5.0  # s between two times that other workers are told how this one is
+
+
+class Room(VoteDesk, Protocol):
+    """A lecture room, as far as the server uses it. Its presenter's screens are of a kind of their own, hence `Any`."""
+
+    @property
+    def state(self) -> str:
+        """The token of what the lecture showed last."""
+        ...
+
+    def start(self, loop: AbstractEventLoop) -> None:
+        """Begin, with followers on this loop."""
+
+    def close(self) -> None:
+        """End."""
+
+    def presenter_screen(self, client: viser.ClientHandle) -> Any:
+        """The screen of a tab that presents."""
+
+    def own_screen(self, client: viser.ClientHandle) -> Any:
+        """The screen of a tab that works on its own."""
+
+    def present(self, client_id: int, session: Session, screen: Any) -> None:
+        """A tab presents."""
+
+    def work_alone(self, client_id: int, session: Session) -> None:
+        """A tab works on its own."""
+
+    def follow(self, client: viser.ClientHandle, connection: Connection) -> None:
+        """A tab follows."""
+
+    def leave(self, client_id: int) -> bool:
+        """A tab has left; whether it followed."""
+        ...
 
 
 class LabServer:
@@ -52,7 +92,8 @@ class LabServer:
                  lesson: str = "separation", language: str = "en", max_sessions: int = 200, plant: str = "",
                  names: Iterable[str] = (), state: str = "", insists: bool = False, sealed: bool = False, access: AccessToken | None = None,
                  frames: Iterable[str] = (), listener: socket.socket | None = None, seat: WorkerSlot | None = None,
-                 mode: Mode = "lab", talk: Lecture | None = None, course: ServedCourse | None = None) -> None:
+                 mode: Mode = "lab", talk: Lecture | None = None, course: ServedCourse | None = None,
+                 room: Room | None = None, presenter: AccessToken | None = None) -> None:
         """`state` is what a tab opens with that brings none, as a token or the words of a file. A new tab goes on where the last one
         of its browser was, unless the server `insists` on its lesson or has a state. `sealed` offers no practice of exams.
         `frames` are the sites that may show the page inside theirs.
@@ -63,6 +104,8 @@ class LabServer:
 
         `listener` stands in the place of host and port where one listens already, `seat` in that of `max_sessions` where several
         processes count together.
+
+        In a `room` a tab follows unless it knows the word of `presenter` or asks to work on its own.
 
         Raises OSError where it cannot listen, ValueError at a name that is none.
         """
@@ -75,10 +118,12 @@ class LabServer:
         self._sessions: dict[int, Session] = {}
         self._screens: dict[int, Screen] = {}
         self._seat = seat or WorkerSlot(SharedCounters(), 0, max_sessions)
-        self._host = host
+        self._host, self._room, self._presenter = host, room, presenter
         reception = AdmissionControl(AccessPolicy.of(host, is_public(host), names), access, self._write_down, self.health, self._full,
-                                     token_required_page(language), PageHeaders(tuple(frames)))
+                                     token_required_page(language), PageHeaders(tuple(frames)), presenter)
         self._server = viser_internals.open_server(listener or listen(host, port), reception, language)
+        if room is not None:
+            room.start(self._server.get_event_loop())
         self._server.on_client_connect(self._enter)
         self._server.on_client_disconnect(self._leave)
 
@@ -123,23 +168,52 @@ class LabServer:
             raise
 
     def _open(self, client: viser.ClientHandle) -> None:
-        screen = Screen(client)
-        session = Session(self._lessons, screen, self._lesson, self._language, plant=self._plant,
-                          state=self._state, insists=self._insists, sealed=self._sealed, mode=self._mode, talk=self._talk,
-                          course=self._course)
-        screen.attach(session.post)
         viser_internals.may_leave(client)
+        connection, room, number = viser_internals.open_tab(self._server, client.client_id), self._room, client.client_id
+        if room is None or connection is None:
+            self._work(client, Screen(client))
+            return
+        role = self._role(connection)
+        if role == FOLLOW:
+            viser_internals.accept_values_only(client, lambda: None)
+            viser_internals.accept_small_files_only(client, 0, lambda: None)
+            room.follow(client, connection)
+        elif role == "present":
+            screen = room.presenter_screen(client)
+            room.present(number, self._work(client, screen, room.state, room), screen)
+        else:
+            room.work_alone(number, self._work(client, room.own_screen(client)))
+
+    def _role(self, connection: Connection) -> str:
+        """What a tab of a room is for, by its address and the word that it shows."""
+        request = connection.request
+        if request is None:
+            return FOLLOW
+        asked = parse_qs(request.path.partition("?")[2])
+        if OWN in asked:
+            return OWN
+        knows = self._presenter is not None and self._presenter.knows_token(request.headers, "")
+        return "present" if knows and FOLLOW not in asked else FOLLOW
+
+    def _work(self, client: viser.ClientHandle, screen: Screen, state: str = "", desk: VoteDesk | None = None) -> Session:
+        """Begin a session on a screen."""
+        session = Session(self._lessons, screen, self._lesson, self._language, plant=self._plant, state=state or self._state,
+                          insists=self._insists, sealed=self._sealed, mode=self._mode, talk=self._talk, course=self._course,
+                          desk=desk)
+        screen.attach(session.post)
         viser_internals.accept_values_only(client, lambda: session.post(Refuse(phrases.NONSENSE)))
         viser_internals.accept_small_files_only(client, MOST_BYTES, lambda: session.post(Refuse(phrases.TOO_LARGE)))
-        viser_internals.open_tab(self._server, client.client_id)
         self._sessions[client.client_id], self._screens[client.client_id] = session, screen
         session.start(lambda: viser_internals.hang_up(self._server, client.client_id))
+        return session
 
     async def _leave(self, client: viser.ClientHandle) -> None:
         self._screens.pop(client.client_id, None)
         session = self._sessions.pop(client.client_id, None)
-        if session is not None:
+        followed = self._room is not None and self._room.leave(client.client_id)
+        if session is not None or followed:
             self._seat.leave()
+        if session is not None:
             session.close()
 
     def prepare(self) -> None:
@@ -169,6 +243,8 @@ class LabServer:
         ending.join(STOP_TIMEOUT_S)
 
     def _end(self) -> None:
+        if self._room is not None:
+            self._room.close()
         for session in list(self._sessions.values()):
             session.close()
         for screen in list(self._screens.values()):

@@ -70,11 +70,22 @@ def close_server(server: viser.ViserServer) -> None:
         server.stop()
 
 
-def open_tab(server: viser.ViserServer, client_id: int) -> None:
-    """Tell the connection that its tab stands: from now on it may send what a page in use sends."""
+def open_tab(server: viser.ViserServer, client_id: int) -> Connection | None:
+    """Tell the connection that its tab stands: from now on it may send what a page in use sends. None where it has left."""
     connection = server._websock_server._live_connections.get(infra.ClientId(client_id))
-    if isinstance(connection, Connection):
-        connection.open_tab()
+    if not isinstance(connection, Connection):
+        return None
+    connection.open_tab()
+    return connection
+
+
+def fixed_camera(client: viser.ClientHandle, width: int, height: int) -> viser.CameraHandle:
+    """A camera that no browser moves, in a canvas of so many pixels."""
+    camera = viser.CameraHandle(client)
+    state = camera._state
+    state.image_width, state.image_height, state.update_timestamp = width, height, 1.0
+    state.position[1] = -1.0  # none stands where it looks at
+    return camera
 
 
 def close_shared_doors(server: viser.ViserServer) -> frozenset[str]:

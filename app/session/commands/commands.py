@@ -12,6 +12,7 @@ from ...text import Text
 from .exams import Examining, HandingIn
 from .files import Comparing, LessonsChanged, Shelving, Taking
 from .guide import Guiding, ToggleGlossary
+from .room import Lecturing
 
 
 @dataclass(frozen=True)
@@ -295,5 +296,6 @@ Studying = Predict | Reveal | PredictAgain | ShowAgain | CheckTask | CheckNextTa
 Sharing = OpenState | PlaceOpened | ToggleDownloads | SaveState
 Paging = (OpenLesson | TurnPage | SetLanguage | ToggleLecture | ToggleTheme | WindowChanged | ToggleLandscape | LookFrom | ToggleHelp
           | ToggleGlossary | ToggleCourse | Answer | RunOnTabThread | LessonsChanged | MemoryRecalled)
-Command = Playing | Designing | Studying | Examining | HandingIn | Sharing | Taking | Comparing | Shelving | Paging | Guiding
+Command = (Playing | Designing | Studying | Examining | HandingIn | Sharing | Taking | Comparing | Shelving | Paging | Guiding
+           | Lecturing)
 Edit = SetKnobs | Command

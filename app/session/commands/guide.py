@@ -60,5 +60,4 @@ class SaveLecture:
     """Hand over what was recorded as a TOML file, and begin a new recording."""
 
 
-Lecturing = OpenLecture | EndLecture | RecordStop | SaveLecture
-Guiding = Lecturing | SetMode | GoToScene | TurnScene | ChooseOption
+Guiding = OpenLecture | EndLecture | RecordStop | SaveLecture | SetMode | GoToScene | TurnScene | ChooseOption

@@ -44,8 +44,8 @@ def _set_mode(show: Presenter, mode: object) -> None:
 
 
 def enter(show: Presenter) -> None:
-    """Open the path's scene where it has not been begun; a path that was left stands as it was left."""
-    if show.picture.guided and not show.state.done and not show.state.chosen:
+    """Open the path's scene where it has not been begun; a path that was left, or came by a link, stands as it was."""
+    if show.picture.guided and not show.state.done and not show.state.chosen and not show.desk.entered:
         enter_scene(show, show.state.scene)
 
 
@@ -106,6 +106,13 @@ def _choose(show: Presenter, index: int) -> None:
         state = replace(state, again=index, predicted=-1 if state.predicted is None else state.predicted)
     show.change(state)
     _perform(show, scene)
+
+
+def perform_answer(show: Presenter) -> None:
+    """Do what the open scene's question asks about, where nobody has chosen in this tab: the class has."""
+    scene = show.picture.scene
+    if scene is not None and isinstance(scene.do, Choose) and scene.id not in show.state.chosen:
+        _choose(show, -1)
 
 
 def _perform(show: Presenter, scene: Scene) -> None:

@@ -44,8 +44,11 @@ def take(show: Presenter, words: object) -> None:
     what the lesson raises."""
     saved = _read(show, words)
     show.open_state(saved)
-    if saved.scene and show.shown is not None:
-        show.change(replace(show.state, scene=[scene.id for scene in show.lesson.path].index(saved.scene)))
+    if saved.scene:
+        scene = [each.id for each in show.lesson.path].index(saved.scene)
+        show.desk.scene, show.desk.entered = scene, True
+        if show.shown is not None:
+            show.change(replace(show.state, scene=scene))
     if saved.notes:
         show.tell(joined(*saved.notes), False)
 

@@ -26,6 +26,7 @@ class LessonState:
     done: frozenset[str] = frozenset()
     chosen: Mapping[str, int] = field(default_factory=dict)
     text: str = ""  # as it was last written down, for a reload
+    entered: bool = False  # whether the design came with its scene, by a link, and is to stand as it came
 
     def keep(self, state: State) -> None:
         """Take over what the tab's state says of this lesson."""

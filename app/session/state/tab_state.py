@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from ...classroom.room import RoomView
 from ...course.handin.served_course import ServedCourse
 from ...course.lectures import Lecture, Stop
 from ...course.pinned_designs import Pin
@@ -63,6 +64,7 @@ class State:
     performance: Performance | None = None  # what the page still does by itself
     talk: Lecture | None = None  # the lecture that is being given
     stop: int = 0  # which of its stops is open
+    room: RoomView | None = None  # the class that follows, None in a tab that presents to nobody
     recorded: tuple[Stop, ...] = ()  # stops that were noted for a lecture of one's own
 
     @property

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Protocol
 
+from ...classroom.votes import Vote, votes_on, votes_on_typed
 from ...course.course_map import Progress
 from ...course.error_window import run_end
 from ...course.figures.records import Figure, TableFigure
@@ -113,6 +114,23 @@ class Picture:
             stop = talk.stops[at + 1]
             lesson, scene = next(each for each in self.catalogue if each.id == stop.lesson), stop.scene
         return lesson.words[self.state.language].scenes[scene].title
+
+    @property
+    def votes(self) -> tuple[Vote, ...]:
+        """How the class has voted on the question of that scene, now and the time before."""
+        room = self.state.room
+        return () if room is None or self.scene is None else votes_on(room.votes, self.lesson.id, self.scene.id)
+
+    @property
+    def typed(self) -> tuple[Vote, ...]:
+        """How the class has answered what the presenter typed in that scene, now and the time before."""
+        room, scene = self.state.room, self.scene.id if self.scene else ""
+        return () if room is None else votes_on_typed(room.votes, self.lesson.id, scene)
+
+    @property
+    def voting(self) -> bool:
+        """Whether a vote on that question is open, so that nothing shows its answer."""
+        return bool(self.votes) and self.votes[-1].open
 
     @property
     def veiled(self) -> bool:

@@ -8,10 +8,12 @@
   const lab = window.observerLabAddress = {own, shown: store(), asked: 0, widget: '', carried: location.hash};
   const plain = () => {
     const asked = new URLSearchParams(location.search);
-    for (const name of ['token', 'again', 'websocket']) asked.delete(name);
+    for (const name of ['token', 'present', 'again', 'websocket']) asked.delete(name);
     return location.pathname + (asked.size ? '?' + asked : '');
   };
-  viser.server = location.origin.replace(/^http/, 'ws') + folder;  // viser's page leaves the last / out, at which proxies turn away
+  const role = ['own', 'follow'].find(name => new URLSearchParams(location.search).has(name));  // in a lecture room
+  // viser's page leaves the last / out, at which proxies turn away
+  viser.server = location.origin.replace(/^http/, 'ws') + folder + (role ? `?${role}=1` : '');
   lab.token = () => (lab.carried || location.hash).slice(1);
   lab.say = what => viser.tell(lab.widget, JSON.stringify(what));
   lab.show = (token, lesson, asked) => {

@@ -1,0 +1,56 @@
+"""Describe what a presenter sees of a room, and what a session may ask of it."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Protocol
+
+from .votes import Asked, Vote
+
+LECTURE = "lecture"  # the place of those who follow
+UNSOLVED = "unsolved:"  # before the place of a task that was tried without success
+MAX_PLACES = 6  # that are named; the others are counted together
+
+
+@dataclass(frozen=True)
+class RoomView:
+    """Counts of a room, and its latest votes. `places` counts those who work on their own by lesson and scene, `unsolved` those who
+    have tried a task there without success."""
+
+    here: int = 0
+    following: int = 0
+    slower: int = 0
+    places: tuple[tuple[str, int], ...] = ()
+    unsolved: tuple[tuple[str, int], ...] = ()
+    votes: tuple[Vote, ...] = ()
+
+
+def overview(counts: Mapping[str, int], slower: int, votes: tuple[Vote, ...]) -> RoomView:
+    """The view of a room from the counts by place, in all of its workers."""
+    following = counts.get(LECTURE, 0)
+    own = Counter({place: count for place, count in counts.items() if place != LECTURE and not place.startswith(UNSOLVED)})
+    tried = Counter({place.removeprefix(UNSOLVED): count for place, count in counts.items() if place.startswith(UNSOLVED)})
+    return RoomView(following + own.total(), following, slower, _first(own), _first(tried), votes)
+
+
+def _first(counts: Counter[str]) -> tuple[tuple[str, int], ...]:
+    """Those with the highest counts, in the order of their names."""
+    return tuple(sorted((place, count) for place, count in counts.most_common(MAX_PLACES) if count > 0))
+
+
+class VoteDesk(Protocol):
+    """What a presenter's session asks of its room."""
+
+    def open_vote(self, lesson: str, scene: str, options: int, asked: Asked | None = None) -> RoomView:
+        """Ask the class the question of a scene, or what was typed, once more where it was asked before; the open vote ends."""
+        ...
+
+    def close_vote(self) -> RoomView:
+        """Take no more votes."""
+        ...
+
+    def lower_hands(self) -> RoomView:
+        """Forget who asked for a slower lecture."""
+        ...

@@ -1,0 +1,168 @@
+"""Keep a room's votes and counts in SQLite, for all workers of a server and through its restart."""
+
+from __future__ import annotations
+
+import json
+import os
+import secrets
+import sqlite3
+import threading
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+
+from .votes import Asked, Vote
+
+FILE = "room.sqlite"  # in the folder of --data-dir
+WAIT_S = 10.0  # s that one worker waits for another one's writing
+SECRET_BYTES = 24  # of the presenter's word
+SCHEMA = """
+CREATE TABLE IF NOT EXISTS room (id INTEGER PRIMARY KEY CHECK (id = 1), secret TEXT NOT NULL, state TEXT NOT NULL, hands INTEGER NOT NULL);
+CREATE TABLE IF NOT EXISTS votes (number INTEGER PRIMARY KEY, lesson TEXT NOT NULL, scene TEXT NOT NULL, round INTEGER NOT NULL,
+  open INTEGER NOT NULL, counts TEXT NOT NULL, asked TEXT NOT NULL, edges TEXT NOT NULL);
+CREATE TABLE IF NOT EXISTS ballots (vote INTEGER NOT NULL, ballot TEXT NOT NULL, answer REAL NOT NULL, PRIMARY KEY (vote, ballot))
+  WITHOUT ROWID;
+CREATE TABLE IF NOT EXISTS presence (worker INTEGER NOT NULL, place TEXT NOT NULL, people INTEGER NOT NULL, slower INTEGER NOT NULL,
+  PRIMARY KEY (worker, place));
+"""
+
+
+def connect(path: Path, synchronous: str) -> sqlite3.Connection:
+    """A connection that several threads of a process may share, with a log that readers do not wait for. Raises sqlite3.Error."""
+    database = sqlite3.connect(path, timeout=WAIT_S, check_same_thread=False, isolation_level=None)
+    database.execute("PRAGMA journal_mode = WAL")
+    database.execute(f"PRAGMA synchronous = {synchronous}")
+    return database
+
+
+class RoomStore:
+    """The room in a folder. Each worker has a store of its own on the same file, opened after the workers have parted."""
+
+    def __init__(self, folder: Path) -> None:
+        """Raises sqlite3.Error or OSError where the folder cannot hold it."""
+        path = folder / FILE
+        os.close(os.open(path, os.O_CREAT | os.O_RDWR, 0o600))  # it holds the presenter's word
+        self._lock, self._database = threading.RLock(), connect(path, "FULL")
+        self._database.executescript(SCHEMA)
+        self._database.execute("INSERT OR IGNORE INTO room VALUES (1, ?, '', 0)", (secrets.token_urlsafe(SECRET_BYTES),))
+
+    def close(self) -> None:
+        """Let go of the file."""
+        with self._lock:
+            self._database.close()
+
+    @contextmanager
+    def _writing(self) -> Iterator[sqlite3.Connection]:
+        """One transaction; what was written is on the disk when it ends."""
+        with self._lock:
+            self._database.execute("BEGIN IMMEDIATE")
+            try:
+                yield self._database
+            except BaseException:
+                self._database.execute("ROLLBACK")
+                raise
+            self._database.execute("COMMIT")
+
+    def _read(self, question: str, *values: object) -> list[tuple]:
+        with self._lock:
+            return self._database.execute(question, values).fetchall()
+
+    # --- the room --------------------------------------------------------------------------------------------------
+    @property
+    def secret(self) -> str:
+        """The word that makes a presenter; drawn once, so that the link holds after a restart."""
+        return str(self._read("SELECT secret FROM room")[0][0])
+
+    @property
+    def state(self) -> str:
+        """The token of what the lecture showed last; "" before its beginning."""
+        return str(self._read("SELECT state FROM room")[0][0])
+
+    def keep_state(self, token: str) -> None:
+        """Keep what the lecture shows."""
+        with self._writing() as database:
+            database.execute("UPDATE room SET state = ?", (token,))
+
+    # --- votes -----------------------------------------------------------------------------------------------------
+    def open_vote(self, lesson: str, scene: str, options: int, asked: Asked | None = None) -> None:
+        """Begin a vote on a scene's question with so many options, or on what was `asked` there; the one that was open ends."""
+        words = "" if asked is None else json.dumps([asked.question, *asked.options])
+        count = options if asked is None else len(asked.options)
+        with self._writing() as database:
+            self._close(database)
+            before = database.execute("SELECT MAX(round) FROM votes WHERE lesson = ? AND scene = ? AND asked = ?",
+                                      (lesson, scene, words)).fetchone()[0]
+            database.execute("INSERT INTO votes (lesson, scene, round, open, counts, asked, edges) VALUES (?, ?, ?, 1, ?, ?, '[]')",
+                             (lesson, scene, (before or 0) + 1, json.dumps([0] * count), words))
+
+    def close_vote(self) -> None:
+        """Take no more votes: their counts stay, the ballots go."""
+        with self._writing() as database:
+            self._close(database)
+
+    def _close(self, database: sqlite3.Connection) -> None:
+        for vote in self._votes(database, "WHERE open"):
+            database.execute("UPDATE votes SET open = 0, counts = ?, edges = ? WHERE number = ?",
+                             (json.dumps(vote.counts), json.dumps(vote.edges), vote.number))
+        database.execute("DELETE FROM ballots")
+
+    def cast(self, ballots: Iterable[tuple[int, str, float]]) -> list[bool]:
+        """Write (vote, ballot, answer) down, all in one transaction; for each whether it counts. A newer one replaces an older one.
+
+        The answer is the index of an option, or a number where one was asked for.
+        """
+        with self._writing() as database:
+            open_now = {vote.number: vote for vote in self._votes(database, "WHERE open")}
+            taken = []
+            for number, ballot, answer in ballots:
+                taken.append(number in open_now and open_now[number].takes(answer))
+                if taken[-1]:
+                    database.execute("INSERT OR REPLACE INTO ballots VALUES (?, ?, ?)", (number, ballot, answer))
+            return taken
+
+    def votes(self) -> tuple[Vote, ...]:
+        """All votes, the open one with its counts as they are now."""
+        with self._lock:
+            return tuple(self._votes(self._database))
+
+    def _votes(self, database: sqlite3.Connection, which: str = "") -> list[Vote]:
+        out = []
+        for number, lesson, scene, times, is_open, counts, asked, edges in database.execute(
+                f"SELECT number, lesson, scene, round, open, counts, asked, edges FROM votes {which} ORDER BY number").fetchall():
+            question, *options = json.loads(asked) if asked else [""]
+            vote = Vote(number, lesson, scene, times, bool(is_open), tuple(json.loads(counts)),
+                        Asked(question, tuple(options)) if asked else None, tuple(json.loads(edges)))
+            if is_open:
+                answers = database.execute("SELECT answer FROM ballots WHERE vote = ?", (number,)).fetchall()
+                vote = vote.counting([answer for (answer,) in answers])
+            out.append(vote)
+        return out
+
+    # --- who is here -----------------------------------------------------------------------------------------------
+    def report(self, worker: int, people: Mapping[str, int], slower: int) -> None:
+        """What a worker counts by place; `slower` are the hands that are raised there."""
+        with self._writing() as database:
+            database.execute("DELETE FROM presence WHERE worker = ?", (worker,))
+            database.executemany("INSERT INTO presence VALUES (?, ?, ?, 0)", [(worker, place, count) for place, count in people.items()])
+            database.execute("INSERT OR REPLACE INTO presence VALUES (?, '', 0, ?)", (worker, slower))
+
+    def presence(self) -> tuple[dict[str, int], int]:
+        """The counts of all workers by place, and the raised hands."""
+        people = dict(self._read("SELECT place, SUM(people) FROM presence WHERE place != '' GROUP BY place"))
+        return people, int(self._read("SELECT COALESCE(SUM(slower), 0) FROM presence")[0][0])
+
+    def forget_presence(self) -> None:
+        """Nobody is here yet: the server has just begun."""
+        with self._writing() as database:
+            database.execute("DELETE FROM presence")
+
+    @property
+    def hands(self) -> int:
+        """How often the presenter has lowered all hands."""
+        return int(self._read("SELECT hands FROM room")[0][0])
+
+    def lower_hands(self) -> None:
+        """Every raised hand is lowered."""
+        with self._writing() as database:
+            database.execute("UPDATE room SET hands = hands + 1")
+            database.execute("UPDATE presence SET slower = 0")

@@ -1,0 +1,105 @@
+"""What `serve` was asked for, and what a page opens on after it: lessons, plant, state, lecture, course."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
+
+from ..course.scenes import Mode
+from .lesson_folder import LessonFolder, first_whole, open_folder
+from .options import CommandError
+from .records import RECORD, lesson_with
+
+if TYPE_CHECKING:
+    from ..course.handin.served_course import ServedCourse
+    from ..course.lectures import Lecture
+    from ..course.lesson import Lesson
+
+SANDBOX = "sandbox"  # the lesson that opens when a plant is brought and no lesson named
+
+
+@dataclass(frozen=True)
+class ServeRequest:
+    """What `serve` was asked for."""
+
+    host: str = "127.0.0.1"
+    port: int = 8080
+    lesson: str | None = None
+    language: str = "en"
+    max_sessions: int | None = None
+    plant: str | None = None
+    names: tuple[str, ...] = ()
+    public: bool = False
+    log_json: bool = False
+    data_dir: str | None = None
+    frames: tuple[str, ...] = ()
+    state: str | None = None
+    exam: bool = False
+    workers: int = 1
+    exact: bool = False
+    mode: Mode = "guide"
+    timeout: float = 90.0
+    token: str | None = field(default=None, repr=False)
+    data: str | None = None
+    columns: str | None = None
+    lecture: str | None = None
+    course: str | None = None
+    lessons: str | None = None
+    trusted: bool = False
+    room: bool = False
+    at: str | None = None
+
+
+@dataclass(frozen=True)
+class Opening:
+    """What a page opens on. `insists`: also where the browser was elsewhere before."""
+
+    lessons: Mapping[str, Lesson]
+    lesson: str
+    plant: str
+    state: str
+    talk: Lecture | None
+    course: ServedCourse | None
+    folder: LessonFolder | None
+    insists: bool
+
+
+def opening_of(request: ServeRequest) -> Opening:
+    """What a page opens on. Raises CommandError where what was asked for does not go together or cannot be read."""
+    from observer_lab.lessons import FIRST, OPENING, all_lessons
+
+    from ..session.state.token import write_token
+    from .courses import served_course
+    from .inputs import find_lesson, fit_lesson, read_lecture_file, read_plant, read_saved_state
+
+    plant = "" if request.plant is None else read_plant(request.plant)
+    if request.data is not None and (request.plant or request.state):
+        raise CommandError("Give --data without --plant and --state: the record brings its own model.")
+    if request.state is not None and (request.lesson or request.plant):
+        raise CommandError("Give --state without --lesson and --plant: a state brings its own.")
+    if request.lecture is not None and (request.lesson or request.plant or request.state or request.data):
+        raise CommandError("Give --lecture without --lesson, --plant, --state and --data: a lecture names its own lessons.")
+    talk = None if request.lecture is None else read_lecture_file(request.lecture)
+    saved = None if request.state is None else read_saved_state(request.state)
+    if request.course is not None and request.exam:
+        raise CommandError("Give --course without --exam: the course file says what is withheld.")
+    course = None if request.course is None else served_course(request.course)
+    folder = None if request.lessons is None else open_folder(request.lessons, all_lessons(), request.trusted)
+    own = {} if folder is None else folder.lessons()
+    lessons = {**all_lessons(), **own}
+    first = first_whole(own) if own else SANDBOX if plant and SANDBOX in lessons else OPENING if request.mode == "lab" else FIRST
+    lesson = saved.design.lesson if saved else request.lesson or (talk.stops[0].lesson if talk else first)
+    opening = find_lesson(RECORD if request.data is not None and request.lesson is None else lesson, lessons)
+    if request.data is not None:
+        lessons = {**lessons, RECORD: lesson_with(find_lesson(RECORD), request.data, request.columns)}
+        opening = lessons[opening.id]
+    state = "" if saved is None else write_token(opening, replace(saved, notes=()))
+    try:
+        fit_lesson(opening, saved.design.plant if saved else plant)
+    except CommandError as problem:
+        if saved:
+            raise
+        print(f"observer-lab: lesson {opening.id} does not take this plant: {problem} The other lessons have it.", file=sys.stderr)
+    return Opening(lessons, opening.id, plant, state, talk, course, folder, bool(request.lesson or own or plant or request.data or talk))

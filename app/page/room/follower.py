@@ -1,0 +1,93 @@
+"""Hear one follower: a vote or a raised hand; nothing else that it sends is taken."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+import viser
+
+from ...classroom.votes import MAX_OPTIONS, is_ballot
+from ...text import Text, format_number
+from ..guide.histogram import LETTERS
+from ..viser_private import viser_internals
+from ..viser_private.hidden_input import hidden_input
+from ..words import phrases
+
+NOTICE_S = 4.0  # s that a sentence stands on the page
+LONGEST_NUMBER = 9  # digits
+DECIMAL = re.compile(r"[+-]?(?:\d{1,15}(?:\.\d{0,15})?|\.\d{1,15})(?:[eE][+-]?\d{1,2})?", re.ASCII)
+
+
+@dataclass(frozen=True)
+class Ballot:
+    """A vote as a browser sends it: which one, its random number, and the index of an option or a number."""
+
+    vote: int
+    ballot: str
+    answer: float
+    numeric: bool = False
+
+
+def read_ballot(said: str) -> Ballot | None:
+    """The vote in `vote:VOTE:OPTION:BALLOT` or `number:VOTE:NUMBER:BALLOT`; None where that is not one."""
+    match said.split(":"):
+        case ["vote", vote, option, ballot] if is_number(vote) and is_number(option) and is_ballot(ballot):
+            return Ballot(int(vote), ballot, int(option)) if int(option) < MAX_OPTIONS else None
+        case ["number", vote, number, ballot] if is_number(vote) and DECIMAL.fullmatch(number) and is_ballot(ballot):
+            return Ballot(int(vote), ballot, float(number), True)
+    return None
+
+
+def is_number(word: str) -> bool:
+    """Whether these are a few digits."""
+    return word.isascii() and word.isdigit() and len(word) <= LONGEST_NUMBER
+
+
+class Ears(Protocol):
+    """Who takes what a follower says."""
+
+    def cast(self, ballot: Ballot, told: Callable[[bool], object]) -> None:
+        """Take a vote; `told` is called on the event loop once it is written down, with whether it counts."""
+
+
+class Follower:
+    """One browser that follows: where it says what, and whether its hand is raised."""
+
+    def __init__(self, client: viser.ClientHandle, language: str, ears: Ears) -> None:
+        self._client, self._language, self._ears = client, language, ears
+        self.raised = False
+        self._hand = viser_internals.node_id(hidden_input(client.gui, self.hear))
+        self._waits: viser.GuiHtmlHandle | None = client.gui.add_html(
+            f'<h2 class="ol-scene">{phrases.NOT_BEGUN(language)}</h2>')  # until there is a page
+        viser_internals.run_script(client, "room", hand=self._hand)
+        client.flush()
+
+    def begin(self) -> None:
+        """The shared page comes now."""
+        if self._waits is not None:
+            self._waits.remove()
+            self._waits = None
+            self._client.flush()
+
+    def hear(self, said: str) -> None:
+        """A vote or a hand; anything else changes nothing."""
+        if said == "slower":
+            self.raised = not self.raised
+            if self.raised:
+                self._say(phrases.HAND_RAISED)
+            return
+        ballot = read_ballot(said)
+        if ballot is not None:
+            self._ears.cast(ballot, lambda counted: self._tell(ballot, counted))
+
+    def _tell(self, ballot: Ballot, counted: bool) -> None:
+        viser_internals.run_script(self._client, "room", vote=ballot.vote, option=ballot.answer, counted=counted)
+        answer = format_number(ballot.answer, ".6g", self._language) if ballot.numeric else LETTERS[int(ballot.answer)]
+        self._say(phrases.VOTE_COUNTED.format(letter=answer) if counted else phrases.VOTE_REFUSED)
+
+    def _say(self, words: Text) -> None:
+        self._client.add_notification("Observer Lab", words(self._language), auto_close_seconds=NOTICE_S)
+        self._client.flush()

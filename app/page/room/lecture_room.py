@@ -1,0 +1,208 @@
+"""Run the room of one worker: presenter, followers, copies of their own, votes and counts."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import threading
+from collections import Counter
+from collections.abc import Callable, Mapping
+from functools import partial
+from pathlib import Path
+
+import viser
+
+from ...classroom.page_store import PageStore
+from ...classroom.room import LECTURE, UNSOLVED, RoomView, overview
+from ...classroom.room_store import RoomStore
+from ...classroom.vote_writer import VoteWriter
+from ...classroom.votes import Asked
+from ...session.commands.commands import RunOnTabThread
+from ...session.commands.room import RoomChanged
+from ...session.session import Session
+from ...text import languages
+from ..access.connection import Connection
+from ..charts.print_sizes import SHEET_MAX_WIDTH_PX
+from ..words import phrases
+from .broadcast import Broadcast
+from .follower import Ballot, Follower
+from .presenter_view import OwnScreen, PresenterScreen
+from .relay import Relay
+
+COUNT_S = 0.25  # s between two counts of the room
+log = logging.getLogger(__name__)
+
+
+class LectureRoom:
+    """A room in a folder, as one worker has it. The loop calls what begins and ends tabs; a thread counts."""
+
+    def __init__(self, folder: Path, worker: int, language: str) -> None:
+        """Raises sqlite3.Error or OSError where the folder cannot hold it."""
+        self._store, self._pages, self._worker, self._language = RoomStore(folder), PageStore(folder), worker, language
+        self._writer = VoteWriter(self._store)
+        self._relay: Relay | None = None
+        self._loop: asyncio.AbstractEventLoop | None = None
+        self._broadcast = Broadcast(self._pages, self._wake, self._store.keep_state, self._stop_leading)
+        self._followers: dict[int, Follower] = {}
+        self._tasks: dict[int, asyncio.Task[None]] = {}
+        self._alone: dict[int, Session] = {}
+        self._presenting: dict[int, tuple[Session, PresenterScreen]] = {}
+        self._ended = threading.Event()
+        self._told: RoomView | None = None
+        self._reported: tuple[Mapping[str, int], int] | None = None
+        self._hands = self._store.hands
+
+    def start(self, loop: asyncio.AbstractEventLoop) -> None:
+        """Begin; followers come on this event loop."""
+        self._loop, self._relay = loop, Relay(self._pages, loop)
+        for part in (self._relay, self._broadcast, self._writer):
+            part.start()
+        threading.Thread(target=self._count, name="observer-lab room", daemon=True).start()
+
+    def close(self) -> None:
+        """End all threads; what was voted is on the disk."""
+        self._ended.set()
+        self._broadcast.close()
+        self._writer.close()
+        if self._relay is not None:
+            self._relay.close()
+
+    def _wake(self) -> None:
+        if self._relay is not None:
+            self._relay.wake()
+
+    # --- tabs ------------------------------------------------------------------------------------------------------
+    @property
+    def state(self) -> str:
+        """The token of what the lecture showed last; "" before its beginning."""
+        return self._store.state
+
+    def presenter_screen(self, client: viser.ClientHandle) -> PresenterScreen:
+        """The screen of a tab that presents; the one before it no longer leads."""
+        self._stop_leading()
+        self._broadcast.lead()
+        return PresenterScreen(client, self._broadcast)
+
+    def _stop_leading(self) -> None:
+        for session, screen in list(self._presenting.values()):
+            if screen.leads:
+                screen.leads = False
+                session.post(RunOnTabThread(partial(screen.say, phrases.OTHER_LEADS, True)))
+
+    def own_screen(self, client: viser.ClientHandle) -> OwnScreen:
+        """The screen of a tab that works on its own."""
+        return OwnScreen(client)
+
+    def present(self, client_id: int, session: Session, screen: PresenterScreen) -> None:
+        """A tab presents."""
+        self._presenting[client_id], self._told = (session, screen), None
+
+    def work_alone(self, client_id: int, session: Session) -> None:
+        """A tab works on its own."""
+        self._alone[client_id] = session
+
+    def follow(self, client: viser.ClientHandle, connection: Connection) -> None:
+        """A tab follows the lecture; called on the event loop."""
+        assert self._relay is not None
+        asked = next(iter(connection.request.headers.get_all("Accept-Language")), "") if connection.request else ""
+        language = preferred_language(asked, self._language)
+        kind = f"{language}-{'phone' if 0 < client.camera.image_width <= SHEET_MAX_WIDTH_PX else 'wide'}"
+        follower = Follower(client, language, self)
+        self._followers[client.client_id] = follower
+        self._tasks[client.client_id] = asyncio.get_running_loop().create_task(self._send(kind, connection, follower))
+
+    async def _send(self, kind: str, connection: Connection, follower: Follower) -> None:
+        assert self._relay is not None
+        await asyncio.to_thread(self._pages.want, kind)
+        self._broadcast.notice()
+        try:
+            await self._relay.follow(kind, connection, follower.begin)
+        except (ConnectionError, TimeoutError):
+            await connection.close()
+        except asyncio.CancelledError:
+            raise
+        except Exception as problem:
+            log.warning("a follower was left: %s", type(problem).__name__)
+
+    def leave(self, client_id: int) -> bool:
+        """A tab has left; whether it followed."""
+        left = self._presenting.pop(client_id, None)
+        if left is not None and left[1].leads and self._presenting:  # who led before leads again
+            session, screen = next(reversed(self._presenting.values()))
+            screen.leads = True
+            session.post(RunOnTabThread(screen.lead_again))
+        self._alone.pop(client_id, None)
+        task = self._tasks.pop(client_id, None)
+        if task is not None:
+            task.cancel()
+        return self._followers.pop(client_id, None) is not None
+
+    # --- votes -----------------------------------------------------------------------------------------------------
+    def cast(self, ballot: Ballot, told: Callable[[bool], object]) -> None:
+        """Take a vote; `told` is called on the event loop once it is written down."""
+        assert self._loop is not None
+        loop = self._loop
+        self._writer.cast(ballot.vote, ballot.ballot, ballot.answer, lambda counted: loop.call_soon_threadsafe(told, counted))
+
+    def open_vote(self, lesson: str, scene: str, options: int, asked: Asked | None = None) -> RoomView:
+        """Ask the class the question of a scene, or what was typed there."""
+        self._store.open_vote(lesson, scene, options, asked)
+        return self._view()
+
+    def close_vote(self) -> RoomView:
+        """Take no more votes."""
+        self._store.close_vote()
+        return self._view()
+
+    def lower_hands(self) -> RoomView:
+        """Every raised hand is lowered."""
+        self._store.lower_hands()
+        return self._view()
+
+    # --- counts ----------------------------------------------------------------------------------------------------
+    def _view(self) -> RoomView:
+        people, slower = self._store.presence()
+        return overview(people, slower, self._store.votes())
+
+    def _count(self) -> None:
+        while not self._ended.wait(COUNT_S):
+            try:
+                self._report()
+                self._tell()
+            except Exception:
+                log.exception("the room could not be counted")
+
+    def _report(self) -> None:
+        if (hands := self._store.hands) != self._hands:
+            self._hands = hands
+            for follower in list(self._followers.values()):
+                follower.raised = False
+        people = Counter({LECTURE: len(self._followers)})
+        for session in list(self._alone.values()):
+            picture = session.picture
+            if picture is not None:
+                people[picture.lesson.id + (f"/{picture.scene.id}" if picture.scene else "")] += 1
+                people.update(f"{UNSOLVED}{picture.lesson.id}/{name}" for name, task in picture.state.tasks.items()
+                              if task.verdict is not None and not task.verdict.solved)
+        now = dict(people), sum(follower.raised for follower in list(self._followers.values()))
+        if now != self._reported:
+            self._reported = now
+            self._store.report(self._worker, *now)
+
+    def _tell(self) -> None:
+        if not self._presenting:
+            return
+        view = self._view()
+        if view != self._told:
+            self._told = view
+            for session, _ in list(self._presenting.values()):
+                session.post(RoomChanged(view))
+
+
+def preferred_language(asked: str, usual: str) -> str:
+    """The first language of ours that a browser names in Accept-Language, else the usual one."""
+    for part in asked.split(","):
+        code = part.partition(";")[0].strip().lower().partition("-")[0]
+        if code in languages():
+            return code
+    return usual

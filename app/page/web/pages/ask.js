@@ -1,0 +1,11 @@
+// Sends the question that a presenter has typed to the widget that its button names, and empties the field.
+() => {
+  if (window.observerLabAsk) return;
+  window.observerLabAsk = true;
+  document.addEventListener('click', event => {
+    const pressed = event.target?.closest?.('button[data-asks]'), field = pressed?.parentElement.querySelector('textarea');
+    if (!field) return;
+    window.__viserMutable.sendMessage({type: 'GuiUpdateMessage', uuid: pressed.dataset.asks, updates: {value: `ask:${field.value}`}});
+    field.value = '';
+  });
+}

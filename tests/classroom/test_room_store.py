@@ -1,0 +1,185 @@
+"""Votes and counts of a room: what is acknowledged is on the disk, what would tell who chose what is not shown."""
+
+from __future__ import annotations
+
+import sqlite3
+import threading
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from observer_lab.classroom.page_store import PageStore, StandingPage
+from observer_lab.classroom.room import LECTURE, MAX_PLACES, UNSOLVED, overview
+from observer_lab.classroom.room_store import FILE, RoomStore
+from observer_lab.classroom.vote_writer import VoteWriter
+from observer_lab.classroom.votes import (
+    HIDDEN_BELOW,
+    MAX_BINS,
+    Asked,
+    Vote,
+    histogram,
+    is_ballot,
+    read_question,
+    votes_on,
+    votes_on_typed,
+)
+
+
+@pytest.fixture
+def store(tmp_path: Path) -> RoomStore:
+    return RoomStore(tmp_path)
+
+
+def opened(store: RoomStore, scene: str = "why", options: int = 3) -> Vote:
+    store.open_vote("separation", scene, options)
+    return store.votes()[-1]
+
+
+def ballots(vote: Vote, *options: int) -> list[tuple[int, str, int]]:
+    return [(vote.number, f"ballot{k:04d}", option) for k, option in enumerate(options)]
+
+
+def test_counts_are_hidden_until_five_have_voted(store: RoomStore) -> None:
+    vote = opened(store)
+    store.cast(ballots(vote, *[1] * (HIDDEN_BELOW - 1)))
+    few = store.votes()[-1]
+    assert (few.total, few.shown, few.shares) == (HIDDEN_BELOW - 1, None, None)
+    store.cast(ballots(vote, *[1] * (HIDDEN_BELOW - 1), 0))
+    assert store.votes()[-1].shown == (1, HIDDEN_BELOW - 1, 0)
+    assert store.votes()[-1].shares == (0.2, 0.8, 0.0)
+
+
+def test_a_browser_that_votes_again_replaces_its_vote(store: RoomStore) -> None:
+    vote = opened(store)
+    assert store.cast([(vote.number, "sameballot", 0), (vote.number, "sameballot", 2)]) == [True, True]
+    assert store.votes()[-1].counts == (0, 0, 1)
+
+
+def test_a_vote_that_is_closed_unknown_or_beyond_the_options_does_not_count(store: RoomStore) -> None:
+    vote = opened(store)
+    assert store.cast([(vote.number, "ballot01", 3), (vote.number, "ballot02", -1), (vote.number + 1, "ballot03", 0)]) == [False] * 3
+    store.close_vote()
+    assert store.cast(ballots(vote, 0)) == [False]
+    assert store.votes()[-1].counts == (0, 0, 0)
+
+
+def test_closing_keeps_the_counts_and_no_ballot(store: RoomStore, tmp_path: Path) -> None:
+    vote = opened(store)
+    store.cast(ballots(vote, 0, 1, 1, 2, 1))
+    store.close_vote()
+    assert store.votes()[-1].counts == (1, 3, 1) and not store.votes()[-1].open
+    with sqlite3.connect(tmp_path / FILE) as database:
+        assert database.execute("SELECT COUNT(*) FROM ballots").fetchone() == (0,)
+        columns = {row[1] for table in ("votes", "ballots", "presence") for row in database.execute(f"PRAGMA table_info({table})")}
+    assert columns == {"number", "lesson", "scene", "round", "open", "counts", "vote", "ballot", "answer", "asked", "edges", "worker",
+                       "place", "people", "slower"}
+
+
+def test_asking_again_makes_a_second_round_beside_the_first(store: RoomStore) -> None:
+    first = opened(store)
+    store.cast(ballots(first, 0, 0, 0, 1, 1))
+    second = opened(store)
+    store.cast(ballots(second, 1, 1, 1, 1, 1))
+    opened(store, "surprise")
+    found = votes_on(store.votes(), "separation", "why")
+    assert [(vote.round, vote.counts, vote.open) for vote in found] == [(1, (3, 2, 0), False), (2, (0, 5, 0), False)]
+
+
+def test_a_process_that_ends_at_any_moment_loses_no_acknowledged_vote(store: RoomStore, tmp_path: Path) -> None:
+    """Each acknowledgement is followed by a look through a connection of its own, which sees committed rows alone."""
+    vote, writer, seen, done = opened(store), VoteWriter(store), [], threading.Event()
+    other = sqlite3.connect(tmp_path / FILE, check_same_thread=False)
+
+    def told(ballot: str, counted: bool) -> None:
+        row = other.execute("SELECT COUNT(*) FROM ballots WHERE ballot = ?", (ballot,)).fetchone()[0]
+        seen.append((counted, row))
+        if len(seen) == 300:
+            done.set()
+    writer.start()
+    for number, ballot, option in ballots(vote, *[k % 3 for k in range(300)]):
+        writer.cast(number, ballot, option, lambda counted, ballot=ballot: told(ballot, counted))
+    assert done.wait(60) and set(seen) == {(True, 1)}
+    writer.close()
+    assert RoomStore(tmp_path).votes()[-1].counts == (100, 100, 100)
+
+
+def test_the_presenters_word_and_the_state_survive_and_the_file_is_for_its_owner(store: RoomStore, tmp_path: Path) -> None:
+    store.keep_state("1.abc")
+    again = RoomStore(tmp_path)
+    assert (again.secret, again.state) == (store.secret, "1.abc") and len(store.secret) >= 32
+    assert (tmp_path / FILE).stat().st_mode & 0o077 == 0
+
+
+def test_the_counts_of_all_workers_are_added(store: RoomStore, tmp_path: Path) -> None:
+    other = RoomStore(tmp_path)
+    store.report(0, {LECTURE: 3, "kalman/why": 1, UNSOLVED + "kalman/band": 1}, 2)
+    other.report(1, {LECTURE: 4, "kalman/why": 2, "noise": 1}, 1)
+    view = overview(*store.presence(), store.votes())
+    assert (view.here, view.following, view.slower) == (11, 7, 3)
+    assert dict(view.places) == {"kalman/why": 3, "noise": 1} and view.unsolved == (("kalman/band", 1),)
+    other.lower_hands()
+    assert store.presence()[1] == 0 and store.hands == 1
+    store.forget_presence()
+    assert store.presence() == ({}, 0)
+
+
+def test_an_overview_names_few_places() -> None:
+    assert len(overview({f"lesson{k}": k for k in range(1, 20)}, 0, ()).places) == MAX_PLACES
+
+
+@pytest.mark.parametrize("word", ["", "short", "with space 123", "a" * 65, 12345678, None, "ümläut12345", "semi;colon12"])
+def test_what_is_no_ballot_is_not_taken(word: object) -> None:
+    assert not is_ballot(word)
+
+
+def test_a_page_is_the_whole_and_the_batches_after_it(tmp_path: Path) -> None:
+    pages, other = PageStore(tmp_path), PageStore(tmp_path)
+    series = pages.begin_series()
+    for k in range(1, 5):
+        pages.append("en-wide", series, k, b"%d" % k)
+    pages.stand("en-wide", series, 2, b"whole")
+    assert other.standing("en-wide") == StandingPage(series, 2, b"whole")
+    assert other.after("en-wide", series, 2) == [(3, b"3"), (4, b"4")]
+    assert other.standing("zh-wide") is None and other.series == series
+    other.want("zh-phone")
+    assert pages.wanted() == ["zh-phone"]
+    assert pages.after("en-wide", pages.begin_series(), 0) == []
+
+
+def test_numbers_are_counted_between_round_edges_and_an_absurd_one_spreads_nothing(store: RoomStore) -> None:
+    store.open_vote("kalman", "gain", 0, Asked("How large is the gain?"))
+    vote = store.votes()[-1]
+    numbers = [0.31, 0.33, 0.35, 0.38, 0.42, 0.47, 0.52, 0.36, 0.34, 0.39] * 4 + [1e12]
+    assert store.cast([(vote.number, f"ballot{k:04d}", number) for k, number in enumerate(numbers)]) == [True] * len(numbers)
+    assert store.cast([(vote.number, f"odd{k:09d}", odd) for k, odd in enumerate((np.nan, np.inf, -np.inf, 1e300))]) == [False] * 4
+    store.close_vote()
+    closed = store.votes()[-1]
+    assert closed.total == len(numbers) and len(closed.edges) == len(closed.counts) + 1 <= MAX_BINS + 1
+    assert closed.edges[0] <= 0.31 and 0.52 <= closed.edges[-1] < 0.7
+    np.testing.assert_allclose(closed.edges, np.round(np.array(closed.edges) / 0.05) * 0.05, atol=1e-12)
+
+
+@pytest.mark.parametrize("numbers", [[], [0.0], [3.0] * 9, [-1e12, 1e12], [1e-300, 2e-300], [-5.0, -5.0, 7.0], [1e12, 1e12 - 1]])
+def test_every_number_is_in_some_bin(numbers: list[float]) -> None:
+    edges, counts = histogram(numbers)
+    assert sum(counts) == len(numbers) and len(counts) <= MAX_BINS and (len(edges) == len(counts) + 1 or not numbers)
+    assert all(np.isfinite(edges)) and list(edges) == sorted(edges)
+
+
+def test_a_typed_question_is_a_vote_of_its_own_beside_the_scenes(store: RoomStore) -> None:
+    asked = Asked("Which one?", ("this", "that"))
+    opened(store)
+    for _ in range(2):
+        store.open_vote("separation", "why", 0, asked)
+    assert store.cast([(store.votes()[-1].number, "ballot0001", 1), (store.votes()[-1].number, "ballot0002", 2)]) == [True, False]
+    assert [vote.round for vote in votes_on(store.votes(), "separation", "why")] == [1]
+    assert [(vote.round, vote.asked, vote.counts) for vote in votes_on_typed(store.votes(), "separation", "why")] == [
+        (1, asked, (0, 0)), (2, asked, (0, 1))]
+
+
+@pytest.mark.parametrize("words, asked", [
+    ("How large?", Asked("How large?")), (" Which? \n\n a \n b\n", Asked("Which?", ("a", "b"))), ("", None), ("\n \n", None),
+    ("Which?\nonly one", None), ("Which?" + "\nx" * 9, None), ("x" * 301, None), ("Which?\na\n" + "b" * 121, None)])
+def test_a_question_is_its_first_line_and_its_options_the_others(words: str, asked: Asked | None) -> None:
+    assert read_question(words) == asked
