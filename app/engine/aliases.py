@@ -16,7 +16,7 @@ from .systems.errors import EngineError
 from .systems.gates.argument_checks import PERIOD, POLES, SECONDS, Sizes, choice, matrix, optional, takes, vector
 from .systems.gates.plant_gate import DRIVEN, PLANT, SEEN
 from .systems.gates.room_gates import with_gates
-from .systems.libraries import realised
+from .systems.fractions import realised_by_entries
 from .systems.plant import Plant
 from .systems.sampling import discretise
 from .systems.zeros import transmission_zeros
@@ -47,9 +47,7 @@ def tf(num: object, den: object, dt: float = 0.0) -> Plant:
     array([-2., -1.])
     """
     top, bottom = as_checked(num), as_checked(den)
-    if not bottom.any():
-        raise EngineError("The denominator is zero; give its coefficients from the highest power down.")
-    return realised([[top]], [[bottom]], dt)
+    return realised_by_entries([[(top, bottom)]], dt)
 
 
 @takes(plant=DRIVEN)

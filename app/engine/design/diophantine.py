@@ -7,6 +7,7 @@ import numpy as np
 from ..systems.errors import EngineError, PoleError, ShapeError, phrase
 from ..systems.gates.argument_checks import count, takes, vector
 from ..systems.plant import Plant
+from ..systems.pole_sets import MIN_POLE
 from ..systems.records import record
 from .siso import coefficients, negated, polynomial_roots, rational
 
@@ -132,7 +133,7 @@ def _shared(a: np.ndarray, b: np.ndarray) -> str:
     poles, zeros = polynomial_roots(a), polynomial_roots(b)
     if not len(zeros):
         return phrase("unknown")
-    gap = np.abs(poles[:, None] - zeros[None]) / np.maximum(np.abs(poles)[:, None], 1e-12)
+    gap = np.abs(poles[:, None] - zeros[None]) / np.maximum(np.abs(poles)[:, None], MIN_POLE)
     p = poles[np.unravel_index(gap.argmin(), gap.shape)[0]]
     return f"{p.real:.4g}" if abs(p.imag) <= 1e-9 * abs(p) else f"{p.real:.4g} ± {abs(p.imag):.4g}j"
 

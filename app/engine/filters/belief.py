@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Self
+
 import numpy as np
 
 from ..systems.arrays import as_covariance, as_numbers, frozen
@@ -21,7 +23,8 @@ def _told(value: object, name: str) -> np.ndarray:
 class Belief:
     """A Gaussian belief about the state: mean x̂ (n,), covariance P (n×n) of x − x̂; read-only arrays.
 
-    Raises ShapeError where the two do not fit, EngineError where an entry is not finite.
+    Raises ShapeError where the two do not fit, EngineError where an entry is not finite and for a covariance that is not
+    symmetric and positive semidefinite.
 
     >>> Belief([0, 0], np.diag([4, 9])).deviation
     array([2., 3.])
@@ -31,6 +34,19 @@ class Belief:
     covariance: np.ndarray
 
     def __post_init__(self) -> None:
+        self._take()
+        object.__setattr__(self, "covariance", as_covariance(self.covariance, phrase("The covariance"), self.mean.size))
+
+    @classmethod
+    def computed(cls, mean: np.ndarray, covariance: np.ndarray, **more: np.ndarray) -> Self:
+        """What a filter has found, taken as it is: rounding may have made its covariance indefinite, which the filter shows."""
+        belief = object.__new__(cls)
+        for name, value in {"mean": mean, "covariance": covariance, **more}.items():
+            object.__setattr__(belief, name, value)
+        belief._take()
+        return belief
+
+    def _take(self) -> None:
         mean = np.array(_told(self.mean, "mean")).reshape(-1)
         covariance = np.array(_told(self.covariance, phrase("The covariance")), ndmin=2)
         if covariance.shape != (mean.size, mean.size):
@@ -57,7 +73,7 @@ class RootBelief(Belief):
     @classmethod
     def of(cls, mean: np.ndarray, root: np.ndarray) -> RootBelief:
         """The belief with mean x̂ and covariance U Uᵀ."""
-        return cls(mean, root @ root.T, root)
+        return cls.computed(mean, root @ root.T, root=root)
 
 
 @record()

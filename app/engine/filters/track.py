@@ -102,7 +102,7 @@ class Track:
     @property
     def last(self) -> Belief:
         """The belief after the last sample."""
-        return Belief(self.means[-1], self.schedule.posterior[-1])
+        return Belief.computed(self.means[-1], self.schedule.posterior[-1])
 
 
 @takes(value=optional(RECORD), name=NAME, columns=count(), rows=optional(count(0, MOST_NUMBERS)))

@@ -7,14 +7,14 @@ from typing import Any
 import numpy as np
 
 from ..structure.coprime import coprime_factors
-from ..systems.balance import UNLIKE, balance
+from ..systems.balance import balance
 from ..systems.gates.argument_checks import POLES, matrix, takes
 from ..systems.gates.plant_gate import PLANT
 from ..systems.plant import Plant
 from ..systems.pole_sets import check_poles
 from ..systems.records import record
 from .directions import choose_directions, seen_rows, upper_half_poles
-from .functional import check_functional, like_units, real_rows
+from .functional import check_functional, like_units, real_rows, unlike_units
 
 __all__ = ["Existence", "existence"]
 
@@ -55,12 +55,13 @@ def existence(plant: Plant, K: object, poles: Any) -> Existence:
     """
     wanted = check_functional(plant, K)
     own = balance(plant.A, None, plant.C)
-    if own.states.max() > UNLIKE * own.states.min():  # as `functional_observer` does
-        plant, wanted, _ = like_units(plant, wanted, own)
+    rate = 1.0
+    if unlike_units(plant, own):  # as `functional_observer` does
+        plant, wanted, _, rate = like_units(plant, wanted, own)
     seen, d = seen_rows(plant.A, plant.C)
     asked, T = np.zeros(0, dtype=complex), np.zeros((0, plant.n))
     if np.size(poles):
-        asked, factors = check_poles(poles, np.size(poles)), coprime_factors(plant)
+        asked, factors = check_poles(poles, np.size(poles)) / rate, coprime_factors(plant)
         heads = upper_half_poles(asked)
         T = real_rows(plant, factors, heads, choose_directions(factors, plant, wanted, heads))[1]
     _, s, Vt = np.linalg.svd(np.vstack([_unit(T * d), seen]))

@@ -8,6 +8,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from ..structure.coprime import CoprimeFactors
+from ..systems.balance import MIN_RATE
 from ..systems.plant import Plant
 from ..systems.pole_sets import Poles
 from .directions import full_stack, gap, l_rows, linear_directions, row_condition, seen_rows, solve_row, t_rows, unpack
@@ -79,13 +80,13 @@ class Family:
         """The point moved until K fits, poles kept in their box; where it cannot, the best there is."""
         free = self.order if self.single else self.size
         bottom, top = np.full(free, -np.inf), np.full(free, np.inf)
-        slack = 1e-12 * (1 + np.abs(low) + np.abs(high))
+        slack = 1e-12 * (np.abs(low) + np.abs(high)) + MIN_RATE
         bottom[:low.size], top[:high.size] = low - slack, high + slack
         start = point[:free].copy()
         if np.linalg.norm(self.missed(point)) < 1e-13:
             return point
         fit = least_squares(lambda v: self.missed(np.concatenate([v, point[free:]])), start, bounds=(bottom, top),
-                            x_scale=np.maximum(np.abs(start), 1e-3), xtol=1e-15, ftol=1e-15, gtol=1e-15, max_nfev=40)
+                            x_scale=np.maximum(np.abs(start), 1e-3 * np.concatenate([np.abs(low) + np.abs(high), np.ones(free - low.size)]) + MIN_RATE), xtol=1e-15, ftol=1e-15, gtol=1e-15, max_nfev=40)
         bent = np.concatenate([fit.x, point[free:]])
         bent[:low.size] = np.clip(bent[:low.size], low, high)
         return bent

@@ -113,7 +113,7 @@ def functional_observer(
     asked = check_poles(_default_poles(plant, int(order)) if poles is None else poles, int(order))
     check_stable(plant, asked)
     own = balance(plant.A, None, plant.C)
-    if directions is None and W is None and free is None and own.states.max() > UNLIKE * own.states.min():
+    if directions is None and W is None and free is None and unlike_units(plant, own):
         return _in_like_units(plant, wanted, own, asked, every_entry(plant) if wrong is None else wrong, check_norm(norm))
     factors = coprime_factors(plant)
     heads = upper_half_poles(asked)
@@ -132,20 +132,27 @@ def _in_like_units(plant: Plant, K: np.ndarray, own: Balance, poles: Poles, wron
                    norm: Norm) -> FunctionalObserver:
     """The observer found in balanced states and outputs, told in those of the plant; J is of the plant's own units."""
     x, y = own.states, own.outputs
-    like, wanted, unit = like_units(plant, K, own)
-    found = functional_observer(like, wanted, len(poles), poles=poles)
-    T, L, M, N = found.T / x, found.L / y, found.M / y * unit, found.N * unit
-    return FunctionalObserver(plant, K, found.F, T, L, N, M, found.poles,
+    like, wanted, unit, rate = like_units(plant, K, own)
+    found = functional_observer(like, wanted, len(poles), poles=poles / rate)
+    T, L, M, N = found.T / x, rate * found.L / y, found.M / y * unit, found.N * unit
+    return FunctionalObserver(plant, K, rate * found.F, T, L, N, M, rate * found.poles,
                               np.array([normalised(g / y) for g in found.directions]), found.W,
                               criterion(T, L, M, wrong, norm=norm), wrong, norm)
 
 
-def like_units(plant: Plant, K: np.ndarray, own: Balance) -> tuple[Plant, np.ndarray, np.ndarray]:
-    """Plant and K (r×n) in balanced states and outputs, and the units (r, 1) in which K is told there."""
+def unlike_units(plant: Plant, own: Balance) -> bool:
+    """Whether the states of a plant, or its rate and the unit of time, are so far apart that powers of s lose their digits."""
+    return own.states.max() > UNLIKE * own.states.min() or not 1 / UNLIKE < (1.0 if plant.dt else own.rate) < UNLIKE
+
+
+def like_units(plant: Plant, K: np.ndarray, own: Balance) -> tuple[Plant, np.ndarray, np.ndarray, float]:
+    """Plant and K (r×n) in balanced states, outputs and time; the units (r, 1) in which K is told there; the rate of a unit of time.
+    """
     x, y = own.states, own.outputs
-    like = Plant(own.A(plant.A), plant.B / x[:, None], own.C(plant.C), np.asarray(plant.D) / y[:, None], plant.dt)
+    rate = 1.0 if plant.dt else 2.0 ** np.round(np.log2(own.rate))
+    like = Plant(own.A(plant.A) / rate, plant.B / x[:, None] / rate, own.C(plant.C), np.asarray(plant.D) / y[:, None], plant.dt)
     unit = 2.0 ** np.round(np.log2(np.abs(K * x).max(axis=1, keepdims=True) + MIN_RATE))
-    return like, K * x / unit, unit
+    return like, K * x / unit, unit, float(rate)
 
 
 def exists(observer: FunctionalObserver) -> bool:

@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 from scipy.optimize import minimize, minimize_scalar
 
+from ..systems.balance import MIN_RATE
+
 __all__ = ["kinked_line", "kinked_minimum", "spaced"]
 
 Objective = Callable[[np.ndarray], float]
@@ -36,7 +38,7 @@ def kinked_line(f: Objective, low: float, high: float) -> tuple[np.ndarray, floa
     for k in sorted(inner, key=lambda k: values[k])[:VALLEYS]:
         bracket = sorted((grid[max(k - 1, 0)], grid[min(k + 1, GRID_POINTS - 1)]))
         found: Any = minimize_scalar(lambda s: f(np.array([s])), bounds=bracket, method="bounded",
-                                options={"xatol": 1e-11 * max(1.0, abs(grid[k])), "maxiter": 200})
+                                options={"xatol": 1e-11 * max(abs(bracket[0]), abs(bracket[1]), MIN_RATE), "maxiter": 200})
         if found.fun < best:
             best, at = float(found.fun), float(found.x)
     return np.array([at]), best

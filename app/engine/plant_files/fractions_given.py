@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from ..systems.errors import EngineError
+from ..systems.fractions import Fraction, zeros_and_poles
 from .found import Found
 from .input_gate import number, scalar
-from .transfer import Fraction, zeros_and_poles
 from .values import Entry, Unread
 
 __all__ = ["fractions"]

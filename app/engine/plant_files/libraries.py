@@ -11,9 +11,10 @@ import numpy as np
 from ..systems.errors import EngineError
 from ..systems.gates.argument_checks import takes
 from ..systems.gates.plant_gate import PLANT
+from ..systems.libraries import fractions_of, period_of
 from ..systems.plant import Plant
 from .build import bounded
-from .transfer import Fraction, realised, zeros_and_poles
+from .transfer import realised
 
 if TYPE_CHECKING:
     import control  # imported where it is used: it takes a second to load
@@ -58,12 +59,11 @@ def from_control(system: control.StateSpace | control.TransferFunction) -> Plant
 
     if not isinstance(system, StateSpace | TransferFunction):
         raise EngineError("Only a control.StateSpace or TransferFunction can be taken over; convert the system with control.ss first.")
-    dt, name = _period(system.dt), str(system.name or "")
+    dt, name = period_of(system), str(system.name or "")
     if isinstance(system, StateSpace):
         plant = Plant(*(np.asarray(getattr(system, key)) for key in "ABCD"), dt, _given(system.state_labels, "x"))  # type: ignore[arg-type]
     else:
-        plant, notes = realised([[(np.asarray(num, dtype=float), np.asarray(den, dtype=float)) for num, den in zip(nums, dens, strict=True)]
-                                 for nums, dens in zip(system.num_list, system.den_list, strict=True)], dt)
+        plant, notes = realised(fractions_of(system), dt)
         plant = _noted(plant, notes)
     return bounded(Plant(
         plant.A, plant.B, plant.C, plant.D, dt, plant.state_names, _given(system.input_labels, "u"), _given(system.output_labels, "y"),
@@ -76,12 +76,6 @@ def _noted(plant: Plant, notes: tuple[str, ...]) -> Plant:
 
 def _given(labels: list[str], letter: str) -> tuple[str, ...]:
     return () if labels == [f"{letter}[{i}]" for i in range(len(labels))] else tuple(labels)
-
-
-def _period(dt: float | bool | None) -> float:
-    if dt is True:
-        raise EngineError("The sampling period is unspecified (dt=True); give it in seconds.")
-    return float(dt or 0.0)
 
 
 def from_scipy(system: Any) -> Plant:
@@ -98,13 +92,7 @@ def from_scipy(system: Any) -> Plant:
 
     if not isinstance(system, StateSpace | TransferFunction | ZerosPolesGain):
         raise EngineError("Only systems of scipy.signal can be taken over: StateSpace, TransferFunction or ZerosPolesGain.")
-    dt = _period(system.dt)
+    dt = period_of(system)
     if isinstance(system, StateSpace):
         return bounded(Plant(system.A, system.B, system.C, system.D, dt))
-    return bounded(_noted(*realised(_fractions(system), dt)))
-
-
-def _fractions(system: Any) -> list[list[Fraction]]:
-    if hasattr(system, "zeros") and hasattr(system, "gain"):
-        return [[zeros_and_poles(np.atleast_1d(system.zeros), np.atleast_1d(system.poles), float(system.gain))]]
-    return [[(np.asarray(row, dtype=float), np.asarray(system.den, dtype=float))] for row in np.atleast_2d(system.num)]
+    return bounded(_noted(*realised(fractions_of(system), dt)))

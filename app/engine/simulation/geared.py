@@ -131,7 +131,7 @@ def _march(s: Scenario, loop: Loop, gear: Gear) -> tuple[np.ndarray, np.ndarray,
     d, n = disturbances(rounded, loop), s.plant.n
     r = np.zeros((s.n_t, s.plant.m)) if s.reference is None else s.reference
     C = np.hstack([s.plant.C, np.zeros((s.plant.p, len(d.z0) - n))])
-    bound = DIVERGENCE_FACTOR * max(1.0, float(np.max(np.abs(d.z0))))
+    bound = DIVERGENCE_FACTOR * max(1.0, float(np.max(np.abs(d.z0), initial=0.0)))
     modes: dict[tuple[int, ...], tuple[Contact, np.ndarray]] = {}
     F, E, step, low, high = loop.F, loop.E, gear.step, s.u_min.tolist(), s.u_max.tolist()
     states, contact, v = np.empty((s.n_t, len(d.z0))), np.zeros(s.n_t, dtype=int), np.zeros((s.n_t, s.plant.p))

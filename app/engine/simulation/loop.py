@@ -81,10 +81,27 @@ def discrete_loop(s: Scenario) -> Loop:
 
     A continuous L is emulated (`emulated_gain`); a plant with dt > 0 brings discrete K and L and is taken as is.
     """
-    plant, model, L = s.plant, s.model, s.L
-    if plant.dt:
-        return _join(s, plant, model, L)
-    return _join(s, discretise(plant, s.dt), discretise(model, s.dt), emulated_gain(model, L, s.dt))
+    return _join(s, *_systems(s))
+
+
+def error_loop(s: Scenario) -> Loop:
+    """The loop of a scenario without limits and delay on (x, e), e = x − x̂, for a model of the plant's order.
+
+    ė = (Aₘ − L Cₘ) e + (A − Aₘ − L (C − Cₘ)) x + (B − Bₘ − L (D − Dₘ)) u − L v: on a true model no x and no u are in it.
+    """
+    plant, model, L = _systems(s)
+    n, m = plant.n, plant.m
+    A = np.block([[plant.A, np.zeros((n, n))], [plant.A - model.A - L @ (plant.C - model.C), model.A - L @ model.C]])
+    into = np.vstack([plant.B, plant.B - model.B - L @ (np.asarray(plant.D) - np.asarray(model.D))])
+    F = np.hstack([-s.K, np.zeros((m, n)) if s.state_feedback else s.K])
+    return Loop(A, into, np.zeros_like(into), into, np.vstack([np.zeros((n, plant.p)), -L]), F)
+
+
+def _systems(s: Scenario) -> tuple[Plant, Plant, np.ndarray]:
+    """Plant, model and L in the time in which the loop runs."""
+    if s.plant.dt or not s.discrete:
+        return s.plant, s.model, s.L
+    return discretise(s.plant, s.dt), discretise(s.model, s.dt), emulated_gain(s.model, s.L, s.dt)
 
 
 def ramped(loop: Loop) -> Loop:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 
 import numpy as np
 
@@ -10,7 +11,7 @@ from ..kernels import as_kernel_array, compiled_kernel
 from ..kernels.delayed import LateInput, Reading, delayed_steps
 from ..systems.recursions import affine_scan, held_scan, step_matrices
 from .disturbance import Disturbances
-from .loop import Loop, ramped
+from .loop import Loop, error_loop, ramped
 from .runner import Runner
 from .saturation import Switcher
 from .scenario import Scenario
@@ -20,7 +21,7 @@ __all__: list[str] = []
 
 def plain(s: Scenario, loop: Loop, d: Disturbances, r: np.ndarray, bound: float) -> np.ndarray:
     """States (≤ n_t, N) of a loop without delay; a sampled loop only without limits."""
-    if s.limited:
+    if s.limited and len(d.z0):
         return Runner(Switcher(loop, s.u_min, s.u_max, s.dt)).run(d.z0, r[:-1], d.v[:-1], d.jumps, d.kicks, bound)
     free = np.ones(s.plant.m, dtype=bool)
     M = loop.closed(free)
@@ -38,6 +39,21 @@ def plain(s: Scenario, loop: Loop, d: Disturbances, r: np.ndarray, bound: float)
     return cut(affine_scan(Phi, with_kicks(push, d, M, s), d.z0, s.n_t - 1), bound)
 
 
+def with_error(s: Scenario, d: Disturbances, r: np.ndarray, bound: float) -> tuple[np.ndarray, np.ndarray]:
+    """z = (x, x̂) (≤ n_t, 2n) and e (≤ n_t, n) of a loop without limits and delay, run on (x, e): a large L takes no digits from e."""
+    n = s.plant.n
+
+    def moved(z: np.ndarray) -> np.ndarray:
+        return np.concatenate([z[..., :n], z[..., :n] - z[..., n:]], axis=-1)
+
+    kicks = {k: [(moment, moved(jump)) for moment, jump in found] for k, found in d.kicks.items()}
+    own = replace(d, z0=moved(d.z0), jumps=None if d.jumps is None else moved(d.jumps), kicks=kicks)
+    with np.errstate(over="ignore", invalid="ignore"):  # an overflow shows as inf and ends the run
+        states = plain(s, error_loop(s), own, r, 2 * bound)
+    z = cut(moved(states), bound)
+    return z, states[:len(z), n:]
+
+
 def in_parts(s: Scenario, loop: Loop, d: Disturbances, r: np.ndarray, ends: Iterable[int], diverged: float) -> Iterator[np.ndarray]:
     """The states of a continuous loop with limits and without delay, part by part, each from the last of the one before.
 
@@ -47,7 +63,7 @@ def in_parts(s: Scenario, loop: Loop, d: Disturbances, r: np.ndarray, ends: Iter
     for end in ends:
         kicks = {j - k: kicks for j, kicks in d.kicks.items() if k <= j < end}
         states = runner.run(start, r[k:end], d.v[k:end], None if d.jumps is None else d.jumps[k:end], kicks,
-                            diverged * max(1.0, float(np.max(np.abs(start)))))
+                            diverged * max(1.0, float(np.max(np.abs(start), initial=0.0))))
         yield states
         if len(states) <= end - k:
             return
@@ -66,9 +82,9 @@ def with_kicks(push: np.ndarray | None, d: Disturbances, M: np.ndarray, s: Scena
 def cut(states: np.ndarray, bound: float) -> np.ndarray:
     """The states before the first that passes `bound` or is not finite; the start always."""
     with np.errstate(invalid="ignore"):
-        if max(states.max(), -states.min()) < bound:  # false where there is a NaN
+        if max(states.max(initial=-np.inf), -states.min(initial=np.inf)) < bound:  # false where there is a NaN
             return states
-        small = np.abs(states).max(axis=1) < bound
+        small = np.abs(states).max(axis=1, initial=0.0) < bound
     return states[:max(1, int(np.argmin(small)))]
 
 
@@ -88,7 +104,7 @@ def sampled(s: Scenario, loop: Loop, d: Disturbances, r: np.ndarray, bound: floa
         if k == steps:
             break
         z = wide @ np.concatenate([z, u, clipped[k]] if lag else [z, u]) + push[k]
-        if not np.abs(z).max() < bound:
+        if not np.abs(z).max(initial=0.0) < bound:
             return states[:k + 1], clipped
         states[k + 1] = z
     return states, clipped

@@ -12,7 +12,7 @@ from ..systems.gates.argument_checks import FUNCTION, SERIES, instance, takes
 from ..systems.recursions import affine_scan, step_matrices
 from .disturbance import Disturbances, disturbances
 from .loop import Loop, continuous_loop, discrete_loop
-from .march import delayed, in_parts, plain, sampled, with_kicks
+from .march import delayed, in_parts, plain, sampled, with_error, with_kicks
 from .scenario import Run, Scenario
 
 __all__ = ["autonomous_error", "separation_meter", "simulate", "simulate_until"]
@@ -51,25 +51,28 @@ def simulate_until(scenario: Scenario, looks: Sequence[float], enough: Callable[
     s, n = scenario, scenario.plant.n
     loop, d = _made_of(s)
     ends = sorted({*(min(max(round(look / s.dt), 1), s.n_t - 1) for look in looks), s.n_t - 1})
-    if s.limited and not s.discrete and not s.lag:
-        parts, late = [], None
+    if s.limited and n and not s.discrete and not s.lag:
+        parts, late, e = [], None, None
         for states in in_parts(s, loop, d, _reference(s), ends, DIVERGENCE_FACTOR):
             parts.append(states)
             if enough(states[:, :n]):
                 break
         z = np.concatenate([*(part[:-1] for part in parts[:-1]), parts[-1]])
     else:
-        z, late = _states(s, loop, d)
+        z, late, e = _states(s, loop, d)
         z = z[:1 + next((end for begin, end in pairwise([0, *ends]) if begin < len(z) and enough(z[begin:end + 1, :n])), s.n_t - 1)]
-    return _run(s, loop, d, z, late)
+    return _run(s, loop, d, z, late, e)
 
 
-def _states(s: Scenario, loop: Loop, d: Disturbances) -> tuple[np.ndarray, np.ndarray | None]:
-    """z (≤ n_t, N), and the delayed clipped inputs of a loop with a delay."""
-    r, bound = _reference(s), DIVERGENCE_FACTOR * max(1.0, float(np.max(np.abs(d.z0))))
-    if s.discrete and (s.limited or s.lag):
-        return sampled(s, loop, d, r, bound)
-    return delayed(s, loop, d, r, bound) if s.lag else (plain(s, loop, d, r, bound), None)
+def _states(s: Scenario, loop: Loop, d: Disturbances) -> tuple[np.ndarray, np.ndarray | None, np.ndarray | None]:
+    """z (≤ n_t, N), the delayed clipped inputs of a loop with a delay, and e where it was run itself."""
+    r, bound = _reference(s), DIVERGENCE_FACTOR * max(1.0, float(np.max(np.abs(d.z0), initial=0.0)))
+    if s.lag or (s.discrete and s.limited):
+        return *(sampled if s.discrete else delayed)(s, loop, d, r, bound), None
+    if s.limited or s.model.n != s.plant.n:
+        return plain(s, loop, d, r, bound), None, None
+    z, e = with_error(s, d, r, bound)
+    return z, None, e
 
 
 def _reference(s: Scenario) -> np.ndarray:
@@ -92,7 +95,7 @@ def disturbances_of(scenario: Scenario) -> Disturbances:
     return _made_of(scenario)[1]
 
 
-def _run(s: Scenario, loop: Loop, d: Disturbances, z: np.ndarray, late: np.ndarray | None) -> Run:
+def _run(s: Scenario, loop: Loop, d: Disturbances, z: np.ndarray, late: np.ndarray | None, e: np.ndarray | None) -> Run:
     plant, model, count = s.plant, s.model, len(z)
     n, m, p = plant.n, plant.m, plant.p
     x, xhat = z[:, :n], z[:, n:]
@@ -111,9 +114,10 @@ def _run(s: Scenario, loop: Loop, d: Disturbances, z: np.ndarray, late: np.ndarr
         yhat += (clipped if s.fed == "applied" else asked) @ model.D.T
     if s.V is not None:
         y += v
-    e = x - xhat if x.shape == xhat.shape else np.zeros((count, 0))
+    if e is None:
+        e = x - xhat if x.shape == xhat.shape else np.zeros((count, 0))
     diverged_at = None if count == s.n_t else float(s.dt * count)
-    return Run(s, s.t[:count], x, xhat, e, asked, applied, y, yhat, w, v, diverged_at, bool(np.any(clipped != asked)),
+    return Run(s, s.t[:count], x, xhat, e[:count], asked, applied, y, yhat, w, v, diverged_at, bool(np.any(clipped != asked)),
                (loop, d))
 
 

@@ -12,7 +12,7 @@ from scipy.linalg import expm, schur, solve_sylvester
 from ..systems.arrays import frozen, symmetric
 from ..systems.balance import balance, state_scale
 from ..systems.errors import EngineError, phrase
-from ..systems.gates.argument_checks import count, number, takes
+from ..systems.gates.argument_checks import HORIZON, count, takes
 from ..systems.gates.plant_gate import PLANT
 from ..systems.lyapunov import settled_factor
 from ..systems.plant import Plant
@@ -237,7 +237,7 @@ def _one_step(A: np.ndarray, Q: np.ndarray, h: float) -> tuple[np.ndarray, np.nd
     return block[:n, :n], block[:n, n:] @ block[:n, :n].T
 
 
-@takes(plant=PLANT, horizon=number(0, 1_000_000_000.0))
+@takes(plant=PLANT, horizon=HORIZON)
 def reachability_gramian(plant: Plant, horizon: float) -> np.ndarray:
     """W(t) = ∫₀ᵗ e^{As}BBᵀe^{Aᵀs} ds, n×n: xᵀW⁻¹x is the least input energy that reaches x from 0 in time t.
 
@@ -262,7 +262,7 @@ def reachability_gramian(plant: Plant, horizon: float) -> np.ndarray:
     return W
 
 
-@takes(plant=PLANT, horizon=number(0, 1_000_000_000.0))
+@takes(plant=PLANT, horizon=HORIZON)
 def observability_gramian(plant: Plant, horizon: float) -> np.ndarray:
     """W(t) = ∫₀ᵗ e^{Aᵀs}CᵀCe^{As} ds, n×n: x(0)ᵀW x(0) is the energy that x(0) leaves in y within t.
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from scipy.linalg import block_diag
 
 from .errors import EngineError
+from .fractions import Fraction, realised_by_entries, zeros_and_poles
 from .plant import Plant
 
-__all__ = ["plant_like", "realised"]
+__all__ = ["fractions_of", "period_of", "plant_like"]
 
 
 def plant_like(value: Any) -> Plant | None:
@@ -30,47 +30,29 @@ def plant_like(value: Any) -> Plant | None:
 
 
 def _of_control(system: Any) -> Plant:
-    if system.dt is True:
-        raise EngineError("The sampling period is unspecified (dt=True); give it in seconds.")
-    dt = float(system.dt or 0.0)
     if type(system).__name__ == "TransferFunction":
-        return realised(system.num, system.den, dt)
-    return Plant(*(np.asarray(getattr(system, key)) for key in "ABCD"), dt=dt)
+        return realised_by_entries(fractions_of(system), period_of(system))
+    return Plant(*(np.asarray(getattr(system, key)) for key in "ABCD"), dt=period_of(system))
 
 
 def _of_scipy(system: Any) -> Plant:
-    from scipy.signal import zpk2tf  # late: it brings all of scipy.stats, 0.6 s
+    if hasattr(system, "A"):
+        return Plant(system.A, system.B, system.C, system.D, period_of(system))
+    return realised_by_entries(fractions_of(system), period_of(system))
 
+
+def period_of(system: Any) -> float:
+    """The sampling period of a library's system, 0 for continuous time. Raises EngineError where it is unknown."""
     if system.dt is True:
         raise EngineError("The sampling period is unspecified (dt=True); give it in seconds.")
-    dt = float(system.dt or 0.0)
-    if hasattr(system, "A"):
-        return Plant(system.A, system.B, system.C, system.D, dt)
-    if hasattr(system, "zeros") and not hasattr(system, "num"):
-        num, den = zpk2tf(system.zeros, system.poles, system.gain)
-    else:
-        num, den = system.num, system.den
-    return realised([[num]] if np.ndim(num) == 1 else [[row] for row in num], [[den]] * max(1, np.ndim(num) > 1 and len(num)), dt)
+    return float(system.dt or 0.0)
 
 
-def realised(num: Any, den: Any, dt: float) -> Plant:
-    """y_i = Σ_j num_ij / den_ij u_j, one realisation beside the other."""
-    outputs, inputs = len(num), len(num[0])
-    parts, B, C, D = [], [], [], np.zeros((outputs, inputs))
-    for i in range(outputs):
-        for j in range(inputs):
-            top, bottom = np.trim_zeros(np.atleast_1d(num[i][j]), "f"), np.trim_zeros(np.atleast_1d(den[i][j]), "f")
-            if len(top) > len(bottom):
-                raise EngineError("This transfer function has more zeros than poles; no plant with states can be made of it.")
-            if not len(top):
-                continue
-            lead, states = bottom[0], len(bottom) - 1
-            top, bottom = np.concatenate([np.zeros(states + 1 - len(top)), top]) / lead, bottom / lead
-            D[i, j] = top[0]
-            if states:
-                parts.append(np.vstack([-bottom[1:], np.eye(states - 1, states)]))
-                B.append(np.eye(states, 1) @ np.eye(inputs)[[j]])
-                C.append(np.eye(outputs)[:, [i]] @ (top[1:] - top[0] * bottom[1:])[None])
-    if not parts:
-        return Plant(np.zeros((0, 0)), np.zeros((0, inputs)), np.zeros((outputs, 0)), D, dt)
-    return Plant(block_diag(*parts), np.vstack(B), np.hstack(C), D, dt)
+def fractions_of(system: Any) -> list[list[Fraction]]:
+    """Numerators and denominators (p×m) of a transfer function of python-control or SciPy, zeros and poles included."""
+    if hasattr(system, "num_list"):
+        return [[(np.asarray(num, dtype=float), np.asarray(den, dtype=float)) for num, den in zip(nums, dens, strict=True)]
+                for nums, dens in zip(system.num_list, system.den_list, strict=True)]
+    if hasattr(system, "zeros") and hasattr(system, "gain"):
+        return [[zeros_and_poles(np.atleast_1d(system.zeros), np.atleast_1d(system.poles), float(system.gain))]]
+    return [[(np.asarray(row, dtype=float), np.asarray(system.den, dtype=float))] for row in np.atleast_2d(system.num)]

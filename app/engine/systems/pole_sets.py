@@ -17,7 +17,7 @@ Poles = npt.NDArray[np.complex128]
 
 PAIR_TOLERANCE = 1e-9  # how far a pole may be from the conjugate of its partner, relative to its size
 MIN_POLE = 1e-100  # the size below which no pole is told apart from 0
-MAX_POLE_RAD_S = 1e12  # rad/s; beyond this a request is a slip of the hand
+MAX_POLE = 1e100  # beyond this squares of a pole leave the range of doubles; no smaller limit would hold in any unit of time
 
 
 @takes(A=array("… n n"))
@@ -51,8 +51,8 @@ def check_poles(poles: Iterable[complex], count: int) -> Poles:
                         count=count, asked_size=asked.size)
     if not np.all(np.isfinite(asked)):
         raise PoleError("A requested pole is NaN or infinite; every pole must be a finite number.")
-    if asked.size and np.abs(asked).max() > MAX_POLE_RAD_S:
-        raise PoleError("A requested pole is larger than {largest:g}; ask for slower poles.", largest=MAX_POLE_RAD_S)
+    if asked.size and np.abs(asked).max() > MAX_POLE:
+        raise PoleError("A requested pole is larger than {largest:g}; ask for slower poles.", largest=MAX_POLE)
     return _pair_up(asked.copy())
 
 

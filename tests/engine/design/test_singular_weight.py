@@ -30,7 +30,10 @@ def test_dlqr_is_the_limit_of_the_recursion_backwards(unit: float) -> None:
             S = (S + S.T) / 2
         found = dlqr(A, B, Q, R)
         np.testing.assert_allclose(found.gain * x, K * x, rtol=1e-7, atol=1e-9 * np.abs(K * x).max())
-        assert np.abs(found.poles).max() < 1 and found.residual < 1e-12
+        assert np.abs(found.poles).max() < 1
+        # A mode that the input hardly reaches makes S up to 1e6 times Q (seed 18); the terms of the equation then cancel that far.
+        size = np.linalg.norm(found.solution / x / x[:, None]) / np.linalg.norm(Q / x / x[:, None])
+        assert found.residual < 1e-15 + 1e-18 * size
 
 
 def test_dlqe_of_sensors_without_noise_is_what_the_filter_settles_at() -> None:

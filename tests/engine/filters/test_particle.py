@@ -32,7 +32,8 @@ def test_on_a_linear_plant_it_nears_kalman_with_the_root_of_the_particles() -> N
         if particles == 3200:
             mean_P = np.mean([run.covariances for run in runs], axis=0)
             np.testing.assert_allclose(mean_P, exact.covariances, atol=0.02)
-    assert errors[1] < 0.03 and 2.5 < errors[0] / errors[1] < 6.5  # √16 = 4
+    # 3200 independent samples of variance 1 would err by 0.018; weights and resampling cost a third more: 0.021 to 0.025 in forty seeds
+    assert errors[1] < 0.027 and 2.5 < errors[0] / errors[1] < 6.5  # √16 = 4
 
 
 def test_it_follows_both_peaks_that_a_squared_measurement_leaves() -> None:

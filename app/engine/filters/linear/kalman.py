@@ -115,7 +115,7 @@ class KalmanFilter(LinearFilter):
 
     def belief(self, mean: np.ndarray, spread: np.ndarray) -> Belief:
         """Mean and P."""
-        return Belief(mean, spread)
+        return Belief.computed(mean, spread)
 
     def covariance(self, spread: np.ndarray) -> np.ndarray:
         """P itself."""
@@ -150,5 +150,5 @@ class KalmanFilter(LinearFilter):
         array([[0.5]])
         """
         step = self.correct(belief, y, u)
-        return Belief(step.belief.mean, short_form(belief.covariance, self.C, step.gain))
+        return Belief.computed(step.belief.mean, short_form(belief.covariance, self.C, step.gain))
 

@@ -91,7 +91,7 @@ class NonlinearFilter(ABC):
         self._check(belief)
         mean, P, points = self.ahead(belief, _column(belief, u))
         if isinstance(belief, Belief):
-            return Belief(_finite(mean, "f"), P)
+            return Belief.computed(_finite(mean, "f"), P)
         return Beliefs(mean, P, points)
 
     @overload
@@ -109,7 +109,7 @@ class NonlinearFilter(ABC):
         M = gain_of(*_answered(S, expected.across, ~np.isnan(seen)))
         mean, P = belief.mean + _moved(M, np.where(np.isnan(seen), 0.0, nu)), expected.after(M)
         if isinstance(belief, Belief):
-            return Correction(Belief(mean, P), nu, S, M)
+            return Correction(Belief.computed(mean, P), nu, S, M)
         return Corrections(Beliefs(mean, P), nu, S, M)
 
     def update(self, belief: Belief, y: object, u: object = ()) -> Belief:

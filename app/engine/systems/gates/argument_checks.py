@@ -26,6 +26,7 @@ __all__ = [
     "FINITE",
     "FUNCTION",
     "GENERATOR",
+    "HORIZON",
     "LEVEL",
     "MOST_NUMBERS",
     "NAME",
@@ -123,8 +124,9 @@ def _complex(value: object, name: str, sizes: Sizes) -> complex:
 FINITE = number()
 COMPLEX: Gate = _complex
 POSITIVE = number(above=0)
-SECONDS = number(above=0, high=1e9)
-PERIOD = number(0, 1e9)  # 0: continuous time
+HORIZON = number(0, 1e18)  # s; 1e9 s in units of a nanosecond
+SECONDS = number(above=0, high=1e18)
+PERIOD = number(0, 1e18)  # 0: continuous time
 LEVEL = SHARE = number(0, 1)
 COUNT = count(1)
 SEED: Gate = _seed
