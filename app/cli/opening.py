@@ -1,4 +1,4 @@
-"""What `serve` was asked for, and what a page opens on after it: lessons, plant, state, lecture, course."""
+"""Say what a page opens on by what `serve` was asked for: lessons, plant, state, lecture, course."""
 
 from __future__ import annotations
 
@@ -8,11 +8,13 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from ..course.scenes import Mode
-from .lesson_folder import LessonFolder, first_whole, open_folder
+from .lesson_folder import first_whole, open_folder
 from .options import CommandError
 from .records import RECORD, lesson_with
 
 if TYPE_CHECKING:
+    from observer_lab.lessons.from_files.folder import LessonFolder
+
     from ..course.handin.served_course import ServedCourse
     from ..course.lectures import Lecture
     from ..course.lesson import Lesson

@@ -30,7 +30,6 @@ def phrase(message: str, /, **values: object) -> Phrase:
     return Phrase(message, **values)
 
 
-NO_STATES = phrase("The plant has no states, so there is no gain to design.")
 
 
 class EngineError(ValueError):

@@ -111,7 +111,7 @@ class AudienceScreen(Screen):
         gui.reset()
         self._client.scene.reset()
         self._boards, self._map, self._columns = {}, None, Columns()
-        gui.configure_theme(show_logo=False, show_share_button=False, brand_color=(0, 114, 178), dark_mode=False)
+        gui.configure_theme(show_logo=False, show_share_button=False, brand_color=rgb(COLOURS["plant"]), dark_mode=False)
         gui.set_panel_label(APP_NAME)
         self._style = gui.add_html(sheet_of(picture), order=-1e9)
         panel = AudiencePanel(gui, picture)

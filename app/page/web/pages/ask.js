@@ -5,7 +5,7 @@
   document.addEventListener('click', event => {
     const pressed = event.target?.closest?.('button[data-asks]'), field = pressed?.parentElement.querySelector('textarea');
     if (!field) return;
-    window.__viserMutable.sendMessage({type: 'GuiUpdateMessage', uuid: pressed.dataset.asks, updates: {value: `ask:${field.value}`}});
+    window.observerLabViser.tell(pressed.dataset.asks, `ask:${field.value}`);
     field.value = '';
   });
 }

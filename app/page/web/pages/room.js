@@ -27,6 +27,6 @@
     const typed = pressed.parentElement.querySelector('input')?.value ?? '';
     if (kind === 'number' && typed === '') return;
     const value = {vote: `${pressed.dataset.room}:${ballot(number)}`, number: `${pressed.dataset.room}:${typed}:${ballot(number)}`}[kind] ?? kind;
-    window.__viserMutable.sendMessage({type: 'GuiUpdateMessage', uuid: lab.hand, updates: {value}});
+    window.observerLabViser.tell(lab.hand, value);
   });
 }
