@@ -128,10 +128,7 @@ class MatrixFigure:
 
 @dataclass(frozen=True, eq=False)
 class MapFigure:
-    """A map over a grid: `values` (n_y, n_x) of category numbers, each with a name and a role.
-
-    `values` may hold −1 where nothing has been computed yet.
-    """
+    """A map over a grid: `values` (n_y, n_x) of numbers of categories with name and role, −1 where none is computed yet."""
 
     id: str
     title: Text
@@ -265,11 +262,7 @@ def thin_samples(t: np.ndarray, *series: np.ndarray, points: int = 500) -> tuple
 
 def tab_names(figures: Sequence[Figure]) -> list[Text]:
     """The tabs in the order in which figures first name them."""
-    seen: list[Text] = []
-    for figure in figures:
-        if figure.tab not in seen:
-            seen.append(figure.tab)
-    return seen
+    return list(dict.fromkeys(figure.tab for figure in figures))
 
 
 def figure_below(figures: Sequence[Figure], figure: Figure) -> Figure | None:

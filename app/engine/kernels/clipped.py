@@ -11,14 +11,12 @@ slot tells the place s of a mode by its code Σ (sign + 1) 3ⁱ, −1 where it h
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
 from .limit_crossings import piece
 from .small_matrices import times
 
-__all__ = ["Modes", "Runs", "march"]
+__all__ = ["march"]
 
 STATE_LIMIT = 1e100  # a state beyond this is not followed
 LIMIT_ROUNDING = 16 * 2.0**-52
@@ -26,141 +24,90 @@ MAX_PIECES = 100_000  # pieces of a step
 DOUBT = 0.25  # as in simulation.saturation
 
 
-class Modes(NamedTuple):
-    """The modes that have been met, as told above, and the grid's step h in s."""
+def march(Z, at, end, out, q, jumps, judge, last, lost, slot, limits, F, within, counts, flow, read, rate, taylor,
+          short, h, begin, stop):
+    """Take runs begin … stop − 1 of Z (runs, N) from their steps at (runs,) to step `end`; a missing mode's code, or −1.
 
-    slot: np.ndarray
-    limits: np.ndarray
-    F: np.ndarray
-    within: np.ndarray
-    counts: np.ndarray
-    flow: np.ndarray
-    read: np.ndarray
-    rate: np.ndarray
-    taylor: np.ndarray
-    short: np.ndarray
-    h: float
-
-
-class Runs(NamedTuple):
-    """Runs Z (runs, N) and for each the step `at` which it stands, the `last` one that counts, and whether it is `lost`."""
-
-    Z: np.ndarray
-    at: np.ndarray
-    last: np.ndarray
-    lost: np.ndarray
-
-
-class Room(NamedTuple):
-    """Room to work in: what flows give, inputs with their slopes, a second flow, a trial state, and a Taylor series."""
-
-    v: np.ndarray
-    ud: np.ndarray
-    v2: np.ndarray
-    trial: np.ndarray
-    change: np.ndarray
-    line: np.ndarray
-
-
-def march(runs, end, out, q, jumps, judge, modes, begin, stop):
-    """Take runs begin … stop − 1 from their steps `at` to step `end`; a missing mode's code, or −1.
-
-    out (end + 1, runs, N) keeps the states, or has no rows. judge = (n, near², far², rest, bound): `last` is the
+    out (end + 1, runs, N) keeps the states, or has no rows. judge = (n, near², far², rest, bound): last (runs,) is the
     last step at which ‖x‖² ≥ near², x the first n states; beyond far² or with another state beyond `rest` a run is lost
     and goes no further, nor where a state passes `bound`: `at` is then the last step before.
     """
-    N, held, missing = runs.Z.shape[1], q.shape[0] == 1, -1
-    near, far, rest, bound = judge[1], judge[2], judge[3], judge[4]
-    width, size = N + q.shape[1], modes.taylor.shape[2]
-    room = Room(np.empty(modes.flow.shape[3]), np.empty(modes.read.shape[2]), np.empty(modes.flow.shape[3]), np.empty(width),
-                np.empty(size), np.empty((size // N + 1, modes.F.shape[0])))
-    w = np.empty(width)
+    N = Z.shape[1]
+    m, width = F.shape[0], flow.shape[3]
+    n, near, far, rest, bound = int(judge[0]), judge[1], judge[2], judge[3], judge[4]
+    w, v, ud, v2 = np.empty(N + q.shape[1]), np.empty(width), np.empty(read.shape[2]), np.empty(width)
+    trial, change, line = np.empty(len(w)), np.empty(taylor.shape[2]), np.empty((taylor.shape[2] // N + 1, m))
+    missing, held, small = -1, q.shape[0] == 1, min(rest, bound)
     for run in range(begin, stop):
-        if runs.lost[run]:
+        if lost[run]:
             continue
         for j in range(N):
-            w[j] = runs.Z[run, j]
-        k, s, known = runs.at[run], 0, False
+            w[j] = Z[run, j]
+        k, s, known = at[run], 0, False
         while k < end:
             if not (held and known):
                 for j in range(q.shape[1]):
                     w[N + j] = q[0 if held else k, j]
             if not known:
-                s = mode_at(w, modes, room.ud)
+                s = mode_at(w, slot, limits, F, read, ud)
+            known = False
             if s >= 0:
-                s, known = stepped(w, s, modes, room)
+                good = False
+                if counts[s, 2] == 0:
+                    times(flow[s, 0], w, v)
+                    good = stays(ud, v, N, m, within[s], h)
+                if good:
+                    for j in range(N):
+                        w[j] = v[j]
+                    known = held and not jumps.shape[0]
+                else:
+                    for j in range(len(w)):
+                        trial[j] = w[j]
+                    s = careful(trial, h, slot, limits, F, within, counts, flow, read, rate, taylor, short, h, v, ud,
+                                v2, change, line)
+                    if s >= 0:
+                        for j in range(N):
+                            w[j] = trial[j]
             if s < 0:
                 missing = -1 - s
                 break
-            known = known and held and not jumps.shape[0]
             if jumps.shape[0]:
                 for j in range(N):
                     w[j] += jumps[k, j]
-            square, most, beyond = lengths(w, N, int(judge[0]), min(rest, bound))
+            square, most, beyond = 0.0, np.sqrt(length2(w, N)), 0.0
+            for j in range(n):
+                square += w[j] * w[j]
+            if not most < small:  # ‖z‖ is at least its largest entry: only now look at each
+                most = 0.0
+                for j in range(N):
+                    size = abs(w[j])
+                    if not size <= most:
+                        most = size
+                    if j >= n and not size <= beyond:
+                        beyond = size
             if not most < bound:
-                runs.lost[run] = True
+                lost[run] = True
                 break
-            known = known and deep(room.v, s, most, modes)
+            for i in range(m):  # well within its mode it goes on in it
+                if known:
+                    margin = limits[2, i] + max(limits[2, i], limits[3, i] * most)
+                    known = within[s, 0, i] + margin < v[N + i] < within[s, 1, i] - margin
             if known:
-                for i in range(2 * modes.F.shape[0]):
-                    room.ud[i] = room.v[N + i]
+                for i in range(2 * m):
+                    ud[i] = v[N + i]
             k += 1
             if square >= near:
-                runs.last[run] = k
+                last[run] = k
             if square > far or beyond > rest:
-                runs.lost[run] = True
+                lost[run] = True
                 k = end
             if out.shape[0]:
                 for j in range(N):
                     out[k, run, j] = w[j]
-        runs.at[run] = k
+        at[run] = k
         for j in range(N):
-            runs.Z[run, j] = w[j]
+            Z[run, j] = w[j]
     return missing
-
-
-def stepped(w, s, modes, room):
-    """Take w over a step from mode s; the mode at its end or −1 − the code of a missing one, and whether it stayed in s throughout."""
-    m, N = modes.F.shape
-    if modes.counts[s, 2] == 0:
-        times(modes.flow[s, 0], w, room.v)
-        if stays(room.ud, room.v, N, m, modes.within[s], modes.h):
-            for j in range(N):
-                w[j] = room.v[j]
-            return s, True
-    for j in range(len(w)):
-        room.trial[j] = w[j]
-    s = careful(room.trial, modes, room)
-    if s >= 0:
-        for j in range(N):
-            w[j] = room.trial[j]
-    return s, False
-
-
-def lengths(w, N, n, small):
-    """‖x‖² of the first n states, the largest of all and of the others; only bounds of these where ‖z‖ itself is below `small`."""
-    square, most, beyond = 0.0, np.sqrt(length2(w, N)), 0.0
-    for j in range(n):
-        square += w[j] * w[j]
-    if not most < small:  # ‖z‖ is at least its largest entry: only now look at each
-        most = 0.0
-        for j in range(N):
-            size = abs(w[j])
-            if not size <= most:
-                most = size
-            if j >= n and not size <= beyond:
-                beyond = size
-    return square, most, beyond
-
-
-def deep(v, s, most, modes):
-    """Whether every input is well within its mode, so that the next step begins in it."""
-    m, N = modes.F.shape
-    for i in range(m):
-        margin = modes.limits[2, i] + max(modes.limits[2, i], modes.limits[3, i] * most)
-        if not modes.within[s, 0, i] + margin < v[N + i] < modes.within[s, 1, i] - margin:
-            return False
-    return True
 
 
 def length2(w, N):
@@ -177,12 +124,11 @@ def length2(w, N):
     return a + b + c + d
 
 
-def mode_at(w, modes, ud):
+def mode_at(w, slot, limits, F, read, ud):
     """The place of the mode just after a state, ud = (u, u̇) in it; −1 − its code where it is missing.
 
     On a limit the slope of u decides.
     """
-    slot, limits, F, read = modes.slot, modes.limits, modes.F, modes.read
     m, N = F.shape
     times(read[0], w, ud)
     code, power, near, most = 0, 1, False, np.sqrt(length2(w, N))
@@ -239,22 +185,21 @@ def stays(ud, v, N, m, within, h):
     return True
 
 
-def careful(w, modes, room):
-    """Take w through every switching of the next h seconds; the last mode, or −1 − the code of a missing one.
+def careful(w, left, slot, limits, F, within, counts, flow, read, rate, taylor, short, h, v, ud, v2, change, line):
+    """Take w through every switching of the next `left` seconds; the last mode, or −1 − the code of a missing one.
 
     w[0] is ∞ where it cannot be followed.
     """
-    counts, flow, within, h, v, v2, ud = modes.counts, modes.flow, modes.within, modes.h, room.v, room.v2, room.ud
-    m, N = modes.F.shape
-    left, least, s = h, 1e-14 * h, 0
+    m, N = F.shape
+    least, s = 1e-14 * h, 0
     for _ in range(MAX_PIECES):
         if not left > least:
             break
         most = np.sqrt(length2(w, N))
-        if not most < STATE_LIMIT or blurred(w, most, modes.limits, modes.F):
+        if not most < STATE_LIMIT or blurred(w, most, limits, F):
             w[0] = np.inf
             return s
-        s = mode_at(w, modes, ud)
+        s = mode_at(w, slot, limits, F, read, ud)
         if s < 0:
             return s
         longest, part = counts[s, 1], h / 2.0 ** counts[s, 1]
@@ -285,7 +230,7 @@ def careful(w, modes, room):
                 w[j] = v[j]
             left -= part
         else:
-            left -= piece(w, left, modes, s, room)
+            left -= piece(w, min(short[s], left), left, F, within[s], rate[s], taylor[s], short[s], v, ud, change, line)
     if left > least:
         w[0] = np.inf
     return s

@@ -12,21 +12,20 @@ MAX_NEWTON_STEPS = 80
 CROSSING_SAMPLES = 8  # of a polynomial, between which it crosses a limit at most once
 
 
-def piece(w, left, modes, s, room):
-    """Move w along the Taylor series of mode s for at most `left` s, or until an input leaves its limits; the time that it took."""
-    F, within, short, v, change, line = modes.F, modes.within[s], modes.short[s], room.v, room.change, room.line
+def piece(w, part, left, F, within, rate, taylor, short, v, ud, change, line):
+    """Move w along its Taylor series for `part`, or until an input leaves its limits; the time that it took."""
     m, N = F.shape
     terms = line.shape[0]
-    times(modes.rate[s], w, v)
-    times(modes.taylor[s], v[:N], change)
+    times(rate, w, v)
+    times(taylor, v[:N], change)
     for i in range(m):
-        line[0, i] = room.ud[i]
+        line[0, i] = ud[i]
         for k in range(1, terms):
             a = 0.0
             for j in range(N):
                 a += change[(k - 1) * N + j] * F[i, j]
             line[k, i] = a
-    end = min(short, left) / short
+    end = part / short
     leave = end
     for i in range(m):
         for side in range(2):

@@ -6,7 +6,6 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..kernels.clipped import Modes
 from .saturation import LIMIT_ROUNDING, TERMS, Mode, Switcher
 
 FIRST_CAPACITY = 32  # modes kept before the arrays grow
@@ -69,9 +68,9 @@ class Packed:
             later[:, N:N + 2 * m] = later[:, :N] @ now[:, :N].T
             later[N:, N:N + 2 * m] += now[:, N:].T
 
-    def given(self) -> Modes:
-        """The modes as `march` takes them."""
-        return Modes(self.slot, self.limits, np.ascontiguousarray(self.switcher.loop.F), *self.arrays, self.switcher.h)  # type: ignore[arg-type]
+    def given(self) -> tuple[object, ...]:
+        """The last arguments of `march`."""
+        return self.slot, self.limits, np.ascontiguousarray(self.switcher.loop.F), *self.arrays, self.switcher.h
 
 
 def _padded(count: int) -> int:

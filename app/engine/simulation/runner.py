@@ -7,7 +7,7 @@ from functools import partial
 import numpy as np
 
 from ..kernels import as_kernel_array, compiled_kernel, run_in_threads
-from ..kernels.clipped import Runs, march
+from ..kernels.clipped import march
 from .disturbance import Kicks
 from .packed_modes import Packed
 from .saturation import Switcher
@@ -55,7 +55,7 @@ class Runner:
         lost = np.zeros(runs, dtype=bool) if lost is None else lost
         push = np.zeros((0, N)) if jumps is None else as_kernel_array(jumps)
         while True:
-            work = partial(self.march, Runs(Z, at, last, lost), end, out, q, push, judge, self.packed.given())
+            work = partial(self.march, Z, at, end, out, q, push, judge, last, lost, *self.packed.given())
             missing = run_in_threads(work, runs, end - k) - {-1}
             if not missing:
                 return at, lost
