@@ -107,7 +107,8 @@ class LabServer:
         share_one_arena()
         self._lessons = lessons
         self._lesson, self._language, self._plant, self._state = lesson, language, plant, state
-        self._insists, self._sealed, self._mode = insists, sealed, mode
+        self._insists, self._sealed = insists, sealed
+        self._mode: Mode = mode
         self._sessions: dict[int, Session] = {}
         self._screens: dict[int, Screen] = {}
         self._seat = seat or WorkerSlot(SharedCounters(), 0, max_sessions)
