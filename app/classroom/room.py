@@ -25,6 +25,7 @@ class RoomView:
     places: tuple[tuple[str, int], ...] = ()
     unsolved: tuple[tuple[str, int], ...] = ()
     votes: tuple[Vote, ...] = ()
+    audience: str = ""  # the address of those who follow
 
 
 def overview(counts: Mapping[str, int], slower: int, votes: tuple[Vote, ...]) -> RoomView:
@@ -42,6 +43,11 @@ def _first(counts: Counter[str]) -> tuple[tuple[str, int], ...]:
 
 class VoteDesk(Protocol):
     """What a presenter's session asks of its room."""
+
+    @property
+    def audience(self) -> str:
+        """The address of those who follow."""
+        ...
 
     def open_vote(self, lesson: str, scene: str, options: int, asked: Asked | None = None) -> RoomView:
         """Ask the class the question of a scene, or what was typed, once more where it was asked before; the open vote ends."""

@@ -37,7 +37,7 @@ def open_room_folder(data_dir: str | None) -> LectureFolder:
     from ..classroom.room_store import RoomStore
 
     temporary = tempfile.TemporaryDirectory(prefix="observer-lab-room-") if data_dir is None else None
-    path = Path(data_dir if temporary is None else temporary.name)
+    path = Path(data_dir or (temporary.name if temporary else "."))
     try:
         path.mkdir(parents=True, exist_ok=True)
         store = RoomStore(path)

@@ -81,7 +81,7 @@ class Session:
         first = State(language=language, fresh=secrets.token_hex(8), plant=plant, withheld=sealed, sealed=sealed, mode=mode,
                       talk=talk, lecture=talk is not None, course=course,
                       newcomer=mode == "guide" and not insists and not state and desk is None,
-                      room=None if desk is None else RoomView())
+                      room=None if desk is None else RoomView(audience=desk.audience))
         self._show = Presenter(lessons, view, lesson, first, clock)
         self._show.insists = insists or bool(state)
         self._desk = desk

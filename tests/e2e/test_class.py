@@ -51,6 +51,10 @@ def test_a_class_votes_tries_for_itself_comes_back_and_survives_a_restart(browse
             assert secret not in presenter.url, "the word leaves the address bar"
             for page in (presenter, laptop, phone):
                 shows(page, "recall")
+            presenter.get_by_text("The audience's link and its code").click(timeout=PATIENCE)
+            expect(presenter.locator(".ol-code")).to_be_visible()
+            expect(presenter.get_by_text(f"{address}/", exact=True)).to_be_visible()
+            presenter.get_by_text("The audience's link and its code").click()
             presenter.locator(".ol-dot").nth(PREDICT).click(timeout=PATIENCE)
             for page in (laptop, phone):
                 shows(page, "predict")

@@ -136,9 +136,9 @@ def _serve(request: ServeRequest, end: Ending) -> None:
         raise CommandError("--at names the address of a room's audience; give it with --room.")
     room_folder = open_room_folder(request.data_dir) if request.room else None
     listener, access, url, printed = _door(request)
-    presenter, links = None, ""
+    presenter, audience, links = None, "", ""
     if room_folder is not None:
-        presenter, links = _links(request, room_folder, listener.getsockname()[1], access)
+        presenter, audience, links = _links(request, room_folder, listener.getsockname()[1], access)
         request = replace(request, names=(*request.names, *names_of(request.at)))
     from ...page.access.shared_counters import SharedCounters, WorkerSlot
     from ...page.screen.server import LabServer  # viser is loaded only here
@@ -146,7 +146,7 @@ def _serve(request: ServeRequest, end: Ending) -> None:
     def server(listener: socket.socket, seat: WorkerSlot, worker: int = 0) -> LabServer:
         from ...page.room.lecture_room import LectureRoom
 
-        room = None if room_folder is None else LectureRoom(room_folder.path, worker, request.language)
+        room = None if room_folder is None else LectureRoom(room_folder.path, worker, request.language, audience)
         return LabServer(first.lessons, request.host, 0, first.lesson, request.language, plant=first.plant, names=request.names,
                          state=first.state, insists=first.insists, sealed=request.exam or first.course is not None, access=access,
                          frames=request.frames, listener=listener, seat=seat, mode="present" if first.talk else request.mode,
@@ -188,16 +188,16 @@ def _serve(request: ServeRequest, end: Ending) -> None:
     )
 
 
-def _links(request: ServeRequest, folder: LectureFolder, port: int, access: AccessToken | None) -> tuple[AccessToken, str]:
-    """The presenter's word, and what is printed of a room."""
+def _links(request: ServeRequest, folder: LectureFolder, port: int, access: AccessToken | None) -> tuple[AccessToken, str, str]:
+    """The presenter's word, the audience's address, and what is printed of a room."""
     from ...page.access.addresses import url
     from ...page.access.tokens import PRESENTER_FIELD, AccessToken
 
     presenter = AccessToken(folder.secret, port, PRESENTER_FIELD)
     audience, own = audience_address(request.host, port, request.at), url(request.host, port)
-    if access is None:
-        return presenter, room_told(presenter.at(own), audience, request.data_dir is not None)
-    return presenter, room_told(f"{access.at(own)}&{PRESENTER_FIELD}={folder.secret}", access.at(audience), request.data_dir is not None)
+    mine = presenter.at(own) if access is None else f"{access.at(own)}&{PRESENTER_FIELD}={folder.secret}"
+    theirs = audience if access is None else access.at(audience)
+    return presenter, theirs, room_told(mine, theirs, request.data_dir is not None)
 
 
 def _run(server: LabServer, tell: Callable[[], object], prepare: Callable[[LabServer], object], end: Ending,

@@ -30,7 +30,7 @@ from ..viser_private import viser_internals
 from ..viser_private.hidden_input import hidden_input
 from ..viser_private.write_once import write_content
 from ..words import phrases
-from .room_card import ask_html, room_html
+from .room_card import ask_html, audience_html, room_html
 from .scene_card import card_html, formulas_html, mode_row, verdict_html
 
 VOTES = MappingProxyType({"close": CloseVote, "typed": AskTypedAgain})
@@ -57,7 +57,7 @@ class GuidePanel:
         self._verdict = gui.add_html("")
         self._room = gui.add_html("") if picture.state.room is not None else None
         if self._room is not None:
-            gui.add_html(ask_html(self._hand, picture.state.language))
+            gui.add_html(ask_html(self._hand, picture.state.language) + audience_html(picture))
             viser_internals.run_script(client, "ask")
         shown = {name for scene in picture.lesson.path for name in scene.figures}
         self.charts = {figure.id: Chart(gui, figure, picture.state.language, Sizes(picture.state), picture.horizon, None, 2)

@@ -8,6 +8,7 @@ from ...classroom.room import RoomView
 from ...course.scenes import Choose
 from ...session.state.view import Picture
 from ...text import Text
+from ..column.download_dialog import qr_code
 from ..words import phrases
 from .histogram import bars_html
 
@@ -18,6 +19,15 @@ def room_html(picture: Picture, hand: str) -> str:
     if room is None:
         return ""
     return f'<section class="ol-room">{_counts(picture, room, hand)}{_vote(picture, hand)}{_typed(picture, hand)}</section>'
+
+
+def audience_html(picture: Picture) -> str:
+    """The audience's address and its code, to be shown in the hall; nothing where the address is not known."""
+    room, lang = picture.state.room, picture.state.language
+    if room is None or not room.audience:
+        return ""
+    return (f'<details class="ol-ask"><summary>{html.escape(phrases.AUDIENCE_LINK(lang))}</summary>'
+            f"<p>{html.escape(room.audience)}</p>{qr_code(room.audience)}</details>")
 
 
 def ask_html(hand: str, language: str) -> str:

@@ -7,6 +7,7 @@ import logging
 import threading
 from collections import Counter
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -36,8 +37,9 @@ log = logging.getLogger(__name__)
 class LectureRoom:
     """A room in a folder, as one worker has it. The loop calls what begins and ends tabs; a thread counts."""
 
-    def __init__(self, folder: Path, worker: int, language: str) -> None:
-        """Raises sqlite3.Error or OSError where the folder cannot hold it."""
+    def __init__(self, folder: Path, worker: int, language: str, audience: str = "") -> None:
+        """`audience` is the address of those who follow. Raises sqlite3.Error or OSError where the folder cannot hold the room."""
+        self._audience = audience
         self._store, self._pages, self._worker, self._language = RoomStore(folder), PageStore(folder), worker, language
         self._writer = VoteWriter(self._store)
         self._relay: Relay | None = None
@@ -70,6 +72,11 @@ class LectureRoom:
     def _wake(self) -> None:
         if self._relay is not None:
             self._relay.wake()
+
+    @property
+    def audience(self) -> str:
+        """The address of those who follow."""
+        return self._audience
 
     # --- tabs ------------------------------------------------------------------------------------------------------
     @property
@@ -162,7 +169,7 @@ class LectureRoom:
     # --- counts ----------------------------------------------------------------------------------------------------
     def _view(self) -> RoomView:
         people, slower = self._store.presence()
-        return overview(people, slower, self._store.votes())
+        return replace(overview(people, slower, self._store.votes()), audience=self._audience)
 
     def _count(self) -> None:
         while not self._ended.wait(COUNT_S):
