@@ -36,7 +36,7 @@ from .commands.commands import (
     Studying,
     WindowChanged,
 )
-from .commands.exams import Examining, HandingIn
+from .commands.exams import Answering, HandingIn
 from .commands.files import Comparing, FileReady, LessonsChanged, Shelving, Taking
 from .commands.guide import Guiding
 from .commands.room import Lecturing, RoomChanged
@@ -183,7 +183,7 @@ class Session:
             design.obey(self._show, command)
         elif isinstance(command, Studying):
             tasks.obey(self._show, command)
-        elif isinstance(command, Examining):
+        elif isinstance(command, Answering):
             exams.obey(self._show, command)
         elif isinstance(command, HandingIn):
             hand_in.obey(self._show, command)

@@ -7,10 +7,12 @@ from collections.abc import Iterable, Mapping
 from functools import partial
 from pathlib import Path
 
+from observer_lab.course.course_map import CoursePlace
 from observer_lab.course.figures.records import TableFigure
 from observer_lab.course.knobs import KnobError
 from observer_lab.course.lesson import Design, Lesson, Outcome
 from observer_lab.course.prose import Prose, ProseError, parse_prose
+from observer_lab.course.scenes import minutes_of
 from observer_lab.engine import EngineError
 from observer_lab.text import Text, error_words, languages, same, text
 
@@ -24,9 +26,10 @@ from .tasks import check_tasks, read_tasks
 from .toml_table import LessonFileError, Table, read_table, refusal
 
 TOML, MARKDOWN = "lesson.toml", "lesson.md"
-TOP_KEYS = ("draft", "answer", "figure", "plant", "parameters", "knobs", "model", "observer", "controller", "run", "figures", "tasks",
+TOP_KEYS = ("draft", "minutes", "answer", "figure", "plant", "parameters", "knobs", "model", "observer", "controller", "run", "figures", "tasks",
             "scenes")
 MAX_FILE_BYTES = 1_000_000
+DEFAULT_MINUTES = 45  # of a lesson without a path
 NOT_READ = text("This lesson cannot be read")
 
 
@@ -47,7 +50,8 @@ def read_lesson(folder: Path, number: int, trusted: bool) -> Lesson:
                                         answer=answer))
     lesson = Lesson(
         folder.name, number, knobs, partial(compute, setup), partial(draw_all, draws), answer=int(answer) - 1, tasks=tasks,
-        source=words["en"].source, words=words, answering=top.one_of("figure", ids, ids[0]), path=path, draft=top.switch("draft", False))
+        source=words["en"].source, words=words, answering=top.one_of("figure", ids, ids[0]), path=path, draft=top.switch("draft", False),
+        place=CoursePlace(round(top.number("minutes", minutes_of(path, core=False) or DEFAULT_MINUTES))))
     _try_out(top, lesson)
     return lesson
 

@@ -4,16 +4,21 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Callable, Iterator
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
 import pytest
 from client import WireTab, eventually
+from commands import refused as refused_command
 from fakes import Clock, FakeView
 from laws import each
 from scipy.linalg import expm
+from served import Served
 
 from observer_lab.cli.entry import main
 from observer_lab.cli.lesson_folder import follow_folder
@@ -218,7 +223,7 @@ WRONG = (
     ('knobs = ["k"]', "", "A scene that asks to move a knob must name it in knobs."),
     ('figures = ["state-velocity"]', 'figures = ["velocity"]', "figures names velocity, which does not exist; there are error,"),
     ("answer = 2", "answer = 4", "answer must be the number of the right option, 1 to 3; it is 4."),
-    ("answer = 2", "anwser = 2", "There is no key anwser here; use draft, answer,"),
+    ("answer = 2", "anwser = 2", "There is no key anwser here; use draft, minutes, answer,"),
     ("draft = true", 'draft = "yes"', "draft must be true or false; it is yes."),
     ("[model]\nk = 1.0", "[model]\nkk = 1.0", "There is no parameter kk; there are m, b, k, first."),
     ('inputs = ["force"]', 'inputs = ["<b>force"]', "The name <b>force must be short and plain"),
@@ -339,21 +344,20 @@ def test_a_broken_lesson_leaves_an_open_tab_its_last_good_picture(whole: Path) -
 
 
 @pytest.fixture
-def served(whole: Path) -> Iterator[tuple[Path, LabServer, Callable[[], None]]]:
+def served(whole: Path) -> Iterator[tuple[Path, LabServer]]:
     """A server that follows the folder."""
     folder = LessonFolder(whole.parent, (), False)
     server = LabServer(folder.lessons(), port=0, lesson=whole.name)
     ended: list[bool] = []
     follow_folder(folder, server.replace_lessons, lambda: bool(ended))
-    yield whole, server, lambda: None
+    yield whole, server
     ended.append(True)
     server.stop()
 
 
 @pytest.mark.slow
-def test_a_served_lesson_opens_reloads_on_save_and_a_new_page_shows_what_is_wrong(
-        served: tuple[Path, LabServer, Callable[[], None]]) -> None:
-    place, server, _ = served
+def test_a_served_lesson_opens_reloads_on_save_and_a_new_page_shows_what_is_wrong(served: tuple[Path, LabServer]) -> None:
+    place, server = served
     with WireTab(server.url) as tab:
         tab.settle()
         changed(place / "lesson.toml", 'label = "stiffness"', 'label = "spring"')
@@ -367,3 +371,24 @@ def test_a_served_lesson_opens_reloads_on_save_and_a_new_page_shows_what_is_wron
             assert any("There is no key kin here" in str(w["props"]) for w in other.widgets.values())
         changed(place / "lesson.toml", 'kin = "state"', 'kind = "state"')
         tab.until(lambda: not server._lessons[place.name].fault.id, "the mended lesson")
+
+
+@pytest.mark.slow
+@each("command, fault", [(COMMANDS[1], "tank.py is Python code and is not run"), (COMMANDS[3], "")])
+def test_the_commands_of_the_guide_serve_its_lessons(whole: Path, nonlinear: Path, command: list[str], fault: str) -> None:
+    with Served([sys.executable, "-m", "observer_lab", *command, "--port", "0", "--view", "lab", "--lesson", nonlinear.name],
+                cwd=whole.parent.parent, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=dict(os.environ)) as server:
+        assert server.stdout is not None and server.stderr is not None
+        with WireTab(server.stdout.readline().strip()) as tab:
+            tab.settle()
+            assert tab.has("size of the hole") is not bool(fault)
+            assert any("tank.py is Python code" in str(w["props"]) for w in tab.widgets.values()) is bool(fault)
+        server.send_signal(signal.SIGTERM)
+        assert server.wait(60) == 0
+        said = server.stderr.read()
+        assert ("lesson tank-level" in said) is bool(fault) and fault in said and "lesson leaky-tank" not in said
+
+
+def test_a_folder_without_lessons_is_refused_in_one_sentence(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    assert "There is no folder" in refused_command(capsys, "serve", "--lessons", str(tmp_path / "nowhere"))
+    assert "holds no lesson" in refused_command(capsys, "serve", "--lessons", str(tmp_path))

@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from ...text import Text
-from .exams import Examining, HandingIn
+from .exams import Examining
 from .files import Comparing, LessonsChanged, Shelving, Taking
 from .guide import Guiding, ToggleGlossary
 from .room import Lecturing
@@ -296,6 +296,5 @@ Studying = Predict | Reveal | PredictAgain | ShowAgain | CheckTask | CheckNextTa
 Sharing = OpenState | PlaceOpened | ToggleDownloads | SaveState
 Paging = (OpenLesson | TurnPage | SetLanguage | ToggleLecture | ToggleTheme | WindowChanged | ToggleLandscape | LookFrom | ToggleHelp
           | ToggleGlossary | ToggleCourse | Answer | RunOnTabThread | LessonsChanged | MemoryRecalled)
-Command = (Playing | Designing | Studying | Examining | HandingIn | Sharing | Taking | Comparing | Shelving | Paging | Guiding
-           | Lecturing)
+Command = Playing | Designing | Studying | Examining | Sharing | Taking | Comparing | Shelving | Paging | Guiding | Lecturing
 Edit = SetKnobs | Command

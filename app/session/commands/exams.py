@@ -52,5 +52,6 @@ class SaveHandIn:
     item: str
 
 
-Examining = AnswerExam | AnotherVariant | SetKey | WithholdResults
+Answering = AnswerExam | AnotherVariant | SetKey | WithholdResults
 HandingIn = HandIn | SaveHandIn
+Examining = Answering | HandingIn

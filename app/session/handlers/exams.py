@@ -15,7 +15,7 @@ from ...course.handin.served_course import WITHHELD
 from ...course.knobs import KnobError
 from ...course.lesson import Verdict
 from ...text import text
-from ..commands.exams import AnotherVariant, AnswerExam, Examining, SetKey, WithholdResults
+from ..commands.exams import AnotherVariant, AnswerExam, Answering, SetKey, WithholdResults
 from ..state.view import MOST_ANSWERS, MOST_VARIANTS, ExamAnswer, ExamState, State
 from .presenter import Presenter
 
@@ -23,7 +23,7 @@ SEALED = text("This server notes answers to exams and tells nothing of them; pra
 COURSE_DECIDES = text("The course file says which exams are for practice.")
 
 
-def obey(show: Presenter, command: Examining) -> None:
+def obey(show: Presenter, command: Answering) -> None:
     """Do what a command about exams asks. Raises KnobError."""
     match command:
         case AnswerExam(exam, said):

@@ -6,7 +6,7 @@
   const mark = () => {
     const style = document.getElementById('ol-voted') ?? document.head.appendChild(Object.assign(document.createElement('style'), {id: 'ol-voted'}));
     const chosen = read('observer-lab-voted');
-    style.textContent = chosen ? `.ol-option[data-room="${CSS.escape(chosen)}"]{outline:3px solid var(--ol-blue)}` : '';
+    style.textContent = chosen ? `.ol-option[data-room="${CSS.escape(chosen)}"]{outline:3px solid var(--ol-accent)}` : '';
   };
   if (hand) lab.hand = hand;
   if (vote !== undefined && counted) write('observer-lab-voted', `vote:${vote}:${option}`);
