@@ -13,10 +13,10 @@ from .structure.analysis import controllability_matrix, observability_matrix
 from .structure.gramian import gramians, hankel_singular_values
 from .systems.arrays import as_checked
 from .systems.errors import EngineError
+from .systems.fractions import realised_by_entries
 from .systems.gates.argument_checks import PERIOD, POLES, SECONDS, Sizes, choice, matrix, optional, takes, vector
 from .systems.gates.plant_gate import DRIVEN, PLANT, SEEN
 from .systems.gates.room_gates import with_gates
-from .systems.fractions import realised_by_entries
 from .systems.plant import Plant
 from .systems.sampling import discretise
 from .systems.zeros import transmission_zeros

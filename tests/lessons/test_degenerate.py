@@ -96,4 +96,4 @@ def test_the_commands_of_the_report_show_no_traceback(words: list[str], tmp_path
     path.write_text(json.dumps(DEGENERATE["zero A"]), encoding="utf-8")
     status = main(["run", *words, *([str(path)] if words[-1] == "--plant" else [])])
     said = capsys.readouterr()
-    assert status in (0, 1) and said.out or status == 2 and said.err.count("\n") == 1 and said.err.startswith("observer-lab: ")
+    assert (status in (0, 1) and said.out) or (status == 2 and said.err.count("\n") == 1 and said.err.startswith("observer-lab: "))
