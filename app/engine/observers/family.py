@@ -83,10 +83,11 @@ class Family:
         slack = 1e-12 * (np.abs(low) + np.abs(high)) + MIN_RATE
         bottom[:low.size], top[:high.size] = low - slack, high + slack
         start = point[:free].copy()
+        widths = np.concatenate([np.abs(low) + np.abs(high), np.ones(free - low.size)])
         if np.linalg.norm(self.missed(point)) < 1e-13:
             return point
         fit = least_squares(lambda v: self.missed(np.concatenate([v, point[free:]])), start, bounds=(bottom, top),
-                            x_scale=np.maximum(np.abs(start), 1e-3 * np.concatenate([np.abs(low) + np.abs(high), np.ones(free - low.size)]) + MIN_RATE), xtol=1e-15, ftol=1e-15, gtol=1e-15, max_nfev=40)
+                            x_scale=np.maximum(np.abs(start), 1e-3 * widths + MIN_RATE), xtol=1e-15, ftol=1e-15, gtol=1e-15, max_nfev=40)
         bent = np.concatenate([fit.x, point[free:]])
         bent[:low.size] = np.clip(bent[:low.size], low, high)
         return bent

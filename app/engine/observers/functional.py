@@ -141,13 +141,12 @@ def _in_like_units(plant: Plant, K: np.ndarray, own: Balance, poles: Poles, wron
 
 
 def unlike_units(plant: Plant, own: Balance) -> bool:
-    """Whether the states of a plant, or its rate and the unit of time, are so far apart that powers of s lose their digits."""
+    """Whether states, or the rate and the unit of time, are so far apart that powers of s lose digits."""
     return own.states.max() > UNLIKE * own.states.min() or not 1 / UNLIKE < (1.0 if plant.dt else own.rate) < UNLIKE
 
 
 def like_units(plant: Plant, K: np.ndarray, own: Balance) -> tuple[Plant, np.ndarray, np.ndarray, float]:
-    """Plant and K (r×n) in balanced states, outputs and time; the units (r, 1) in which K is told there; the rate of a unit of time.
-    """
+    """Plant and K (r×n) in balanced states, outputs and time; K's units (r, 1); the unit of time in 1/s."""
     x, y = own.states, own.outputs
     rate = 1.0 if plant.dt else 2.0 ** np.round(np.log2(own.rate))
     like = Plant(own.A(plant.A) / rate, plant.B / x[:, None] / rate, own.C(plant.C), np.asarray(plant.D) / y[:, None], plant.dt)

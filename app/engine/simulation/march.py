@@ -40,7 +40,7 @@ def plain(s: Scenario, loop: Loop, d: Disturbances, r: np.ndarray, bound: float)
 
 
 def with_error(s: Scenario, d: Disturbances, r: np.ndarray, bound: float) -> tuple[np.ndarray, np.ndarray]:
-    """z = (x, x̂) (≤ n_t, 2n) and e (≤ n_t, n) of a loop without limits and delay, run on (x, e): a large L takes no digits from e."""
+    """z = (x, x̂) (≤ n_t, 2n) and e of a loop without limits and delay, run on (x, e): L costs no digits."""
     n = s.plant.n
 
     def moved(z: np.ndarray) -> np.ndarray:

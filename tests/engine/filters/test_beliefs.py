@@ -10,7 +10,8 @@ from observer_lab.engine.filters import Belief
 
 
 @pytest.mark.parametrize(("P", "words"), [
-    ([[1.0, 0.5], [0.0, 1.0]], "symmetric"), ([[1.0, 2.0], [2.0, 1.0]], "negative eigenvalue"), ([[-1.0, 0.0], [0.0, 1.0]], "negative eigenvalue"),
+    ([[1.0, 0.5], [0.0, 1.0]], "symmetric"),
+    ([[1.0, 2.0], [2.0, 1.0]], "negative eigenvalue"), ([[-1.0, 0.0], [0.0, 1.0]], "negative eigenvalue"),
     ([[1e12, 0.0], [0.0, -1e-3]], "negative eigenvalue")])
 def test_what_is_no_covariance_is_refused(P: list[list[float]], words: str) -> None:
     with pytest.raises(EngineError, match=words):

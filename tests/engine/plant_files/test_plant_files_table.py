@@ -5,7 +5,8 @@ from __future__ import annotations
 from plant_files_table import files, row
 
 REFUSED = frozenset((
-    "JSON, Ts = −1", "JSON, Ts and dt differ", "JSON, h = 0.1", "JSON, fs = 10", "JSON, TimeUnit minutes", "JSON, E singular", "JSON, InputDelay 0.5 samples", "JSON, InternalDelay", "JSON, A and a",
+    "JSON, Ts = −1", "JSON, Ts and dt differ", "JSON, h = 0.1", "JSON, fs = 10", "JSON, TimeUnit minutes",
+    "JSON, E singular", "JSON, InputDelay 0.5 samples", "JSON, InternalDelay", "JSON, A and a",
     "JSON, a key nobody knows", "JSON, a key twice", "JSON, improper fraction", "JSON, one lonely complex pole", "complex",
     "an object alone", "two structs", "201 states", "version 7.3", "a picture"))
 
