@@ -143,11 +143,11 @@ def place_axes(page: Page, size: tuple[float, float], cell: Cell, left: float, b
     inset = 0.1 if isinstance(cell.figure, TableFigure) else LEFT_IN
     axes = page.add_axes(((left + inset) / wide, bottom / high, (CELL - inset - RIGHT_IN) / wide, cell.axes / high))
     axes.set_gid(cell.figure.id)
-    _draw(axes, cell.figure, language)
+    _draw_kind(axes, cell.figure, language)
     return axes
 
 
-def _draw(axes: Axes, figure: Figure, language: str) -> None:
+def _draw_kind(axes: Axes, figure: Figure, language: str) -> None:
     match figure:
         case LineFigure():
             draw_lines(axes, figure, language)
