@@ -26,8 +26,8 @@ from .tasks import check_tasks, read_tasks
 from .toml_table import LessonFileError, Table, read_table, refusal
 
 TOML, MARKDOWN = "lesson.toml", "lesson.md"
-TOP_KEYS = ("draft", "minutes", "answer", "figure", "plant", "parameters", "knobs", "model", "observer", "controller", "run", "figures", "tasks",
-            "scenes")
+TOP_KEYS = ("draft", "minutes", "answer", "figure", "plant", "parameters", "knobs", "model", "observer", "controller", "run", "figures",
+            "tasks", "scenes")
 MAX_FILE_BYTES = 1_000_000
 DEFAULT_MINUTES = 45  # of a lesson without a path
 NOT_READ = text("This lesson cannot be read")
