@@ -11,7 +11,7 @@ import numpy as np
 from ..plotting import with_plot
 from ..systems.arrays import as_checked, as_definite, as_weight, correlations, frozen, is_definite, symmetric
 from ..systems.balance import MIN_RATE
-from ..systems.errors import NO_STATES, EngineError, RiccatiError, ShapeError, phrase
+from ..systems.errors import EngineError, RiccatiError, ShapeError, phrase
 from ..systems.gates.argument_checks import matrix, takes
 from ..systems.pole_sets import Poles, pole_text, sorted_poles
 from ..systems.records import record
@@ -185,7 +185,7 @@ def _estimator(A: object, G: object, C: object, W: object, V: object,
 
 def _square(A: np.ndarray, name: str) -> int:
     if not A.size:
-        raise ShapeError(NO_STATES)
+        raise ShapeError("The plant has no states, so there is no gain to design.")
     if A.shape[0] != A.shape[1]:
         raise ShapeError("{name} must be square; it is {rows}×{columns}.",
                          name=name, rows=A.shape[0], columns=A.shape[1])

@@ -12,7 +12,7 @@ from scipy.optimize import linear_sum_assignment
 from ..plotting import with_plot
 from ..systems.arrays import as_checked, frozen
 from ..systems.balance import balance, state_scale
-from ..systems.errors import NO_STATES, PoleError, ShapeError, phrase
+from ..systems.errors import PoleError, ShapeError, phrase
 from ..systems.exact_roots import MAX_STATES, exact_poles
 from ..systems.gates.argument_checks import POLES, matrix, takes
 from ..systems.pole_sets import Poles, check_poles, match_poles, move_pole, pole_text
@@ -129,7 +129,7 @@ class _Wording:
 def _checked_pair(A: object, B: object, a: str, b: str) -> tuple[np.ndarray, np.ndarray]:
     first, second = as_checked(A), as_checked(B)
     if not first.size:
-        raise ShapeError(NO_STATES)
+        raise ShapeError("The plant has no states, so there is no gain to design.")
     if first.shape[0] != first.shape[1]:
         raise ShapeError("A must be square; it is {rows}×{columns}.", rows=first.shape[0], columns=first.shape[1])
     if second.shape[0] != first.shape[0]:

@@ -30,9 +30,6 @@ def phrase(message: str, /, **values: object) -> Phrase:
     return Phrase(message, **values)
 
 
-NO_STATES = phrase("The plant has no states, so there is no gain to design.")
-
-
 class EngineError(ValueError):
     """Bad input to the engine; the message is a sentence fit to show to a student.
 

@@ -9,7 +9,7 @@ from ...design.gain_record import ActsAsGain
 from ...design.optimal import lqe
 from ...plotting import with_plot
 from ...systems.arrays import as_checked, as_definite, as_weight, correlations, frozen, symmetric
-from ...systems.errors import NO_STATES, EngineError, ShapeError
+from ...systems.errors import EngineError, ShapeError
 from ...systems.gates.argument_checks import matrix, number, optional, takes
 from ...systems.pole_sets import sorted_poles
 from ...systems.records import record
@@ -46,7 +46,7 @@ def h_infinity(A: object, G: object, C: object, W: object, V: object, *, gamma: 
     W, V = as_weight(W, "W", G.shape[1]), as_definite(V, "V", len(C))
     Z = np.eye(len(A)) if Z is None else as_checked(Z)
     if not len(A):
-        raise ShapeError(NO_STATES)
+        raise ShapeError("The plant has no states, so there is no gain to design.")
     if np.isinf(gamma):
         kalman = lqe(A, G, C, W, V)
         return RobustGain(kalman.gain, kalman.solution, kalman.poles, np.inf)
