@@ -30,8 +30,6 @@ def phrase(message: str, /, **values: object) -> Phrase:
     return Phrase(message, **values)
 
 
-
-
 class EngineError(ValueError):
     """Bad input to the engine; the message is a sentence fit to show to a student.
 
