@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import re
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -19,6 +20,7 @@ from observer_lab.page.room.follower import read_ballot
 from observer_lab.page.room.lecture_room import LectureRoom, preferred_language
 from observer_lab.page.screen.server import LabServer
 from observer_lab.session.commands.commands import CheckNextTask
+from observer_lab.session.commands.guide import SetMode
 
 PREDICT = next(k for k, scene in enumerate(LESSONS["separation"].path) if scene.id == "predict")
 Enter = Callable[..., WireTab]
@@ -361,3 +363,16 @@ def test_of_presenters_at_two_workers_the_last_one_leads_and_followers_come_back
     finally:
         one.stop()
         other.stop()
+
+
+def test_in_the_lab_followers_see_the_knobs_that_the_presenter_has_moved(enter: Enter, present: Callable[[], WireTab],
+                                                                         server: LabServer) -> None:
+    presenter, follower = present(), enter()
+    follower.until(lambda: card(follower), "the card")
+    ask(presenter, "mode:lab")
+    question = html.escape(LESSONS["separation"].words["en"].question)
+    follower.until(lambda: question in card(follower), "the lesson's question")
+    presenter.update("stiffness believed wrong by [%]", value=12.0)
+    follower.until(lambda: "<dd>12 %</dd>" in part(follower, '<dl class="ol-knobs"'), "the moved knob")
+    server.sessions[max(server.sessions)].post(SetMode("guide"))
+    follower.until(lambda: "data-scene=" in card(follower), "the path again")
