@@ -7,6 +7,7 @@ from typing import Any, cast
 
 import viser
 
+from ...colours import COLOURS, rgb
 from ...course.lesson import Outcome
 from ...session.state.token import write_token
 from ...session.state.view import Picture
