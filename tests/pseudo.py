@@ -8,6 +8,8 @@ from pathlib import Path
 from babel.messages import Catalog, pofile
 from catalogues import ROOT, said
 
+from observer_lab.course.glossary import parse_glossary
+
 CODE = "qps"
 ACCENTS = str.maketrans("aeiouycnszAEIOUCNSZ", "áéíóúýçñšžÁÉÍÓÚÇÑŠŽ")
 # what a translator leaves alone: places for values, mathematics, code, tags, links, names of LaTeX
@@ -53,4 +55,7 @@ def write_language(root: Path) -> Path:
     for path in sorted((ROOT / "lessons").glob("*/en.md")):
         name = path.parent.name.replace("_", "-")
         (folder / f"{name}.md").write_text(prose(path.read_text(encoding="utf-8")), encoding="utf-8")
+    terms = parse_glossary((ROOT / "lessons" / "glossary.md").read_text(encoding="utf-8")).entries
+    (folder / "glossary.md").write_text("# \n" + "".join(
+        f"\n## {each.id}: {accented(each.term)}\n\n{doubled(each.text)}\n" for each in terms), encoding="utf-8")
     return folder

@@ -317,7 +317,7 @@ def test_an_interrupt_that_something_else_swallows_ends_the_server_all_the_same(
             heard.append("stopped")
 
     def begins(_: object, end: serve.Ending) -> None:
-        serve._run(Server(), lambda: None, lambda: None, end)  # type: ignore[arg-type]
+        serve._run(Server(), lambda: None, lambda _: None, end)  # type: ignore[arg-type]
     monkeypatch.setattr(serve, "_serve", begins)
     assert serve.serve(object()) == 0  # type: ignore[arg-type]
     assert heard == ["ended", "calm", "stopped"]

@@ -51,6 +51,8 @@ def _made(kind: type[BaseException]) -> BaseException:
     wanted = list(inspect.signature(kind.__init__).parameters.values())[1:]
     if wanted and wanted[0].name == "said":
         return kind(text("{why}", why=error_words(within)))
+    if [one.name for one in wanted] == ["kind", "words"]:
+        return kind("forged", "One sentence.")
     return kind("One sentence.") if wanted else kind()
 
 

@@ -5,10 +5,12 @@ from __future__ import annotations
 import asyncio
 from collections import deque
 from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
 from observer_lab.page.access import connection as connections
+from observer_lab.page.access import handshake
 from observer_lab.page.access.connection import Connection
 
 
@@ -33,3 +35,13 @@ def test_a_connection_is_given_up_once_nothing_goes_out(sizes: tuple[int, ...], 
     with pytest.raises(TimeoutError):
         asyncio.run(drain())
     assert len(sizes) == looks and len(left) == 1, "as long as something goes out it is waited for"
+
+
+def test_nobody_is_answered_who_has_left_while_it_waited(monkeypatch: pytest.MonkeyPatch) -> None:
+    """websockets takes an answer to a closed connection for a fault of the program, and would say so in the log."""
+    given: dict[str, Any] = {}
+    monkeypatch.setattr(handshake, "serve", lambda enter, **options: given.update(options))
+    reception: Any = SimpleNamespace()
+    handshake.serve_guarded(None, None, reception, lambda: True, "any")(None, "", 0)  # type: ignore[arg-type]
+    with pytest.raises(asyncio.CancelledError):
+        asyncio.run(given["process_request"](SimpleNamespace(protocol=SimpleNamespace(eof_sent=True)), None))

@@ -10,11 +10,12 @@ from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..course.lesson import Lesson
 from .options import CommandError
 
 if TYPE_CHECKING:
     from observer_lab.lessons.from_files.folder import LessonFolder
+
+    from ..course.lesson import Lesson
 
 log = logging.getLogger(__name__)
 LOOK_INTERVAL_S = 0.5  # s between two looks at the files

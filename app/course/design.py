@@ -6,8 +6,6 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
-from ..plants.own_plant import plant_of
-from ..plants.signal_names import title_of
 from ..text import text
 from .knobs import KnobError
 
@@ -17,6 +15,9 @@ def missing_knob(name: str, lesson: str, plant: str, names: Iterable[str]) -> Kn
     said = {"id": lesson, "name": name[:40], "names": ", ".join(names)}
     if not plant:
         return KnobError(text("Lesson {id} has no knob {name}; it has {names}.", **said))
+    from ..plants.own_plant import plant_of  # late: it brings numpy, before a command has settled its threads
+    from ..plants.signal_names import title_of
+
     return KnobError(text("Lesson {id}, adapted to {plant}, has no knob {name}; it has {names}.", plant=title_of(plant_of(plant)), **said))
 
 

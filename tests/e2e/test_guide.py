@@ -129,7 +129,7 @@ def test_the_switch_between_guide_lab_and_present_is_in_sight_in_all_of_them(ope
     for mode, sign in (("lab", ".ol-question"), ("present", ".ol-present"), ("lab", ".ol-question"), ("guide", ".ol-card")):
         page.locator(f".ol-mode[data-value='mode:{mode}']").click(timeout=PATIENCE)
         expect(page.locator(sign).first).to_be_visible(timeout=PATIENCE)
-        expect(page.locator(f".ol-mode[data-value='mode:{mode}']")).to_have_attribute("aria-selected", "true", timeout=PATIENCE)
+        expect(page.locator(f".ol-mode[data-value='mode:{mode}']")).to_have_attribute("aria-pressed", "true", timeout=PATIENCE)
         assert "WebGL" not in page.inner_text("body")
 
 

@@ -36,8 +36,11 @@ class HandInError(ValueError):
     """A token that is no hand-in of this course; `kind` says what it is."""
 
     def __init__(self, kind: Refusal, words: str) -> None:
-        super().__init__(words)
+        super().__init__(kind, words)
         self.kind = kind
+
+    def __str__(self) -> str:
+        return str(self.args[1])
 
 
 @dataclass(frozen=True)

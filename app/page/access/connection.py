@@ -10,6 +10,7 @@ from typing import Any
 
 from websockets.asyncio.server import ServerConnection
 from websockets.datastructures import Headers
+from websockets.exceptions import ConnectionClosed as ConnectionClosed
 from websockets.exceptions import ProtocolError
 from websockets.frames import OP_CONT, OP_PING, CloseCode, Frame
 from websockets.http11 import Response

@@ -154,6 +154,8 @@ def serve_guarded(listener: socket.socket, page: PackedPage, reception: Admissio
         end = time.monotonic() + READY_TIMEOUT_S
         while not ready() and time.monotonic() < end:  # who comes first waits: a proxy would show a refusal to a person
             await asyncio.sleep(READY_TIMEOUT_S / 100)
+        if connection.protocol.eof_sent:  # whoever asked has left meanwhile, and the library takes an answer to nobody for a fault
+            raise asyncio.CancelledError
         connection.come_from(sender(connection.address, request))
         held_back = asks_for_websocket(request.headers) and addresses.must_wait(connection.address)
         answer = reception.hold_back() if connection.dropped or held_back else reception.answer(request, page, ready())

@@ -82,11 +82,11 @@ class Panel:
         pages: dict[str, Edit] = {phrases.LECTURE(lang): ToggleLecture(), theme(lang): ToggleTheme()}
         keys = {title: lesson_id for lesson_id, title in titles.items()}
         question = f'<div class="ol-question">{self._words.question}</div>'
+        if picture.state.lecture:
+            gui.add_html(question)
         if self._lesson.path:
             hand = hidden_input(gui, lambda said: self._post(SetMode(said.removeprefix("mode:"))))
             gui.add_html(f'<div class="ol-head">{mode_switch("lab", lang, viser_internals.node_id(hand))}</div>')
-        if picture.state.lecture:
-            gui.add_html(question)
         self._choice = gui.add_dropdown(phrases.LESSON(lang), tuple(titles.values()),
                                         initial_value=titles[self._lesson.id])
         self._tongue = gui.add_button_group("", (*tongues, *pages))

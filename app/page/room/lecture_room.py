@@ -22,7 +22,7 @@ from ...session.commands.commands import RunOnTabThread
 from ...session.commands.room import RoomChanged
 from ...session.session import Session
 from ...text import languages
-from ..access.connection import Connection
+from ..access.connection import Connection, ConnectionClosed
 from ..charts.print_sizes import SHEET_MAX_WIDTH_PX
 from ..words import phrases
 from .broadcast import Broadcast
@@ -128,6 +128,8 @@ class LectureRoom:
             await connection.close()
         except asyncio.CancelledError:
             raise
+        except ConnectionClosed:  # it has left while it was sent something
+            pass
         except Exception as problem:
             log.warning("a follower was left: %s", type(problem).__name__)
 

@@ -12,6 +12,6 @@ MODE_WORDS = (("guide", phrases.GUIDE), ("lab", phrases.LAB), ("present", phrase
 
 def mode_switch(now: Mode, language: str, hand: str) -> str:
     """A button for each view of a lesson; each says `mode:` and its name to the hidden widget `hand`."""
-    modes = "".join(f'<button type="button" class="ol-mode" role="tab" aria-selected="{"true" if mode == now else "false"}" '
+    modes = "".join(f'<button type="button" class="ol-mode" aria-pressed="{"true" if mode == now else "false"}" '
                     f'data-to="{hand}" data-value="mode:{mode}">{html.escape(words(language))}</button>' for mode, words in MODE_WORDS)
-    return f'<span class="ol-modes" role="tablist">{modes}</span>'
+    return f'<span class="ol-modes" role="group">{modes}</span>'

@@ -66,7 +66,7 @@ def test_an_uncontrollable_pair_is_named():
         ([-1 + 1j, -1 - 1.1j], "lacks its conjugate"),
         ([np.nan, -1], "NaN or infinite"),
         ([-np.inf, -1], "NaN or infinite"),
-        ([-1e30, -1], "slower"),
+        ([-1e101, -1], "slower"),
         (["fast", -1], "must be numbers"),
         (None, "must be numbers"),
     ],
@@ -74,6 +74,11 @@ def test_an_uncontrollable_pair_is_named():
 def test_requests_without_an_answer_are_refused_with_a_sentence(poles, sentence):
     with pytest.raises(PoleError, match=sentence):
         place(SPRING, [[0], [1]], poles)
+
+
+def test_poles_too_far_apart_for_doubles_are_refused_with_a_sentence():
+    with pytest.raises(EngineError, match="too large or too far apart"):
+        place(SPRING, [[0], [1]], [-1e30, -1])
 
 
 def test_matrices_that_do_not_fit_are_refused():
