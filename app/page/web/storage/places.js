@@ -2,7 +2,8 @@
 ({widget, tabs, steps, tab}) => {
   const lab = window.observerLabAddress;
   if (!lab) return;
-  const fresh = !lab.widget;
+  const fresh = !lab.widget, known = lab.told;  // the place of the tab that the server knew before
+  lab.told = tabs.indexOf(tab);
   Object.assign(lab, {widget, tabs, steps, placed: ''});
   const heads = () => [...document.querySelectorAll('[role=tab]')].filter(head => lab.tabs.includes(head.textContent.trim()));
   const named = (parts, names) => names.indexOf(parts.map(part => part.textContent.trim()).find(name => names.includes(name)));
@@ -11,7 +12,7 @@
     const at = {tab: named(heads().filter(head => head.ariaSelected === 'true'), lab.tabs), step: named(open, lab.steps)};
     const said = JSON.stringify(at);
     if (said !== lab.placed) lab.say(at);
-    lab.placed = said;
+    [lab.placed, lab.told] = [said, at.tab];
   };
   lab.look = look;
   const copy = async button => {
@@ -27,7 +28,7 @@
     if (button && (kind === 'pointerup' || event.key === 'Enter' || event.key === ' ')) copy(button);
     else for (const later of [30, 350]) setTimeout(look, later);  // a folder says after a moment that it is open
   });
-  if (tab === null) return;
+  if (tab === null || (lab.told === known && window.observerLabKeep?.figure.at >= 0)) return;  // keep.js keeps what a hand has chosen
   const end = performance.now() + 5000, open = () => {
     const head = heads().find(one => one.textContent.trim() === tab);
     if (head?.ariaSelected === 'true') return;
