@@ -19,9 +19,26 @@ def mathml(latex: str, display: bool = False) -> str:
     """One equation as MathML. A formula that the converter refuses is shown as its source."""
     try:
         drawn = latex.replace("bmatrix", "matrix").replace("pmatrix", "matrix")  # the style sheet draws the brackets
-        return convert(drawn, display="block" if display else "inline")
+        return _with_accents(convert(drawn, display="block" if display else "inline"))
     except Exception:  # the converter raises many kinds of errors for malformed LaTeX
         return f"<code>{html.escape(latex)}</code>"
+
+
+MOVER = re.compile(r"(<mover[^>]*>|</mover>)")
+ACCENT = re.compile(r"<mo[^>]*>&#x0*(?:2D9|A8|5E|2C6|7E|2DC|AF|203E);</mo>$", re.I)  # dot, two dots, hat, tilde, bar
+
+
+def _with_accents(markup: str) -> str:
+    """MathML in which a dot, hat, tilde or bar above something is said to be an accent: drawn in full size, close to its letter."""
+    parts, opened = MOVER.split(markup), list[int]()
+    for k, part in enumerate(parts):
+        if part.startswith("<mover"):
+            opened.append(k)
+        elif part == "</mover>":
+            at = opened.pop()
+            if ACCENT.search(parts[k - 1]) and "accent=" not in parts[at]:
+                parts[at] = '<mover accent="true">'
+    return "".join(parts)
 
 
 MINUS = re.compile(r"(?:(?<=[\s(\[,=≈<>，：（；～…])|^)-(?=\.?\d)")
