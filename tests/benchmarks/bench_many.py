@@ -1,6 +1,7 @@
 """Many tabs on one process or several: how soon each hand is answered while others play, open and rest.
 
-    python tests/benchmarks/bench_many.py [--tabs 100] [--playing 30] [--dragging 10] [--seconds 10] [--workers 1] [--scripts]
+    python tests/benchmarks/bench_many.py [--tabs 100] [--playing 30] [--dragging 10] [--seconds 10] [--workers 1]
+        [--worker-timeout 90] [--scripts]
 
 The server is a process of its own, or as many as there are workers and one, on loopback; the tabs are protocol clients in this
 one, without a browser. They open one after another, rest, and then work at once: players play the run again and again; hands move
@@ -19,12 +20,14 @@ from __future__ import annotations
 
 import argparse
 import asyncio
+import json
 import os
 import re
 import statistics
 import subprocess
 import sys
 import time
+import urllib.request
 from dataclasses import dataclass, field
 from importlib.metadata import version
 from pathlib import Path
@@ -157,9 +160,10 @@ class Hand:
 class Server:
     """`observer-lab serve` on a free port, and what the operating system says of it."""
 
-    def __init__(self, most: int, workers: int) -> None:
+    def __init__(self, most: int, workers: int, timeout: int) -> None:
         self._process = subprocess.Popen(
-            [sys.executable, "-m", "observer_lab", "serve", "--port", "0", "--max-sessions", str(most), "--workers", str(workers)],
+            [sys.executable, "-m", "observer_lab", "serve", "--port", "0", "--max-sessions", str(most), "--workers", str(workers),
+             "--worker-timeout", str(timeout), "--view", "lab"],
             cwd=HERE, text=True, stdout=subprocess.PIPE,
             env={**os.environ, "PYTHONPATH": str(HERE), "OBSERVER_LAB_KERNELS": "off", "PYTHONUNBUFFERED": "1"})
         assert self._process.stdout is not None
@@ -169,6 +173,11 @@ class Server:
             assert line, "the server did not start"
             found = re.search(r"http://[\d.]+:\d+", line)
         self.url = found[0]
+
+    def replaced(self) -> int:
+        """How many workers had to be started again."""
+        with urllib.request.urlopen(f"{self.url}/health", timeout=20) as answer:
+            return sum(worker["starts"] - 1 for worker in json.load(answer).get("workers", []))
 
     def stop(self) -> None:
         """End it."""
@@ -310,16 +319,18 @@ async def measure(server: Server, tabs: int, playing: int, dragging: int, second
 def main() -> None:
     """Run the benchmark and print its table."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    for name, usual in (("--tabs", 100), ("--playing", 30), ("--dragging", 10), ("--workers", 1)):
+    for name, usual in (("--tabs", 100), ("--playing", 30), ("--dragging", 10), ("--workers", 1),
+                        ("--worker-timeout", 90)):
         parser.add_argument(name, type=int, default=usual)
     parser.add_argument("--seconds", type=float, default=10.0)
     parser.add_argument("--scripts", action="store_true", help="the tabs are scripts, which are sent every pose")
     asked = parser.parse_args()
     if asked.playing + asked.dragging > asked.tabs:
         parser.error("more tabs work than there are")
-    server = Server(asked.tabs + LATER, asked.workers)
+    server = Server(asked.tabs + LATER, asked.workers, asked.worker_timeout)
     try:
         rows = asyncio.run(measure(server, asked.tabs, asked.playing, asked.dragging, asked.seconds, asked.scripts))
+        rows.append(("workers started again", str(server.replaced())))
     finally:
         server.stop()
     print("| figure | value |\n|---|---|")
