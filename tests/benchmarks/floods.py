@@ -68,7 +68,8 @@ class Served:
     def __init__(self, folder: str) -> None:
         self.log = Path(folder) / "stderr"
         with self.log.open("wb") as told:
-            self.process = subprocess.Popen([sys.executable, "-m", package(), "--port", "0", "--lesson", "separation"], cwd=HERE,
+            self.process = subprocess.Popen([sys.executable, "-m", package(), "serve", "--port", "0", "--lesson", "separation", "--view", "lab"],
+                                            cwd=HERE,
                                             stdout=subprocess.PIPE, stderr=told, text=True,
                                             env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path), "OBSERVER_LAB_KERNELS": "off"})
         assert self.process.stdout is not None
