@@ -42,7 +42,6 @@ def scenes(page: Page, address: str, lesson: Lesson, language: str, mode: str) -
     """Every scene of a lesson as it is entered: its id and its picture. What breaks the law is printed."""
     first = SavedState(lesson.start(), language, mode == "present", mode=mode, scene=lesson.path[0].id)
     page.goto(f"{address}#{write_token(lesson, first)}")
-    page.reload()
     for k, scene in enumerate(lesson.path):
         page.wait_for_selector(".ol-dot", timeout=PATIENCE)
         page.locator(".ol-dot").nth(k).click(timeout=PATIENCE)

@@ -41,7 +41,7 @@ class TokenBucket:
 
 
 class ConnectionMeter:
-    """What one connection has sent; `excess` says in words why it must be dropped."""
+    """Count what one connection has sent; `excess` says why it must be dropped."""
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
         self._clock = clock

@@ -34,7 +34,7 @@ class RequestStart:
 
 
 def read_head(received: bytes, here: str) -> RequestStart | Refusal | None:
-    """What to do with what a connection has sent so far; None while its head is not complete.
+    """Decide by the bytes that a connection has sent so far; None while its head is not complete.
 
     `here` is the address that the connection came to: the host of a request of HTTP/1.0 that names none. A browser always names one.
     """

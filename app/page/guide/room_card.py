@@ -1,4 +1,4 @@
-"""Write what a presenter sees of the class: who is here, the vote, and its histograms."""
+"""Write what a presenter sees of the class: how many follow, the vote, and its histograms."""
 
 from __future__ import annotations
 

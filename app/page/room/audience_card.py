@@ -48,7 +48,7 @@ def _options(picture: Picture, scene: Scene) -> str:
 
 
 def typed_html(picture: Picture) -> str:
-    """What the presenter has typed: its options or a field for a number while it is open, its histograms afterwards."""
+    """The question that the presenter typed: options or a number field while it is open, histograms afterwards."""
     if not picture.typed:
         return ""
     vote, lang = picture.typed[-1], picture.state.language

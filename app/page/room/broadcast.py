@@ -38,7 +38,7 @@ class KindOfPage:
 
 @dataclass
 class Waiting:
-    """What the presenter's tab has shown since the last round: the latest of each kind."""
+    """The latest picture, pose and camera that the presenter's tab has shown since the last round."""
 
     picture: Picture | None = None
     rebuild: bool = False
