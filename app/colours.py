@@ -6,6 +6,7 @@ by the page in the dark, with their hues kept; `DARK_COLOURS` is for what the pa
 
 from __future__ import annotations
 
+from functools import cache
 from types import MappingProxyType
 
 PLANT = "#0072B2"
@@ -131,6 +132,7 @@ def palette(dark: bool) -> MappingProxyType[str, str]:
     return DARK_COLOURS if dark else COLOURS
 
 
+@cache
 def rgb(colour: str) -> tuple[int, int, int]:
     """'#RRGGBB' as three bytes."""
     return int(colour[1:3], 16), int(colour[3:5], 16), int(colour[5:7], 16)

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from observer_lab.session.runtime.scheduler import BACKGROUND_SHARE_S, MAX_TURN_S, Scheduler
 
-TURN = BACKGROUND_SHARE_S / 2.5  # s that a turn takes here
+TURN = 0.501 * BACKGROUND_SHARE_S  # s that a turn takes here: two of them are a share
 
 
 def queued(turns: Scheduler, clock: Clock, ranks: list[bool], served: list[int]) -> list[threading.Thread]:
@@ -31,7 +31,7 @@ def queued(turns: Scheduler, clock: Clock, ranks: list[bool], served: list[int])
 
 @settings(max_examples=20)
 @given(st.lists(st.booleans(), max_size=14))
-def test_hands_come_first_in_order_and_leave_room_for_three_short_turns(ranks: list[bool]) -> None:
+def test_hands_come_first_in_order_and_leave_room_for_two_short_turns(ranks: list[bool]) -> None:
     clock, served = Clock(), list[int]()
     turns = Scheduler(clock=clock)
     with turns.turn(True):
@@ -41,9 +41,29 @@ def test_hands_come_first_in_order_and_leave_room_for_three_short_turns(ranks: l
     hands, others = ([k for k, hand in enumerate(ranks) if hand is rank] for rank in (True, False))
     wanted: list[int] = []
     while hands or others:  # the turn that all waited for was a hand's
-        wanted += others[:3] + hands[:1]
-        hands, others = hands[1:], others[3:]
+        wanted += others[:2] + hands[:1]
+        hands, others = hands[1:], others[2:]
     assert served == wanted and not turns.waiting
+
+
+def test_a_long_turn_nobody_asked_for_is_paid_back_by_the_next_ones() -> None:
+    clock, served = Clock(), list[bool]()
+    turns = Scheduler(clock=clock)
+
+    def work(hand: bool) -> None:
+        with turns.turn(hand):
+            clock.advance(TURN if hand else 4 * BACKGROUND_SHARE_S)
+            served.append(hand)
+    with turns.turn(True):
+        threads = []
+        for number, hand in enumerate([True] * 8 + [False] * 3):
+            threads.append(threading.Thread(target=work, args=(hand,)))
+            threads[-1].start()
+            while turns.waiting <= number:
+                time.sleep(0)
+    for thread in threads:
+        thread.join()
+    assert served == [False, *[True] * 4, False, *[True] * 4, False], "four turns of a hand for one of four shares"
 
 
 def test_whoever_works_too_long_is_not_waited_for() -> None:

@@ -20,7 +20,7 @@ from ..systems.records import record
 from ..systems.stability import poles_within
 from .eigenstructure import controllable_split, input_factors, place_by_deflation
 from .gain_record import ActsAsGain
-from .robust import place_robustly
+from .robust import place_pairs_robustly
 
 __all__ = ["Placement", "match_poles", "move_pole", "observer_gain", "place"]
 
@@ -191,7 +191,7 @@ def _gain(A: np.ndarray, B: np.ndarray, asked: Poles, scales: np.ndarray) -> tup
         return deflated(), np.inf
     if rank == 1:
         return deflated(), None
-    plain, turned = place_robustly(A, B, asked), place_robustly(*balanced, asked)
+    plain, turned = place_pairs_robustly([(A, B), balanced], asked)
     best = min(plain[1], turned[1])
     found: list[tuple[float, np.ndarray, float | None]] = [(_price(A, B, plain[0], asked), *plain)] if np.isfinite(plain[1]) else []
     if np.isfinite(turned[1]):

@@ -9,6 +9,8 @@ All in real arithmetic: the pair x, x̄ stands in X as √2 Re x, √2 Im x, whi
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from scipy.linalg import get_lapack_funcs
 
@@ -16,7 +18,7 @@ from ..systems.pole_sets import Poles
 from ..systems.records import record
 from .eigenstructure import eigenvector_spaces, input_factors
 
-__all__ = ["place_robustly"]
+__all__ = ["place_pairs_robustly", "place_robustly"]
 
 SWEEP_COUNT = 2
 GLIDES, LENGTH, MOMENTUM = 20, 0.05, 0.8
@@ -31,90 +33,108 @@ def place_robustly(A: np.ndarray, B: np.ndarray, poles: Poles) -> tuple[np.ndarr
     K = B⁺(A − XΛX⁻¹). K depends on the poles and their order alone, all but smoothly, so it follows a dragged pole.
     The condition is infinite, and K zero, where no independent eigenvectors were found.
     """
-    n = A.shape[0]
-    _, U1, B_inverse = input_factors(B)
-    if U1.shape[1] == 0:
-        return B_inverse @ (A - _block_diagonal(poles)), 1.0
+    return place_pairs_robustly([(A, B)], poles)[0]
+
+
+def place_pairs_robustly(pairs: Sequence[tuple[np.ndarray, np.ndarray]], poles: Poles) -> list[tuple[np.ndarray, float]]:
+    """What `place_robustly` gives for each pair (A, B) of one size, found side by side in little more than the time of one."""
     ordered = np.concatenate([poles[poles.imag == 0], poles[poles.imag > 0]])
-    pairs = int(np.count_nonzero(poles.imag > 0))
-    spaces = eigenvector_spaces(A, U1, ordered if pairs else ordered.real)
-    frame = _Frame(spaces, np.conj(np.swapaxes(spaces, 1, 2)), n - 2 * pairs)
+    goal = _block_diagonal(np.concatenate([ordered, ordered[ordered.imag > 0].conj()]))
+    factors = [input_factors(B) for _, B in pairs]
+    if len({U1.shape for _, U1, _ in factors}) > 1:
+        return [place_robustly(*pair, poles) for pair in pairs]
+    if factors[0][1].shape[1] == 0:
+        return [(inverse @ (A - _block_diagonal(poles)), 1.0) for (A, _), (_, _, inverse) in zip(pairs, factors, strict=True)]
+    complex_ones = int(np.count_nonzero(ordered.imag > 0))
+    frame = _frame(np.stack([eigenvector_spaces(A, U1, ordered if complex_ones else ordered.real)
+                             for (A, _), (_, U1, _) in zip(pairs, factors, strict=True)]), complex_ones)
     try:
         with np.errstate(all="ignore"):
-            X = frame.columns(_descend(frame, _glide(frame, _sweep(frame))))
+            glided = _glide(frame, np.stack([_sweep(one) for one in frame.apart()]))
+    except np.linalg.LinAlgError:
+        none = [(np.zeros(B.shape[::-1]), np.inf) for _, B in pairs]
+        return none if len(pairs) == 1 else [place_robustly(*pair, poles) for pair in pairs]
+    return [_gain(A, inverse, one, c, goal)
+            for (A, _), (_, _, inverse), one, c in zip(pairs, factors, frame.apart(), glided, strict=True)]
+
+
+def _gain(A: np.ndarray, B_inverse: np.ndarray, frame: _Frame, c: np.ndarray, goal: np.ndarray) -> tuple[np.ndarray, float]:
+    n = len(A)
+    try:
+        with np.errstate(all="ignore"):
+            X = frame.X(_descend(frame, c))
             singular = np.linalg.svd(X, compute_uv=False)
             if not singular[-1] > n * np.finfo(float).eps * singular[0]:
-                return np.zeros((B.shape[1], n)), np.inf
-            everything = np.concatenate([ordered, ordered[ordered.imag > 0].conj()])
-            closed = np.linalg.solve(X.T, (X @ _block_diagonal(everything)).T).T
+                return np.zeros_like(B_inverse), np.inf
+            closed = np.linalg.solve(X.T, (X @ goal).T).T
     except np.linalg.LinAlgError:
-        return np.zeros((B.shape[1], n)), np.inf
+        return np.zeros_like(B_inverse), np.inf
     return B_inverse @ (A - closed), float(singular[0] / singular[-1])
 
 
 @record()
 class _Frame:
-    """Admissible spaces: k bases S (k×n×r), their adjoints, and how many of the k poles are real (they come first).
+    """The admissible eigenvectors: column j of X is columns[j] (n×s) times the unit coefficients (s,) of its pole.
 
-    Coefficients c (k×r, unit rows) stand for the eigenvectors x_j = S_j c_j.
+    The k poles come with the real ones first; columns k to n are the second ones, √2 Im x, of the pairs. Several plants of one size
+    stand side by side: then columns are q×n×n×s, coefficients q×k×s, and so on.
     """
 
-    S: np.ndarray
-    adjoint: np.ndarray
+    columns: np.ndarray
+    k: int
     real: int
 
-    def columns(self, c: np.ndarray) -> np.ndarray:
-        """X (n×n): real eigenvectors, then √2 Re x of the pairs, then √2 Im x of the pairs."""
-        x = (self.S @ c[:, :, None])[:, :, 0].T
-        if self.real == x.shape[1]:
-            return x
-        pairs = x[:, self.real :]
-        return np.hstack([np.real(x[:, : self.real]), ROOT2 * np.real(pairs), ROOT2 * np.imag(pairs)])
+    def apart(self) -> list[_Frame]:
+        """The frame of each of several plants."""
+        return [_Frame(columns, self.k, self.real) for columns in self.columns]
 
-    def coefficients(self, x: np.ndarray) -> np.ndarray:
-        """Unit coefficients of the admissible vectors nearest to the rows of x (k×n)."""
-        return _unit((self.adjoint @ x[:, :, None])[:, :, 0])
+    def X(self, c: np.ndarray) -> np.ndarray:
+        """X (n×n) from coefficients c (k×s): real eigenvectors, then √2 Re x of the pairs, then √2 Im x of the pairs."""
+        each = np.concatenate([c, c[..., self.real :, :]], axis=-2)
+        return (self.columns @ each[..., None])[..., 0].swapaxes(-1, -2)
+
+    def along(self, rows: np.ndarray) -> np.ndarray:
+        """What n rows, one to a column of X, are in the coefficients (k×s)."""
+        each = (rows[..., None, :] @ self.columns)[..., 0, :]
+        along = each[..., : self.k, :]
+        along[..., self.real :, :] += each[..., self.k :, :]
+        return along
 
     def gradient(self, c: np.ndarray, Y: np.ndarray) -> np.ndarray:
         """Gradient of ‖Y‖_F², Y = X⁻¹, with respect to c, tangential to the unit spheres."""
-        G = -2.0 * ((Y @ Y.T) @ Y)
-        if self.real < c.shape[0]:
-            k = c.shape[0]
-            G = np.vstack([G[: self.real], ROOT2 * (G[self.real : k] + 1j * G[k:])])
-        along = (self.adjoint @ G[:, :, None])[:, :, 0]
-        return along - np.real(np.sum(along * c.conj(), axis=1))[:, None] * c
+        along = self.along(-2.0 * ((Y @ Y.swapaxes(-1, -2)) @ Y))
+        return along - np.add.reduce(along * c, axis=-1)[..., None] * c
+
+
+def _frame(spaces: np.ndarray, pairs: int) -> _Frame:
+    """Bases S (q×k×n×r) of the admissible spaces in real numbers: x = S c has Re x = Re S Re c − Im S Im c, and so on."""
+    k = spaces.shape[1]
+    real = k - pairs
+    if not pairs:
+        return _Frame(spaces, k, real)
+    first, second = np.real(spaces), np.imag(spaces)
+    alone = np.concatenate([first, 0 * second], axis=-1)[:, :real]
+    upper, lower = (ROOT2 * np.concatenate(halves, axis=-1)[:, real:] for halves in ((first, -second), (second, first)))
+    return _Frame(np.concatenate([alone, upper, lower], axis=1), k, real)
 
 
 def _unit(c: np.ndarray) -> np.ndarray:
-    return c / np.sqrt(np.real(np.sum(c * c.conj(), axis=1)))[:, None]
-
-
-def _dot(a: np.ndarray, b: np.ndarray) -> float:
-    return float(np.real(np.vdot(a, b)))
+    return c / np.sqrt(np.add.reduce(c * c, axis=-1))[..., None]
 
 
 def _sweep(frame: _Frame) -> np.ndarray:
     """Start: fixed orthonormal directions projected on the spaces, then method 0 with rank-one updates of X⁻¹."""
-    k, n = frame.S.shape[:2]
+    n = len(frame.columns)
     grid = np.arange(n)
-    fixed = np.cos(np.pi * (grid[:, None] + 0.5) * grid[None] / n)
-    aims = fixed[:, :k].T.astype(frame.S.dtype)
-    if k > frame.real:
-        aims[frame.real :] += 1j * fixed[:, k:].T
-    c = frame.coefficients(aims)
-    X = frame.columns(c)
-    inverse = _inverse(X)
+    c = _unit(frame.along(np.cos(np.pi * (grid[:, None] + 0.5) * grid[None] / n).T))
+    inverse = _inverse(frame.X(c))
     for _ in range(SWEEP_COUNT):
-        for j in range(k):
-            away = inverse[j] if j < frame.real else inverse[j] + 1j * inverse[j + k - frame.real]
-            c_j = frame.adjoint[j] @ away
-            c[j] = c_j / np.sqrt(np.vdot(c_j, c_j).real)
-            x = frame.S[j] @ c[j]
-            if j < frame.real:
-                _set_column(inverse, j, x.real)
-            else:
-                _set_column(inverse, j, ROOT2 * x.real)
-                _set_column(inverse, j + k - frame.real, ROOT2 * x.imag)
+        for j in range(frame.k):
+            mine = [j] if j < frame.real else [j, j + frame.k - frame.real]
+            away = sum(inverse[i] @ frame.columns[i] for i in mine)
+            c[j] = away / np.sqrt(away @ away)
+            for i in mine:
+                _set_column(inverse, i, frame.columns[i] @ c[j])
     return c
 
 
@@ -135,12 +155,14 @@ def _set_column(inverse: np.ndarray, j: int, x: np.ndarray) -> None:
 
 
 def _glide(frame: _Frame, c: np.ndarray) -> np.ndarray:
-    """Nesterov's accelerated gradient on log ‖X⁻¹‖_F², all steps of the same length."""
+    """Nesterov's accelerated gradient on log ‖X⁻¹‖_F², all steps of the same length, for q plants (q×k×s) side by side."""
     pace = np.zeros_like(c)
+    Y = np.empty_like(frame.X(c))
     for _ in range(GLIDES):
         ahead = _unit(c + MOMENTUM * pace)
-        Y = _inverse(frame.columns(ahead))
-        new = _unit(ahead - (LENGTH / np.vdot(Y, Y)) * frame.gradient(ahead, Y))
+        for at, X in zip(Y, frame.X(ahead), strict=True):
+            at[:] = _inverse(X)
+        new = _unit(ahead - (LENGTH / np.add.reduce(Y * Y, axis=(-1, -2)))[:, None, None] * frame.gradient(ahead, Y))
         pace, c = new - c, new
     return c
 
@@ -149,15 +171,15 @@ def _descend(frame: _Frame, c: np.ndarray) -> np.ndarray:
     """Polak–Ribière conjugate gradients on ‖X⁻¹‖_F², the step by a parabola through two values and one slope."""
 
     def at(c: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
-        Y = _inverse(frame.columns(c))
+        Y = _inverse(frame.X(c))
         return float(np.vdot(Y, Y)), Y, c
 
     value, Y, c = at(c)
     g = frame.gradient(c, Y)
-    gg = _dot(g, g)
+    gg = np.vdot(g, g)
     d, step = -g, 0.1 / np.sqrt(gg) if gg > 0 else 0.0
     for _ in range(DESCENTS):
-        slope = _dot(g, d)
+        slope = np.vdot(g, d)
         if slope >= 0:
             d, slope = -g, -gg
         if not gg > 1e-20 * value**2:
@@ -173,8 +195,8 @@ def _descend(frame: _Frame, c: np.ndarray) -> np.ndarray:
             continue
         (value, Y, c), step = candidate, best
         new = frame.gradient(c, Y)
-        new_size = _dot(new, new)
-        d = max(0.0, (new_size - _dot(new, g)) / gg) * d - new
+        new_size = np.vdot(new, new)
+        d = max(0.0, (new_size - np.vdot(new, g)) / gg) * d - new
         g, gg = new, new_size
     return c
 

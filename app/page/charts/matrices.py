@@ -133,5 +133,5 @@ def _fitting(words: str, room: float, most: float = WORDS_PX) -> float:
 
 def _blend(depth: float) -> str:
     """White to the plant's colour."""
-    r, g, b = (round(255 + (c - 255) * depth) for c in rgb(COLOURS["plant"]))
-    return f"#{r:02x}{g:02x}{b:02x}"
+    red, green, blue = rgb(COLOURS["plant"])
+    return f"#{round(255 + (red - 255) * depth):02x}{round(255 + (green - 255) * depth):02x}{round(255 + (blue - 255) * depth):02x}"

@@ -13,7 +13,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 MAX_TURN_S = 0.1  # s of a turn: whoever works longer than that goes on, and the next one begins beside it
-BACKGROUND_SHARE_S = 0.005  # s after each turn of a hand for those who wait for nothing that was asked: many small turns, or a longer one
+BACKGROUND_SHARE_S = 0.006  # s that each turn of a hand leaves to what nobody has asked for; a longer turn is paid back by the next ones
+MOST_OWED_S = 0.05  # s that either rank can save up or owe
 
 
 class Ticket:
@@ -33,7 +34,7 @@ class Scheduler:
         self._lock = threading.Lock()
         self._hands, self._others = deque[Ticket](), deque[Ticket]()
         self._holder: Ticket | None = None
-        self._since, self._used = 0.0, BACKGROUND_SHARE_S  # since when the turn is held; what others have used since the last hand's
+        self._since, self._owed = 0.0, 0.0  # since when the turn is held; s that hands owe to the others, negative where these owe
 
     @contextmanager
     def turn(self, hand: bool) -> Iterator[float]:
@@ -66,12 +67,15 @@ class Scheduler:
             self._end()
         if not self._hands and not self._others:
             return
-        hand = bool(self._hands) and (self._used >= BACKGROUND_SHARE_S or not self._others)
+        hand = bool(self._hands) and (self._owed <= 0 or not self._others)
         self._holder, self._since = (self._hands if hand else self._others).popleft(), self._clock()
         self._holder.called.release()
 
     def _end(self) -> None:
-        """The turn is free; what it took is written down."""
+        """The turn is free; what it took from those of the other rank who waited is written down."""
         if self._holder is not None:
-            self._used = 0.0 if self._holder.hand else self._used + self._clock() - self._since
+            if self._holder.hand and self._others:
+                self._owed = min(self._owed + BACKGROUND_SHARE_S, MOST_OWED_S)
+            elif not self._holder.hand and self._hands:
+                self._owed = max(self._owed + self._since - self._clock(), -MOST_OWED_S)
         self._holder = None
