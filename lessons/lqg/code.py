@@ -13,8 +13,8 @@ from .study import Study
 
 SHOWN_METRICS = ("J", "J_known", "J_least", "J_open", "sensor_input", "sensor_share", "gain_low", "gain_high", "phase_deg", "delay", "disk",
          "nearest", "nearest_lqr")
-MAX_RECOVERY_DECADES = 6.0  # decades of recovery beyond which the loop's Lyapunov equation leaves no six digits to agree in
-NOISE_METRICS = ("J", "sensor_input", "sensor_share")
+MAX_RECOVERY_DECADES = 6.0  # decades of recovery beyond which rounding leaves no six digits to agree in
+ROUNDED_METRICS = ("J", "sensor_input", "sensor_share", "gain_low", "gain_high", "phase_deg", "delay")  # beyond it
 
 
 def code(outcome: Outcome[Study]) -> Code:
@@ -24,7 +24,7 @@ def code(outcome: Outcome[Study]) -> Code:
     setting = setting_of(case, d)
     f, plant = setting.factors, case.plant
     fine = d["recovery"] <= MAX_RECOVERY_DECADES
-    left_out = () if fine else NOISE_METRICS
+    left_out = () if fine else ROUNDED_METRICS
     shown = [*(ShownValue(name, outcome.poles[of], poles=True) for name, of in (
                  ("eigvals(A - B @ K)", "regulator"), ("eigvals(A - L @ C)", "filter"), ("eigvals(loop)", "loop"))),
              *(ShownValue(name, m[name]) for name in SHOWN_METRICS if name in m and name not in left_out),
@@ -67,5 +67,5 @@ def code(outcome: Outcome[Study]) -> Code:
         ),
         tuple(shown),
         "Margins of all inputs at once, and what the lines of the report in doubt ask for"
-        + ("" if fine else ", and spectra and variances of the loop, which rounding decides at so high a recovery"),
+        + ("" if fine else ", and spectra, variances and crossings of the loop, which rounding decides at so high a recovery"),
     )

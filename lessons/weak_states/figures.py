@@ -7,17 +7,18 @@ import numpy as np
 from observer_lab.course.figures.claims import claim
 from observer_lab.course.figures.records import Curve, LineFigure, MatrixFigure, PlaneFigure, Point, TableFigure, over_frequency
 from observer_lab.course.lazy import FigureSet, tab_figures
-from observer_lab.course.lesson import Outcome
+from observer_lab.course.lesson import Design, Outcome
 from observer_lab.text import format_number, joined, same, subscript, text, text_in
 
 from .balanced_platform import STATE_COUNT, closed_forms, relative, sigmas
 from .body import share
 from .reduced_regulator import PAIRS
-from .study import RELATIVE, REPORT, Study
+from .study import RELATIVE, REPORT, Ranks, Study
 
 RANK_TAB, HANKEL_TAB = text("Rank"), text("Hankel values")
 MOTION_TAB, LQG_TAB = text("Motions"), same("LQG")
 NOTHING_CUT = text("All ten states are kept: there is only one design. Keep fewer and compare.")
+LEAST = 1e-40  # a singular value drawn in place of zero
 LOG_AXIS_FLOOR = 1e-11  # drawn in place of zero on a logarithmic axis
 TOLERANCES = np.linspace(-18.0, 0.0, 145)  # log₁₀
 
@@ -25,7 +26,7 @@ TOLERANCES = np.linspace(-18.0, 0.0, 145)  # log₁₀
 def figures(outcome: Outcome[Study]) -> FigureSet:
     """Everything on the right of the stage."""
     return FigureSet(
-        tab_figures(RANK_TAB, lambda: (_sizes(outcome), _ranks(outcome))),
+        tab_figures(RANK_TAB, lambda: (sizes(outcome.design, outcome.study.ranks), _ranks(outcome))),
         tab_figures(HANKEL_TAB, lambda: (_staircase(outcome), _error(outcome), _forms(outcome))),
         tab_figures(MOTION_TAB, lambda: (_motions(outcome), _shapes(outcome))),
         tab_figures(LQG_TAB, lambda: (_spectrum(outcome), _gains(outcome))),
@@ -39,12 +40,12 @@ def show(value: float, digits: int = 3) -> str:
 
 
 # --- rank --------------------------------------------------------------------------------------------------------------
-def _sizes(outcome: Outcome[Study]) -> PlaneFigure:
-    r, d = outcome.study.ranks, outcome.design
-    against = d["measure"] == RELATIVE
-    reached, seen = (np.log10(np.maximum(v / v[0] if against else v, 1e-40)) for v in (r.reached, r.seen))
-    index, level = np.arange(1.0, STATE_COUNT + 1), np.log10(d["tolerance"])
-    line = Curve(text("tolerance"), np.full(2, level), "reference", "dash", 1.6, np.array([0.5, STATE_COUNT + 0.5]))
+def sizes(d: Design, r: Ranks) -> PlaneFigure:
+    """The singular values of both matrices, the tolerance between them."""
+    n, against = len(r.reached), d["measure"] == RELATIVE
+    reached, seen = (np.log10(np.maximum(v / max(v[0], LEAST) if against else v, LEAST)) for v in (r.reached, r.seen))
+    index, level = np.arange(1.0, n + 1), np.log10(d["tolerance"])
+    line = Curve(text("tolerance"), np.full(2, level), "reference", "dash", 1.6, np.array([0.5, n + 0.5]))
     curves = (Curve(text("controllability"), reached, "force", x=index),
               Curve(text("observability"), seen, "estimate", "dash", x=index), line)
     points = [Point(float(k), float(v), role, "dot" if v > level else "circle")
@@ -52,33 +53,37 @@ def _sizes(outcome: Outcome[Study]) -> PlaneFigure:
     low, high = min(reached[-1], seen[-1], level), max(reached[0], seen[0], level)
     return PlaneFigure(
         "sizes", text("singular values of both matrices"), curves, tuple(points), "k",
-        "σ/σ₁" if against else "σ", (0.5, STATE_COUNT + 0.5), (float(low - 1), float(high + 1)),
+        "σ/σ₁" if against else "σ", (0.5, n + 0.5), (float(low - 1), float(high + 1)),
         tab=RANK_TAB, powers="y",
         caption=text("Time in units of {clock} s: smallest over largest {reached} and {seen}.",
-                     clock=show(r.clock), reached=show(r.reached[-1] / r.reached[0], 2),
-                     seen=show(r.seen[-1] / r.seen[0], 2)))
+                     clock=show(r.clock), reached=show(r.reached[-1] / max(r.reached[0], LEAST), 2),
+                     seen=show(r.seen[-1] / max(r.seen[0], LEAST), 2)))
 
 
 def _ranks(outcome: Outcome[Study]) -> PlaneFigure:
-    r, d = outcome.study.ranks, outcome.design
-    steps = np.array([r.at(10.0**level, d["measure"]) for level in TOLERANCES], dtype=float)
     first, last = np.log10(REPORT)
+    told = Curve(text("the report's range"), np.array([0.0, 10.5, 10.5, 0.0]), "muted", "dot", 1.6, np.array([first, first, last, last]))
+    return ranks_over_tolerance(outcome.design, outcome.study.ranks, (told,))
+
+
+def ranks_over_tolerance(d: Design, r: Ranks, more: tuple[Curve, ...] = ()) -> PlaneFigure:
+    """Both ranks as the tolerance says them."""
+    n = len(r.reached)
+    steps = np.array([r.at(10.0**level, d["measure"]) for level in TOLERANCES], dtype=float)
     now = r.at(d["tolerance"], d["measure"])
-    curves = [Curve(text("controllability"), steps[:, 0], "force", x=TOLERANCES),
-              Curve(text("observability"), steps[:, 1], "estimate", "dash", x=TOLERANCES)]
-    curves.append(Curve(text("the report's range"), np.array([0.0, 10.5, 10.5, 0.0]), "muted", "dot", 1.6,
-                        np.array([first, first, last, last])))
+    curves = (Curve(text("controllability"), steps[:, 0], "force", x=TOLERANCES),
+              Curve(text("observability"), steps[:, 1], "estimate", "dash", x=TOLERANCES), *more)
     points = [Point(float(np.log10(d["tolerance"])), float(rank), role, "circle")
               for rank, role in zip(now, ("force", "estimate"), strict=True)]
     return PlaneFigure(
-        "ranks", text("rank against tolerance"), tuple(curves), tuple(points),
-        "τ", text("rank"), (-18.0, 0.0), (0.0, 11.5), tab=RANK_TAB, powers="x",
+        "ranks", text("rank against tolerance"), curves, tuple(points),
+        "τ", text("rank"), (-18.0, 0.0), (0.0, n + 1.5), tab=RANK_TAB, powers="x",
         caption=text("At this tolerance: rank {now} of controllability, {now2} of observability, of {states}.",
-                     now=now[0], now2=now[1], states=STATE_COUNT))
+                     now=now[0], now2=now[1], states=n))
 
 
 # --- Hankel ------------------------------------------------------------------------------------------------------------
-def _bars(positions: np.ndarray, levels: np.ndarray, floor: float, half: float) -> tuple[np.ndarray, np.ndarray]:
+def bars(positions: np.ndarray, levels: np.ndarray, floor: float, half: float) -> tuple[np.ndarray, np.ndarray]:
     """One line that goes up and down around every bar."""
     x = (positions[:, None] + half * np.array([-1.0, -1.0, 1.0, 1.0])).ravel()
     y = np.stack([np.full(len(levels), floor), levels, levels, np.full(len(levels), floor)], axis=1).ravel()
@@ -92,7 +97,7 @@ def _staircase(outcome: Outcome[Study]) -> PlaneFigure:
     curves = []
     for name, role, part in ((text("kept"), "plant", slice(0, order)), (text("cut"), "muted", slice(order, None))):
         if len(values[part]):
-            x, y = _bars(index[part], values[part], floor, 0.33)
+            x, y = bars(index[part], values[part], floor, 0.33)
             curves.append(Curve(name, y, role, x=x, width=2.6))
     pair = int(outcome.design["pair"]) - 1
     points = [Point(float(index[k]), float(values[k]), "error", "dot") for k in (2 * pair, 2 * pair + 1)]
@@ -190,13 +195,13 @@ def _gains(outcome: Outcome[Study]) -> PlaneFigure:
     c, order = outcome.study.compared, outcome.study.order
     index = np.arange(1.0, PAIRS + 1)
     curves, lowest = [], -10.0
-    bars = ((c.full.K, text("K on 10 states"), "plant", -0.3),
+    rows = ((c.full.K, text("K on 10 states"), "plant", -0.3),
             (c.small.K, text("K on {order}", order=order), "estimate", -0.1),
             (c.full.L, text("L on 10 states"), "second", 0.1),
             (c.small.L, text("L on {order}", order=order), "disturbance", 0.3))
-    for K, name, role, offset in bars if order < STATE_COUNT else bars[::2]:
+    for K, name, role, offset in rows if order < STATE_COUNT else rows[::2]:
         some = K > 0
-        x, y = _bars(index[some] + offset, np.log10(np.maximum(K[some], 1e-10)), lowest, 0.09)
+        x, y = bars(index[some] + offset, np.log10(np.maximum(K[some], 1e-10)), lowest, 0.09)
         curves.append(Curve(name, y, role, x=x, width=2.2))
     return PlaneFigure(
         "gains", text("gains on the k-th pair of balanced states"), tuple(curves), (), "k",

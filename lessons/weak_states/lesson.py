@@ -14,6 +14,7 @@ from .derive import derived
 from .exams import EXAMS
 from .figures import figures
 from .knobs import KNOBS
+from .own import adapted
 from .path import PATH
 from .study import compute
 from .tasks import TASKS
@@ -24,4 +25,4 @@ LESSON = Lesson("weak-states", 12, KNOBS, compute, figures, answer=1, answering=
                 again=SecondPrediction(("order",), 0, {"order": 9}, ("error",)),
     words=read_prose(Path(__file__).parent), key=("pair", "order", "clock"),
     aside=("ground", "measure", "h", "a", "mu", "kp", "v0", "pressed"), code=code,
-    derived=derived, path=PATH)
+    derived=derived, path=PATH, adapt=adapted)

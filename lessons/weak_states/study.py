@@ -10,6 +10,7 @@ import numpy as np
 
 from observer_lab.course.lazy import LazyMap, LazySequence, LazyValue
 from observer_lab.course.lesson import Check, Design, Formula, Outcome
+from observer_lab.engine import Plant
 from observer_lab.engine.structure import controllability_matrix, observability_matrix
 from observer_lab.plants.platform.model import Parameters, in_time_units
 from observer_lab.text import Text, text
@@ -26,7 +27,7 @@ REPORT = (1e-12, 1e-6)  # tolerances that the report names
 
 @dataclass(frozen=True, eq=False)
 class Ranks:
-    """Singular values (10,) of both matrices, time counted in units of `clock` seconds."""
+    """Singular values (n,) of both matrices, time counted in units of `clock` seconds."""
 
     clock: float
     reached: np.ndarray
@@ -40,7 +41,11 @@ class Ranks:
 @lru_cache(maxsize=64)
 def ranks(s: System, clock: float) -> Ranks:
     """Singular values with time in units of `clock` seconds; metres, radians and newtons stay."""
-    counted = in_time_units(s.plant, clock)
+    return ranks_of(in_time_units(s.plant, clock), clock)
+
+
+def ranks_of(counted: Plant, clock: float) -> Ranks:
+    """The singular values of a plant whose time is counted in units of `clock` seconds already."""
     return Ranks(clock, *(np.linalg.svd(M, compute_uv=False) for M in (controllability_matrix(counted), observability_matrix(counted))))
 
 

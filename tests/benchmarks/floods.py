@@ -68,12 +68,13 @@ class Served:
     def __init__(self, folder: str) -> None:
         self.log = Path(folder) / "stderr"
         with self.log.open("wb") as told:
-            self.process = subprocess.Popen([sys.executable, "-m", package(), "serve", "--port", "0", "--lesson", "separation", "--view", "lab"],
+            self.process = subprocess.Popen([sys.executable, "-m", package(), "serve", "--port", "0", "--lesson", "separation",
+                                             "--view", "lab"],
                                             cwd=HERE,
                                             stdout=subprocess.PIPE, stderr=told, text=True,
                                             env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path), "OBSERVER_LAB_KERNELS": "off"})
         assert self.process.stdout is not None
-        self.url = self.process.stdout.readline().strip()
+        self.url = next(found[0] for line in self.process.stdout if (found := re.search(r"http://[\d.]+:\d+", line)))
 
     def megabytes(self) -> float:
         """Memory that it holds now."""
@@ -130,13 +131,14 @@ async def flood(url: str, first: bytes, again: bytes, end: float) -> float | Non
 
 async def silent(url: str, words: bytes, end: float) -> float | None:
     """Open many connections, say `words` and nothing more; s until the first was closed by the server."""
-    began, opened, place = time.monotonic(), [], urlsplit(url)
+    began, opened, place, loop = time.monotonic(), [], urlsplit(url), asyncio.get_running_loop()
     for _ in range(SILENT):
-        with contextlib.suppress(OSError):
-            plain = socket.create_connection((place.hostname or "", place.port or 0), timeout=5)
-            plain.sendall(words)
+        with contextlib.suppress(OSError, TimeoutError):
+            plain = socket.socket()
+            plain.setblocking(False)  # the honest tab lives in this process, too: nothing may wait for the flood
             opened.append(plain)
-        await asyncio.sleep(0)
+            await asyncio.wait_for(loop.sock_connect(plain, (place.hostname, place.port)), 5)
+            await loop.sock_sendall(plain, words)
     dropped: float | None = None
     while time.monotonic() < end:
         await asyncio.sleep(0.2)

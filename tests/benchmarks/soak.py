@@ -1,6 +1,6 @@
 """A server that is mistreated for minutes, on loopback, while one tab goes on working: what each fault costs that tab, and what is left.
 
-    python tests/benchmarks/soak.py [--connects 1000] [--cuts 60] [--floods 400]
+    python tests/benchmarks/soak.py [--connects 1000] [--cuts 120] [--floods 400]
 
 The server is a process of its own whose opening lesson misbehaves at some values of a knob (tests/wire/sick.py) and whose files may
 hold no more than 2 kB, as on a full disk. One tab, the witness, moves a slider and waits for the answer, again and again, all the time.
@@ -283,7 +283,7 @@ def main() -> None:
     """Print the tables and the verdicts."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--connects", type=int, default=1000)
-    parser.add_argument("--cuts", type=int, default=60)
+    parser.add_argument("--cuts", type=int, default=120)
     parser.add_argument("--floods", type=int, default=400)
     asked = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
