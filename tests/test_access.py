@@ -20,8 +20,9 @@ from websockets.http11 import Request, Response
 
 from observer_lab.engine.kernels import compile_cache
 from observer_lab.page.access.access_policy import AccessPolicy
-from observer_lab.page.access.handshake import AdmissionControl, PackedPage, sender
+from observer_lab.page.access.handshake import AdmissionControl, PackedPage
 from observer_lab.page.access.page_headers import PageHeaders
+from observer_lab.page.access.request_head import sender
 from observer_lab.page.access.shared_counters import SharedCounters, WorkerSlot
 from observer_lab.page.access.socket_handoff import HandedListener, HandedSocket, send_connection
 from observer_lab.page.access.tokens import TOKEN_BYTES, AccessToken, draw_token
@@ -104,7 +105,7 @@ def test_the_page_is_packed_for_whoever_takes_it(said: str, packed: bool) -> Non
                                     ("127.0.0.1", ["1.2.3.4", "2001:DB8::1"], "2001:db8::1"), ("127.0.0.1", [], "127.0.0.1"),
                                     ("127.0.0.1", ["unknown"], "127.0.0.1"), ("198.51.100.7", ["203.0.113.5"], "198.51.100.7")])
 def test_only_a_proxy_on_this_machine_may_say_where_a_request_comes_from(peer: str, said: list[str], counted: str) -> None:
-    assert sender(peer, Request("/", Headers([("X-Forwarded-For", value) for value in said]))) == counted
+    assert sender(peer, Headers([("X-Forwarded-For", value) for value in said])) == counted
 
 
 @each(("said", "secure"), [((), False), (("http",), False), (("https",), True), (("HTTPS, http",), True), (("http, https",), False),

@@ -8,6 +8,7 @@ import os
 import resource
 import socket
 from collections.abc import Callable, Iterator
+from importlib.metadata import version
 from urllib.parse import urlsplit
 from urllib.request import urlopen
 
@@ -103,6 +104,24 @@ def test_an_address_that_floods_again_and_again_must_wait(own: LabServer) -> Non
     assert refused
     with urlopen(f"{own.url}/health", timeout=10) as health:
         assert health.status == 200, "pages and health checks of the address go on"
+
+
+def test_frames_that_come_with_the_head_count_for_the_sender_whom_the_proxy_names(own: LabServer,
+                                                                                    caplog: pytest.LogCaptureFixture) -> None:
+    place = urlsplit(own.url)
+    head = (f"GET / HTTP/1.1\r\nHost: {place.netloc}\r\nX-Forwarded-For: 198.51.100.7\r\n"
+            "Upgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\n"
+            f"Sec-WebSocket-Protocol: viser-v{version('viser')}\r\n\r\n").encode()
+    with caplog.at_level(logging.WARNING):
+        for _ in range(12):
+            with socket.create_connection((place.hostname, place.port or 0), timeout=30) as plain, contextlib.suppress(OSError):
+                plain.sendall(head + FLOODS["text"])
+                while plain.recv(65536):
+                    pass
+    dropped = [line for line in caplog.messages if "dropped a connection" in line]
+    assert dropped and all("198.51.100.7" in line for line in dropped)
+    with WireTab(own.url) as good:
+        good.settle()
 
 
 def test_out_of_files_is_one_kind_of_line_and_passes(caplog: pytest.LogCaptureFixture) -> None:

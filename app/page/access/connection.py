@@ -18,7 +18,7 @@ from websockets.protocol import State
 
 from .access_policy import Refusal
 from .flood_guard import AddressBook, ConnectionMeter
-from .request_head import METHOD, METHODS, RequestStart, read_head
+from .request_head import METHOD, METHODS, RequestStart, read_head, sender
 
 SEND_TIMEOUT_S = 30.0  # s in which a connection must take something of what waits for it
 TAB_TIMEOUT_S = 120.0  # s in which a WebSocket must open a tab; a page in a hidden window does so once it is shown
@@ -53,14 +53,6 @@ class Connection(ServerConnection):
         """Where it comes from, as a proxy on this machine says or as the system does."""
         return self._address
 
-    def come_from(self, address: str) -> None:
-        """Count the connection under the address that a proxy gives for it."""
-        if address != self._address and self._waits:
-            self._addresses.leave(self._address)
-            self._address = address
-            if not self._addresses.arrive(address):
-                self.drop(TOO_MANY)
-
     def open_tab(self) -> None:
         """The connection has a tab now."""
         self._meter.open_tab()
@@ -81,6 +73,14 @@ class Connection(ServerConnection):
             self.send_data()
         self.transport.pause_reading()  # type: ignore[attr-defined]
         self.loop.call_later(LINGER_S, self.transport.abort)
+
+    def _come_from(self, address: str) -> None:
+        """Count the connection under the address that a proxy gives for it."""
+        if address != self._address and self._waits:
+            self._addresses.leave(self._address)
+            self._address = address
+            if not self._addresses.arrive(address):
+                self.drop(TOO_MANY)
 
     def _stop_waiting(self) -> None:
         if self._deadline is not None:
@@ -120,6 +120,7 @@ class Connection(ServerConnection):
                 return
             assert isinstance(found, RequestStart)
             self.method, data = found.method, found.data
+            self._come_from(sender(self._address, found.fields))  # before a frame that came with the head is counted
         super().data_received(data)
 
     async def drain(self) -> None:

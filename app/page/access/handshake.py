@@ -8,7 +8,6 @@ from __future__ import annotations
 import asyncio
 import gzip
 import hashlib
-import ipaddress
 import json
 import logging
 import re
@@ -156,7 +155,6 @@ def serve_guarded(listener: socket.socket, page: PackedPage, reception: Admissio
             await asyncio.sleep(READY_TIMEOUT_S / 100)
         if connection.protocol.eof_sent:  # whoever asked has left meanwhile, and the library takes an answer to nobody for a fault
             raise asyncio.CancelledError
-        connection.come_from(sender(connection.address, request))
         held_back = asks_for_websocket(request.headers) and addresses.must_wait(connection.address)
         answer = reception.hold_back() if connection.dropped or held_back else reception.answer(request, page, ready())
         if answer is not None:
@@ -177,16 +175,6 @@ def serve_guarded(listener: socket.socket, page: PackedPage, reception: Admissio
                     "logger": log, "server_header": None}
         return serve(enter, sock=listener, **options)
     return server
-
-
-def sender(address: str, request: Request) -> str:
-    """Where a request comes from: what a proxy on this machine has added last to X-Forwarded-For, else the address itself."""
-    said = ",".join(request.headers.get_all("X-Forwarded-For")).rpartition(",")[2].strip()
-    try:
-        proxied = ipaddress.ip_address(address).is_loopback
-        return str(ipaddress.ip_address(said)) if proxied and said else address
-    except ValueError:
-        return address
 
 
 def plain_answer(refusal: Refusal) -> Response:

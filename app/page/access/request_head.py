@@ -6,9 +6,11 @@ rewritten here into that; what it cannot is refused with a status.
 
 from __future__ import annotations
 
+import ipaddress
 import re
 from dataclasses import dataclass
 
+from websockets.datastructures import Headers
 from websockets.exceptions import SecurityError
 from websockets.http11 import Request
 from websockets.streams import StreamReader
@@ -27,9 +29,10 @@ BODY = Refusal(413, "A request may carry no body here.")
 
 @dataclass(frozen=True)
 class RequestStart:
-    """A request that can be answered: its method, and its bytes as websockets reads them, with what came behind."""
+    """A request that can be answered: its method, its fields, and its bytes as websockets reads them, with what came behind."""
 
     method: str
+    fields: Headers
     data: bytes
 
 
@@ -56,18 +59,30 @@ def read_head(received: bytes, here: str) -> RequestStart | Refusal | None:
     rewritten = b"GET " + path + b" HTTP/1.1\r\n" + (fields + b"\r\n" if fields else b"")
     if minor == b"0" and re.search(rb"(?im)^host:", fields) is None:
         rewritten += b"Host: " + here.encode("ascii", "ignore") + b"\r\n"
-    return _fault(rewritten + b"\r\n") or RequestStart(method, rewritten + b"\r\n" + behind)
+    read = _read(rewritten + b"\r\n")
+    return read if isinstance(read, Refusal) else RequestStart(method, read.headers, rewritten + b"\r\n" + behind)
 
 
-def _fault(head: bytes) -> Refusal | None:
-    """Why websockets would not read this head; None where it does."""
+def sender(address: str, fields: Headers) -> str:
+    """Where a request comes from: what a proxy on this machine has added last to X-Forwarded-For, else the address itself."""
+    said = ",".join(fields.get_all("X-Forwarded-For")).rpartition(",")[2].strip()
+    try:
+        proxied = ipaddress.ip_address(address).is_loopback
+        return str(ipaddress.ip_address(said)) if proxied and said else address
+    except ValueError:
+        return address
+
+
+def _read(head: bytes) -> Request | Refusal:
+    """The request as websockets reads this head, or why it would not."""
     reader = StreamReader()
     reader.feed_data(head)
     reading = Request.parse(reader.read_line)
     try:
         next(reading)
-    except StopIteration:
-        return None
+    except StopIteration as read:
+        assert isinstance(read.value, Request)
+        return read.value
     except SecurityError:
         return TOO_LARGE
     except (NotImplementedError, ValueError) as problem:
