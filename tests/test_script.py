@@ -30,7 +30,8 @@ from observer_lab.session.state.token import write_token
 LATE = {"delay": 18.0, "limited": True, "u_max": 0.5, "noise": 2.0, "seed": 3.0, "kick": 1.003}
 # Each a way of its own along the grid: exact, clipped with delay, noise, kick and a wrong model, sampled.
 DESIGNS = (("noise", "", {}), ("separation", "", {**LATE, "stiffness_error": 10.0}),
-           ("sandbox", "pendulum", {"noisy": True, "limited": True}), ("weak-states", "tanks", {"order": 2}), ("weak-states", "aircraft", {}),
+           ("sandbox", "pendulum", {"noisy": True, "limited": True}),
+           ("weak-states", "tanks", {"order": 2}), ("weak-states", "aircraft", {}),
            # Weights so far apart that SciPy's solver of Riccati's equation gives up.
            ("lqg", "", {"case": "platform", "beta_q": 0.0042, "beta_r": 0.0043, "recovery": 8.0757}))
 
