@@ -30,14 +30,13 @@ def matrix(figure: MatrixFigure, language: str, large: bool) -> tuple[str, float
     wide = (W - left - 8) / cols
     high = max(min(wide, TALLEST_CELL), ROW_HEIGHT_PX * max((len(lines) for lines in said), default=1) - 2 if large else 0.0)
     heads, top = _heads([symbol(label_in_language(name, language)) for name in figure.columns], left, wide, large)
-    top_value = float(np.max(np.abs(m))) or 1.0
-    out = []
+    share = np.abs(m) / (float(np.max(np.abs(m))) or 1.0)
+    depths = np.where(share < 1e-9, 0.0, 0.15 + 0.85 * np.maximum(0.0, 1 + np.log10(np.maximum(share, 1e-9)) / 6))
+    fills, out = _blends(depths), []
     for i in range(rows):
         for j in range(cols):
-            share = abs(m[i, j]) / top_value
-            depth = 0.0 if share < 1e-9 else 0.15 + 0.85 * max(0.0, 1 + math.log10(share) / 6)
-            x, y = left + j * wide, top + i * high
-            out.append(f'<rect x="{x:.1f}" y="{y:.1f}" width="{wide:.1f}" height="{high:.1f}" fill="{_blend(depth)}" '
+            depth, x, y = depths[i, j], left + j * wide, top + i * high
+            out.append(f'<rect x="{x:.1f}" y="{y:.1f}" width="{wide:.1f}" height="{high:.1f}" fill="{fills[i][j]}" '
                        f'stroke="{COLOURS["chart-grid"]}"><title>{m[i, j]:.4g}</title></rect>')
             if wide >= ROOM_FOR_ENTRY:
                 out.append(_entry(m[i, j] if depth else 0.0, _Cell(x, y, wide, high), large,
@@ -131,7 +130,7 @@ def _fitting(words: str, room: float, most: float = WORDS_PX) -> float:
     return min(most, most * room / max(text_width(words, most), 1.0))
 
 
-def _blend(depth: float) -> str:
-    """White to the plant's colour."""
-    red, green, blue = rgb(COLOURS["plant"])
-    return f"#{round(255 + (red - 255) * depth):02x}{round(255 + (green - 255) * depth):02x}{round(255 + (blue - 255) * depth):02x}"
+def _blends(depths: np.ndarray) -> list[list[str]]:
+    """White to the plant's colour, a colour for each cell."""
+    colour = np.rint(255 + (np.array(rgb(COLOURS["plant"])) - 255) * depths[..., None]).astype(int)
+    return [[f"#{number:06x}" for number in row] for row in (colour @ (65536, 256, 1)).tolist()]

@@ -7,6 +7,7 @@ import math
 import re
 import unicodedata
 from collections.abc import Sequence
+from functools import lru_cache
 from types import MappingProxyType
 from typing import NamedTuple
 
@@ -24,10 +25,16 @@ KEY_LINE_PX, KEY_GAP_PX = 20.0, 14.0  # of an entry of the key: the length of it
 def text_width(words: str, size: float = WORDS_PX) -> float:
     """About how many pixels words take: a Chinese character is as wide as it is high, a Latin one little more than half, a raised one
     a third."""
-    return size * sum(
+    return size * _letters(words)
+
+
+@lru_cache(maxsize=4096)
+def _letters(words: str) -> float:
+    """The width in units of the height."""
+    return sum([
         0.36 if c in SUPERSCRIPTS else 1.0 if unicodedata.east_asian_width(c) in "WF" else 0.0 if unicodedata.combining(c) else 0.56
         for c in words
-    )
+    ])
 
 
 def fold_lines(words: str, most: float) -> str:

@@ -44,7 +44,8 @@ class Solids:
             pose, node = poses[name], handle.name
             frame[node, "position"] = pose.position
             frame[node, "wxyz"] = pose.wxyz
-            frame[node, "scale"] = tuple(self._size * s for s in pose.scale)
+            x, y, z = pose.scale
+            frame[node, "scale"] = (self._size * x, self._size * y, self._size * z)
             if pose.colour is not None and self._coloured:
                 frame[node, "color"] = pose.colour
 

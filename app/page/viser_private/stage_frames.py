@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Sequence
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -21,7 +22,7 @@ def changed_values(before: Frame, after: Frame) -> Frame:
 
 def flatten_segments(pairs: Iterable[Sequence[Sequence[float]]]) -> Value:
     """Start and end points of segments, one after another."""
-    return tuple(number for pair in pairs for point in pair for number in point)
+    return tuple(chain.from_iterable(chain.from_iterable(pairs)))
 
 
 def viser_value(kind: str, value: Value) -> Any:

@@ -36,6 +36,7 @@ def coloured_text(name: str) -> str:
     return Template(file_text(name)).substitute(COLOURS)
 
 
+@cache
 def style_rules(*names: str) -> str:
     """The text of style sheets, under custom properties for all roles of colours, by day and in the dark."""
     day = ";".join(f"--ol-{role}:{colour}" for role, colour in COLOURS.items())
