@@ -2,7 +2,7 @@
 
 A lecture is a small TOML file. A title or a note is one text, or one text for each language:
 
-    title = {en = "Separation in 30 minutes", zh = "30 分钟讲分离原理"}
+    title = {en = "Separation in 30 minutes", de = "Trennung in 30 Minuten"}
     minutes = 30
 
     [[stops]]
