@@ -25,7 +25,7 @@
   const follow = () => {
     const at = document.querySelector('.ol-card') && !document.querySelector(viser.parts.dialog) ? place() : null;
     const seen = !!at && at[0] > 0 && at[1] > 0 && at[0] < innerWidth && at[1] < innerHeight;
-    const top = seen && document.elementFromPoint(...at), free = !!top && (!lab.node || top === viser.canvas());
+    const top = seen && document.elementFromPoint(...at), free = !!top && (lab.node ? top === viser.canvas() : !top.closest('.ol-cover'));
     mark.hidden = !free;
     if (!free) return;
     lab.shown.add(scene);
