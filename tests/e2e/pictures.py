@@ -1,4 +1,4 @@
-"""The pictures of the README: the page as it stands, and a pole that is dragged with the ghost following, both in assets/.
+"""The pictures of the README, both in assets/: a scene of the guide, and a pole dragged in the lab with the ghost following.
 
     python tests/e2e/pictures.py [--only screenshot|drag]
 
@@ -22,16 +22,19 @@ sys.path[:0] = [str(Path(__file__).parents[2]), str(Path(__file__).parent)]
 from conftest import ROOT, chromium, serving  # type: ignore[import-not-found]
 from geometry import on_screen  # type: ignore[import-not-found]
 from PIL import Image, ImageDraw
-from playwright.sync_api import sync_playwright
+from playwright.sync_api import Page, sync_playwright
 from tab import FLAGS, Tab, eventually  # type: ignore[import-not-found]
 
 from observer_lab.lessons import LESSONS
+from observer_lab.session.state.saved_state import SavedState
+from observer_lab.session.state.token import write_token
 
-LESSON, BOARD, MOMENT = "separation", "observer", "0.15"
-WINDOW, SIZE = (1366, 768), (900, 506)  # px of the page, and of the moving picture
+LESSON, SCENE, BOARD, MOMENT = "separation", "drag", "observer", "0.15"
+WINDOW, SIZE = (1366, 768), (860, 484)  # px of the page, and of the moving picture
 WAY = (-9 + 6j, -3 + 4.5j, -1.5 + 6j, -3 + 9j, -8 + 9j, -14 + 8j, -17 + 5j, -12 + 4.5j, -9 + 6j)  # of the pole
-BETWEEN, PAUSE = 5, 110  # pictures from one place of the way to the next, ms from one picture to the next
-QUALITY, MOST = 60, 1_500_000  # bytes of the moving picture
+BETWEEN, PAUSE = 4, 130  # pictures from one place of the way to the next, ms from one picture to the next
+QUALITY, MOST, COLOURS = 48, 400_000, 192  # of the moving picture; bytes of either; colours of the still one
+PATIENCE = 60_000  # ms
 POINTER = ((0, 0), (0, 17), (4, 13), (7, 20), (10, 19), (7, 12), (12, 12))
 
 
@@ -51,6 +54,16 @@ def opened(tab: Tab) -> None:
     tab.page.evaluate("document.activeElement.blur()")
     tab.close_any_notices()
     tab.drawn()
+
+
+def guide(page: Page, address: str) -> Image.Image:
+    """A scene of the guide as it is entered, with the hand that shows where to drag."""
+    lesson = LESSONS[LESSON]
+    page.goto(f"{address}#{write_token(lesson, SavedState(lesson.start(), 'en', False, mode='guide', scene=SCENE))}")
+    page.wait_for_selector(f".ol-card[data-scene={SCENE}]", timeout=PATIENCE)
+    page.wait_for_selector(".ol-hand:not([hidden])", timeout=PATIENCE)
+    page.wait_for_timeout(1500)  # until the stage at rest is drawn with all its pixels
+    return Image.open(io.BytesIO(page.screenshot())).convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE)
 
 
 def drag(tab: Tab) -> list[Image.Image]:
@@ -84,10 +97,11 @@ def main() -> None:
     with serving() as address, sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=chromium(), headless=True, args=FLAGS)
         if only != "drag":
-            tab = Tab(browser.new_page(viewport={"width": 1600, "height": 900}), address)
-            opened(tab)
-            tab.page.screenshot(path=ROOT / "assets" / "screenshot.png")
-            tab.page.close()
+            page = browser.new_page(viewport={"width": 1366, "height": 768}, reduced_motion="reduce")
+            path = ROOT / "assets" / "screenshot.png"
+            guide(page, address).save(path, optimize=True)
+            assert path.stat().st_size < MOST, f"{path.stat().st_size} bytes"
+            page.close()
         if only != "screenshot":
             tab = Tab(browser.new_page(viewport={"width": WINDOW[0], "height": WINDOW[1]}), address)
             opened(tab)

@@ -9,7 +9,10 @@ import pytest
 from playwright.sync_api import Browser, Page
 from tab import Tab, eventually
 
+from observer_lab.lessons import LESSONS
 from observer_lab.page.words import phrases
+from observer_lab.session.state.saved_state import SavedState
+from observer_lab.session.state.token import write_token
 
 SLIDER = "模型刚度误差 [%]"
 COVERED = """() => {
@@ -60,3 +63,24 @@ def test_our_name_stands_until_the_lesson_does(page: Page, server: str, language
 
 def test_the_cover_goes_when_the_lesson_stands(tab: Tab) -> None:
     assert tab.page.locator(".ol-cover").is_hidden() and tab.page.locator(".ol-lost").is_hidden()
+
+
+def test_a_link_survives_a_reload_before_its_first_connection(page: Page, server: str) -> None:
+    """The page hides the link from viser until it connects; loaded again before that, it opens the link all the same."""
+    lesson = LESSONS["noise"]
+    token = write_token(lesson, SavedState(lesson.start(), "en", False))
+    page.goto("about:blank")
+    page.route("**/health", lambda route: route.abort())
+    page.add_init_script("if (!sessionStorage.getItem('met')) window.Worker = class extends EventTarget "
+                         "{ constructor() { super(); throw new Error('no connection yet'); } }")
+    page.goto(f"{server}#{token}")
+    page.wait_for_function("window.observerLabAddress")
+    assert page.evaluate("location.hash") == "", "the link is out of the address before the page connects"
+    page.evaluate("sessionStorage.setItem('met', '1')")
+    page.reload()
+    page.wait_for_selector(".ol-question")
+    eventually(lambda: page.locator(".ol-question").inner_text(), lambda words: words == lesson.words["en"].question, "the link's lesson")
+    page.evaluate("history.replaceState(null, '', location.pathname)")
+    page.reload()
+    eventually(lambda: page.locator(".ol-question").inner_text(), bool, "a lesson")
+    assert page.evaluate("sessionStorage.getItem('observer-lab-address-link')") == "", "what was taken is not opened again"

@@ -76,8 +76,10 @@ class Sizes:
 
     @property
     def run(self) -> float:
-        """px of the panel of the run: all the stage has in large print, so that its buttons stand in one row."""
+        """px of the panel of the run: all the stage has in large print and in the guide, so that it stands in one row."""
         stage = self.state.window[0] - self.left - self.right - 2 * BAR
+        if self.state.guided and not self.sheet:
+            return stage
         return max(stage, 300.0) if self.state.lecture else min(RUN_PANEL_PX, max(stage, LEAST_RUN))
 
     @property

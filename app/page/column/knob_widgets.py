@@ -21,6 +21,10 @@ Post = Callable[[str, Any], int]  # knob name, value → number of the edit
 class Widget(Protocol):
     """A knob's widget."""
 
+    @property
+    def node(self) -> str:
+        """The name by which the page knows what a hand moves."""
+
     def show(self, value: Any, visible: bool, picture: Picture) -> None:
         """Show the value that a picture accepts."""
 
@@ -60,6 +64,10 @@ class NumberWidget:
     def _from(self, value: float) -> float:
         return 10.0 ** value if self._log else value
 
+    @property
+    def node(self) -> str:
+        return viser_internals.node_id(self._handle)
+
     def show(self, value: Any, visible: bool, picture: Picture) -> None:
         if self._handle.visible != visible:
             self._handle.visible = visible
@@ -76,6 +84,10 @@ class ChoiceWidget:
                                         initial_value=self._names[knob.default], hint=knob.hint(language) or None)
         self._back = ReadBack(self._handle, lambda value: post(knob.name, keys.get(value, value)))
 
+    @property
+    def node(self) -> str:
+        return viser_internals.node_id(self._handle)
+
     def show(self, value: Any, visible: bool, picture: Picture) -> None:
         if self._handle.visible != visible:
             self._handle.visible = visible
@@ -88,6 +100,10 @@ class SwitchWidget:
     def __init__(self, gui: viser.GuiApi, knob: Switch, language: str, post: Post) -> None:
         self._handle = gui.add_checkbox(label_of(knob, language), knob.default, hint=knob.hint(language) or None)
         self._back = ReadBack(self._handle, lambda value: post(knob.name, bool(value)))
+
+    @property
+    def node(self) -> str:
+        return viser_internals.node_id(self._handle)
 
     def show(self, value: Any, visible: bool, picture: Picture) -> None:
         if self._handle.visible != visible:
@@ -121,6 +137,10 @@ class PolesWidget:
             asked = self._poles = move_pole(self._poles, at, to, axis_snap=snap)
         return self._post(self._knob.name, asked)
 
+    @property
+    def node(self) -> str:
+        return viser_internals.node_id(self._rows[0][0])
+
     def show(self, value: Any, visible: bool, picture: Picture) -> None:
         heads = [p for p in value if p.imag >= 0]
         write = all(back.may_write(picture) for _, back in self._rows)  # sorted anew, one row's change moves others
@@ -145,6 +165,10 @@ class TrackWidget:
         self._handle = gui.add_slider(label_of(knob, language), knob.low, knob.high, (knob.high - knob.low) / 200,
                                       0.0, hint=knob.hint(language) or None)
         self._back = ReadBack(self._handle, lambda value: record(knob.name, value))
+
+    @property
+    def node(self) -> str:
+        return viser_internals.node_id(self._handle)
 
     def show(self, value: Any, visible: bool, picture: Picture) -> None:
         if self._handle.visible != visible:

@@ -86,7 +86,8 @@ class Panel:
             gui.add_html(question)
         if self._lesson.path:
             hand = hidden_input(gui, lambda said: self._post(SetMode(said.removeprefix("mode:"))))
-            gui.add_html(f'<div class="ol-head">{mode_switch("lab", lang, viser_internals.node_id(hand))}</div>')
+            gui.add_html(f'<div class="ol-head">{mode_switch("lab", lang, viser_internals.node_id(hand))}'
+                         f'<button type="button" class="ol-do ol-search">{html.escape(phrases.SEARCH(lang))}</button></div>')
         self._choice = gui.add_dropdown(phrases.LESSON(lang), tuple(titles.values()),
                                         initial_value=titles[self._lesson.id])
         self._tongue = gui.add_button_group("", (*tongues, *pages))
@@ -172,7 +173,8 @@ class Panel:
         self._again.show(picture)
         for task_id in self._tasks:
             task = picture.state.tasks.get(task_id, TaskState())
-            self._show_task(task_id, replace(task, solution=task.solution and picture.state.offers_solution(self._lesson.id, task_id)))
+            offered = task.solution and picture.state.offers_solution(self._lesson.id, task_id)
+            self._show_task(task_id, replace(task, solution=offered), task.is_stale(picture.design))
         for box in self._hand_ins:
             box.show(picture)
         self._exams.show(picture)
@@ -186,14 +188,14 @@ class Panel:
                 _write(self._formulas[formula.id], f'<div class="ol-formula">{mathml(formula.latex, True)}</div>'
                        + (f'<p class="ol-caption">{note}</p>' if note else ""))
 
-    def _show_task(self, task_id: str, state: TaskState) -> None:
+    def _show_task(self, task_id: str, state: TaskState, stale: bool) -> None:
         words, lang = self._words.tasks[task_id], self._lang
         parts = [f"**{words.title}**", render_markdown(words.statement)]
         parts += [f"*{phrases.HINT(lang)}:* {render_markdown(hint)}" for hint in words.hints[: state.hints]]
         if state.solution:
             parts.append(f"*{phrases.SOLUTION(lang)}:* {render_markdown(words.solution)}")
         if state.verdict is not None:
-            parts.append(judged_html(state.verdict.solved, state.verdict.text(lang)))
+            parts.append(judged_html(state.verdict.solved, state.verdict.text(lang), phrases.DESIGN_CHANGED(lang) if stale else ""))
         text = "\n\n".join(parts)
         if self._tasks[task_id][0].content != text:
             self._tasks[task_id][0].content = text

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from types import MappingProxyType
 
 import viser
@@ -30,6 +30,7 @@ from ..viser_private import viser_internals
 from ..viser_private.hidden_input import hidden_input
 from ..viser_private.write_once import write_content
 from ..words import phrases
+from .pointing_hand import hand_target
 from .room_card import ask_html, audience_html, room_html
 from .scene_card import card_html, formulas_html, mode_row, verdict_html
 
@@ -42,6 +43,7 @@ class GuidePanel:
 
     def __init__(self, client: viser.ClientHandle, picture: Picture, post: Post) -> None:
         gui, self._client, self._told = client.gui, client, dict[str, object]()
+        self._pointed: Mapping[str, str] = {}
         self._post, self._stop = post, picture.place[0]
         self._hand = viser_internals.node_id(hidden_input(gui, self._heard))
         self._head = gui.add_html(mode_row(picture, self._hand))
@@ -97,8 +99,17 @@ class GuidePanel:
         if self._room is not None:
             write_content(self._room, room_html(picture, self._hand))
         self._tell_notes(picture)
+        self._point(picture)
         for name, chart in self.charts.items():
             chart.set_visible(name in scene.figures)
+
+    def _point(self, picture: Picture) -> None:
+        """Show once where the scene wants a hand."""
+        told = hand_target(picture, {name: widget for name, (_, widget) in self._widgets.items()})
+        if told != self._pointed:
+            self._pointed = told
+            viser_internals.run_script(self._client, "hand", scene=told["scene"], node=told["node"], widget=told["widget"],
+                                       button=told["button"])
 
     def _tell_notes(self, picture: Picture) -> None:
         """Give the speaker's window the notes of the scene, what comes next, and the planned time."""

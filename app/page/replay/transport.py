@@ -79,7 +79,7 @@ class PlaybackControls:
         if picture.lesson.kick:
             words.append(phrases.KICK)
         if picture.guided:
-            return tuple(w(self._lang) for w in (*words, phrases.REWIND))
+            return tuple(w(self._lang) for w in (*words, phrases.REWIND, phrases.SLOWER, phrases.FASTER))
         words += [phrases.REWIND, phrases.SLOWER, phrases.FASTER, phrases.UNDO, phrases.REDO, phrases.RESET, phrases.VIEW]
         if Sizes(picture.state).lists_keys:
             words.append(phrases.HELP)

@@ -12,7 +12,7 @@ from ...colours import COLOURS, rgb
 from ...course.course_map import Progress
 from ...course.figures.records import figure_below, tab_names
 from ...course.lesson import Board
-from ...session.commands.commands import Edit, PickPoint, SetKnobs
+from ...session.commands.commands import Edit, PickPoint, RunOnTabThread, SetKnobs
 from ...session.state.view import Picture
 from ...text import Text
 from ..charts.charts import Chart, only_completes, stale_figures
@@ -34,6 +34,7 @@ from ..viser_private import page_scripts, viser_internals
 from ..web.html_page import APP_NAME
 from .browser import Browser
 from .page_setup import bind_shortcuts, run_page_scripts, stage_name, watch_page_visibility
+from .palette import fill_palette
 
 Post = Callable[[Edit], int]
 BATCH_GAP_S = 0.002  # s between two batches, so that the server's loop sends the first by itself
@@ -93,6 +94,7 @@ class Screen(Browser):
             self._columns.add(gui.main_panel, sizes.right if picture.guided else sizes.left)
             self._columns.watch(self._client, self._post)
             bind_shortcuts(self._client, self._post, language)
+            fill_palette(self._client, picture, self._post, self.open_figure)
             self._stage.charted = picture.lesson.pick is not None
             self._compose(picture)
             self._stage.furnish(picture.state.is_dark)
@@ -270,7 +272,8 @@ class Screen(Browser):
             self._boards[board.id] = BoardView(
                 self._client, board, picture.state.language, letters(self._client.camera, picture.state.lecture),
                 picture.state.is_dark,
-                lambda values, grip: self._post(SetKnobs(values, grip)))
+                lambda values, grip: self._post(SetKnobs(values, grip)),
+                lambda words: self._post(RunOnTabThread(lambda: self.say(words, False))))
         return self._boards[board.id]
 
     def _em(self) -> float:

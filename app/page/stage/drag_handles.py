@@ -19,6 +19,7 @@ RADIUS_TOLERANCE = 0.06  # a radius that differs by less is not sent
 FAINT = 0.16  # how much of the colour a disc has
 LAYER = 0.003  # stage units between two discs, so that where they overlap none cuts into another
 GRIPS = "/grips"  # how the name of such a node ends
+LOCKS = "/locks"  # how that of the unseen discs ends, on crosses that no hand can move
 OBSERVER_BOARD = "/board/observer/"  # how that of the one begins whose poles move the ghost most
 Vector = tuple[float, float, float]
 
@@ -40,9 +41,10 @@ def handle_radius(camera: viser.CameraHandle, place: Sequence[float] | np.ndarra
 class DragHandles:
     """The discs of one board in one node: one more thing to draw, however many poles there are."""
 
-    def __init__(self, client: viser.ClientHandle, root: str, colour: str, middle: np.ndarray,
+    def __init__(self, client: viser.ClientHandle, name: str, colour: str | None, middle: np.ndarray,
                  moved: Callable[[viser.SceneNodeDragEvent], Any]) -> None:
-        self._client, self._name, self._colour, self._middle, self._moved = client, root + GRIPS, colour, middle, moved
+        """`colour` is None for discs that are not seen."""
+        self._client, self._name, self._colour, self._middle, self._moved = client, name, colour, middle, moved
         self._node: viser.BatchedMeshHandle | None = None
         self._at = np.zeros((0, 3), dtype=np.float32)
         self._count, self._radius = 0, 0.0
@@ -67,9 +69,10 @@ class DragHandles:
         self._radius = handle_radius(self._client.camera, self._middle)
         upright = np.tile(np.array([1.0, 0.0, 0.0, 0.0], dtype=np.float32), (len(at), 1))
         self._node = self._client.scene.add_batched_meshes_simple(
-            self._name, *disc(), upright, at, batched_scales=self._scales(), opacity=FAINT, lod="off",
+            self._name, *disc(), upright, at, batched_scales=self._scales(), opacity=0.0 if self._colour is None else FAINT, lod="off",
             cast_shadow=False, receive_shadow=False)
-        page_scripts.flat_colour(self._client, self._name, self._colour)
+        if self._colour is not None:
+            page_scripts.flat_colour(self._client, self._name, self._colour)
         self._node.on_drag("left")(self._moved)
 
     def _scales(self) -> np.ndarray:

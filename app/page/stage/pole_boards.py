@@ -15,12 +15,13 @@ import viser
 from ...colours import COLOURS, rgb
 from ...course.lesson import Board
 from ...engine.systems import move_pole
+from ...text import Text
 from ..charts.axis_ticks import ticks
 from ..charts.text_layout import text_width
 from ..words import phrases
 from .board_face import board_colours, draw_board_texture
 from .board_labels import Frame, Place, free_place, leader_line, pole_name
-from .drag_handles import DragHandles, Vector
+from .drag_handles import GRIPS, LOCKS, DragHandles, Vector
 from .meshes import bolt, cross, landscape
 from .pinned_poles import PinMarks
 from .scene_labels import SceneLabels, Size
@@ -42,8 +43,8 @@ class BoardView:
     """One board: drawn once, then only its poles move."""
 
     def __init__(self, client: viser.ClientHandle, board: Board, language: str, em: float, dark: bool,
-                 drag: Callable[[dict[str, Any], int], object]) -> None:
-        self._client, self._scene, self._drag = client, client.scene, drag
+                 drag: Callable[[dict[str, Any], int], object], say: Callable[[Text], object] | None = None) -> None:
+        self._client, self._scene, self._drag, self._say = client, client.scene, drag, say
         self._board, self._letters, self._language = board, SceneLabels(client.scene, em), language
         self._ink = board_colours(dark)
         self._root = f"/board/{board.id}"
@@ -64,7 +65,8 @@ class BoardView:
         self._held = True
         self._grip = time.monotonic_ns()  # told apart from the grips of every other board
         self._grabbed: tuple[int, tuple[complex, ...], complex] | None = None  # which pole, all poles, from hand to pole
-        self._grips = DragHandles(client, self._root, COLOURS[board.role], self._origin, self._pulled)
+        self._grips = DragHandles(client, self._root + GRIPS, COLOURS[board.role], self._origin, self._pulled)
+        self._locks = DragHandles(client, self._root + LOCKS, None, self._origin, self._refused)
         self._surface: viser.MeshHandle | None = None
         self._trail = PoleTrail(self._scene, f"{self._root}/trail", rgb(COLOURS[board.role]), self._ink.glass, self.local)
         self._pins = PinMarks(self._scene, self._root, rgb(COLOURS[board.role]), lambda pole: self.local(pole, 0.02))
@@ -141,6 +143,8 @@ class BoardView:
         """
         before, self._board, self._held = self._shown, board, veiled or board.knob is None
         self._grips.show([] if self._held else [self.local(pole) for pole in board.poles])
+        locked = () if veiled or self._say is None else (*board.fixed, *(board.poles if board.knob is None else ()))
+        self._locks.show([self.local(pole) for pole in locked])
         if board.zeros != self._zeros:
             self._make_rings(board)
         self._pins.show(board)
@@ -234,13 +238,19 @@ class BoardView:
 
     def needs_resize(self, em: float) -> bool:
         """Whether `fit` has something to do; asked from the server's loop."""
-        return self._letters.misfit(em) or self._grips.misfit
+        return self._letters.misfit(em) or self._grips.misfit or self._locks.misfit
 
     def fit(self, em: float) -> None:
         """Make letters, and what the hand takes hold of, as large as camera and window ask for."""
         if self._letters.resize(em) and self._shown is not None:
             self._move(self._board)  # names find their places anew
         self._grips.fit()
+        self._locks.fit()
+
+    async def _refused(self, event: viser.SceneNodeDragEvent) -> None:
+        """Say why a cross stays where it is; held by this disc, the pointer does not turn the camera."""
+        if event.phase == "start" and self._say is not None:
+            self._say(phrases.COMPUTED_POLES if self._board.knob is None else phrases.FIXED_POLE)
 
     async def _pulled(self, event: viser.SceneNodeDragEvent) -> None:
         board = self._board

@@ -11,6 +11,7 @@ import viser
 
 PHONE = 0.58  # width over height of a canvas below which it is a phone's, whose letters are smaller and whose discs are for fingers
 NARROW = 0.90  # width over height of a canvas that just shows both boards
+NARROW_PLANT = 1.15  # the same of a canvas that just shows the whole plant from near
 SIGHT = 0.62  # radians of the field of view: the boards stay readable
 ABOVE = 1.55  # times farther away that shows the whole stage in what a sheet leaves of it, however wide that is
 SHEET_AIM_SHARE = 0.14  # of the way to what is looked at: aim this much lower where a sheet lies over the lower half
@@ -42,9 +43,9 @@ def letters(camera: viser.CameraHandle, lecture: bool) -> float:
     return (1 / 48 if lecture else 1 / 84 if aspect < PHONE else 1 / 72) * 2 * math.tan(SIGHT / 2) * depth
 
 
-def retreat(aspect: float) -> float:
+def retreat(aspect: float, narrow: float = NARROW) -> float:
     """How many times farther away a narrow window looks from."""
-    return max(1.0, NARROW / max(aspect, 0.2))
+    return max(1.0, narrow / max(aspect, 0.2))
 
 
 class Viewpoint:
@@ -96,7 +97,8 @@ class Viewpoint:
 
     def _fit(self, place: tuple[Sequence[float], Sequence[float]]) -> tuple[float, float]:
         """How many times farther off a narrow window looks from, and how far below the target it aims: what lies over it is below."""
-        back = max(retreat(self._aspect), ABOVE if self._below else 1.0)
+        narrow = NARROW_PLANT if place == CAMERAS["plant"] else NARROW
+        back = max(retreat(self._aspect, narrow), ABOVE if self._below else 1.0)
         return back, (SHEET_AIM_SHARE if self._below else self._lower) * back * abs(place[0][1] - place[1][1])
 
     def _look(self) -> None:

@@ -32,6 +32,11 @@ def open_tab(client: viser.ClientHandle, title: str, figure: str) -> None:
     run_script(client, "tab", title=title, figure=figure)
 
 
+def find_knob(client: viser.ClientHandle, label: str, folder: str) -> None:
+    """Put the focus on the widget beside these words, in a folder with this head if it is not in sight."""
+    run_script(client, "find", label=label, folder=folder)
+
+
 def pulse_once(client: viser.ClientHandle, ending: str, best: str, faint: float, full: float = 0.6, seconds: float = 2.4) -> None:
     """Let nodes whose name ends so, of them those that begin as in `best`, swell in colour when a pointer first comes over the stage."""
     run_script(client, "pulse", ending=ending, best=best, faint=faint, full=full, lasts=1e3 * seconds)

@@ -94,6 +94,8 @@ def equation_html(equation: str) -> str:
     return '<div class="ol-formula ol-derived">' + "".join(f"<div>{mathml(line, True)}</div>" for line in equation.split("\n")) + "</div>"
 
 
-def judged_html(solved: bool, words: str) -> str:
-    """Words with a sign and a colour that say whether something was right."""
-    return f'<div class="ol-note {"ol-right" if solved else "ol-wrong"}">{"✓" if solved else "✗"} {with_minus(words)}</div>'
+def judged_html(solved: bool, words: str, stale: str = "") -> str:
+    """Words with a sign and a colour that say whether something was right; grey, with `stale` below, where that is no longer known."""
+    kind = ("ol-right" if solved else "ol-wrong") + (" ol-stale" if stale else "")
+    since = f'<div class="ol-note ol-since">{stale}</div>' if stale else ""
+    return f'<div class="ol-note {kind}">{"✓" if solved else "✗"} {with_minus(words)}</div>{since}'

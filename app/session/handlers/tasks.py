@@ -115,7 +115,7 @@ def check_task(show: Presenter, task_id: object, said: object) -> Verdict:
     task = _find(show, task_id)
     words = said[:MAX_TYPED_CHARACTERS] if isinstance(said, str) else ""
     verdict = task.judge(show.picture.outcome, words)
-    _see(show, task, replace(_seen(show, task), verdict=verdict, typed=words))
+    _see(show, task, replace(_seen(show, task), verdict=verdict, typed=words, judged=show.picture.design))
     show.view.say(verdict.text, not verdict.solved)
     return verdict
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any  # the values of knobs are of any kind, as `Any` says
 
 from ...course.course_map import Progress
+from ...course.design import Design
 from ...course.error_window import ErrorWindow
 from ...course.lesson import Verdict
 
@@ -19,6 +20,11 @@ class TaskState:
     hints: int = 0
     solution: bool = False
     typed: str = ""  # what was typed when it was last checked
+    judged: Design | None = None  # the design that the verdict is about, None where it was not kept
+
+    def is_stale(self, design: Design) -> bool:
+        """Whether the verdict is about another design than this one."""
+        return self.verdict is not None and self.judged is not None and self.judged != design
 
 
 def progress_of(predicted: int | None, tasks: Mapping[str, TaskState]) -> Progress:

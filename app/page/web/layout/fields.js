@@ -71,7 +71,6 @@
     theirs.style.display = 'none';
     theirs.tabIndex = -1;
     theirs.after(own);
-    if (lab.fields[id].log) thumb.closest(viser.parts.slider).classList.add('ol-decades');
     own.addEventListener('input', () => { own.dataset.typed = 'now'; });
     own.addEventListener('blur', () => commit(id, own));
     own.addEventListener('keydown', event => {

@@ -5,7 +5,16 @@
   const own = key => key + (folder === '/' ? '' : folder);  // labs under other paths of this host are other people's, as on a hub
   const store = () => { try { return sessionStorage.getItem(own(kept)) ?? ''; } catch (error) { return ''; } };
   const viser = window.observerLabViser;
-  const lab = window.observerLabAddress = {own, shown: store(), asked: 0, widget: '', carried: location.hash};
+  const LINK = own(kept + '-link');  // what was opened and not yet taken: a page that is loaded again meanwhile opens it again
+  const held = value => {
+    try {
+      if (value !== undefined) sessionStorage.setItem(LINK, value);
+      return sessionStorage.getItem(LINK) ?? '';
+    } catch (error) { return ''; }
+  };
+  const anew = performance.getEntriesByType('navigation')[0]?.type === 'reload';
+  const carried = held(location.hash || (anew ? held() : ''));
+  const lab = window.observerLabAddress = {own, shown: store(), asked: 0, widget: '', carried};
   const plain = () => {
     const asked = new URLSearchParams(location.search);
     for (const name of ['token', 'present', 'again', 'websocket']) asked.delete(name);
@@ -21,6 +30,7 @@
     const old = history.state?.observerLab, other = old !== undefined && old !== lesson;
     history[other ? 'pushState' : 'replaceState']({observerLab: lesson}, '', plain() + (token && '#' + token));
     lab.shown = token;
+    held('');
     try { sessionStorage.setItem(own(kept), token); } catch (error) { console.warn('not kept', error); }
   };
   addEventListener('hashchange', () => {

@@ -44,6 +44,7 @@
 
   lab.plots = document.getElementsByClassName('u-over');  // kept up to date by the browser
   lab.openTab = tab => tab.dispatchEvent(new KeyboardEvent('keydown', {key: 'Enter', bubbles: true}));  // as Enter on it would
+  lab.search = () => document.documentElement.dispatchEvent(new KeyboardEvent('keydown', {key: 'k', code: 'KeyK', ctrlKey: true, bubbles: true}));
   lab.isOpen = folderHead => !!folderHead.querySelector(`:scope > ${parts.opened}`);
 
   // --- charts ------------------------------------------------------------------------------------------------------------
@@ -80,6 +81,13 @@
   lab.scene = () => page()?.scene;
   lab.canvas = () => page()?.canvas;
   lab.node = name => held(page().nodeRefFromName[name]);
+  lab.onScreen = name => {  // the pixel at which a node is drawn; null where it is not
+    const node = lab.node(name), canvas = lab.canvas();
+    if (!node || !canvas) return null;
+    node.updateWorldMatrix(true, false);
+    const at = node.position.clone().setFromMatrixPosition(node.matrixWorld).project(page().camera), box = canvas.getBoundingClientRect();
+    return [box.x + (at.x + 1) / 2 * box.width, box.y + (1 - at.y) / 2 * box.height];
+  };
   lab.nodes = () => Object.entries(page().nodeRefFromName).map(([name, node]) => [name, held(node)]);
   lab.tellCamera = () => page()?.sendCamera?.();
   lab.redraw = () => page()?.requestRender?.();

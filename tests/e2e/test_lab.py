@@ -1,0 +1,125 @@
+"""The lab in a browser: verdicts grow stale, nothing that has just come lies under the pinned knobs, a fixed cross says so."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+from geometry import drag, on_screen
+from tab import Tab, eventually
+
+from observer_lab.lessons import LESSONS
+from observer_lab.page.column.knob_widgets import label_of
+from observer_lab.page.words import phrases
+
+LINE_PX = 34  # of a closed folder with what stands clear around it
+COVERED = """name => {  // how many points of the last such element cannot be seen: under something else, or out of the window
+  const shown = [...document.querySelectorAll(name)].filter(each => each.checkVisibility());
+  if (!shown.length) return 'nothing there';
+  const box = shown.at(-1).getBoundingClientRect(), low = Math.min(4, box.height / 2);
+  return [box.top + low, (box.top + box.bottom) / 2, box.bottom - low]
+    .filter(y => !shown.at(-1).contains(document.elementFromPoint(box.left + Math.min(40, box.width / 2), y))).length;
+}"""
+VEIL = """() => ['.uplot canvas', '.ol-figure svg', '.ol-formula'].flatMap(name => [...document.querySelectorAll(name)])
+  .filter(each => each.checkVisibility()).map(each => getComputedStyle(each).filter)"""
+CLOSED = """() => [...document.querySelectorAll('[role=button][aria-expanded=false]')].filter(head => head.checkVisibility()).map(head => {
+  const box = head.parentElement, room = getComputedStyle(box);
+  return [head.textContent, box.offsetHeight + parseFloat(room.marginTop) + parseFloat(room.marginBottom)];
+})"""
+FIELDS = """() => [...document.querySelectorAll('input')].filter(field => field.checkVisibility() && field.getClientRects().length)
+  .filter(field => /[.,]0+$/.test(field.value) || field.scrollWidth > field.clientWidth + 1).map(field => field.value)"""
+BUBBLES = "() => [...document.querySelectorAll('.mantine-Slider-label')].filter(each => each.checkVisibility()).length"
+SIGHT = "() => window.__viserMutable.camera.matrixWorldInverse.toArray()"
+
+
+def opened(tab: Tab, name: str, size: tuple[int, int] = (1366, 768)) -> None:
+    """A lesson whose prediction is skipped."""
+    words = LESSONS[name].words["en"]
+    tab.open_lesson(words.title, words.question, size)
+    if tab.page.locator(".ol-option:enabled").count():
+        tab.predict("skip")
+        tab.reveal()
+
+
+def test_a_verdict_on_another_design_is_grey_and_says_so_until_that_design_is_back(walking: Tab) -> None:
+    opened(walking, "separation")
+    walking.unfold(phrases.TASKS("en"))
+    walking.page.evaluate("document.activeElement.blur()")
+    walking.key("t")
+    verdict, since = walking.page.locator(".ol-wrong"), walking.page.get_by_text(phrases.DESIGN_CHANGED("en"))
+    eventually(verdict.count, lambda n: n == 1, "a verdict")
+    plain = verdict.evaluate("each => getComputedStyle(each).color")
+    assert since.count() == 0
+    walking.slide(label_of(LESSONS["separation"].knob("stiffness_error"), "en"))
+    eventually(since.count, lambda n: n == 1, "the sentence that the design has changed")
+    assert verdict.evaluate("each => getComputedStyle(each).color") != plain
+    walking.page.evaluate("document.activeElement.blur()")
+    while since.count():
+        walking.key("z")
+    assert verdict.evaluate("each => getComputedStyle(each).color") == plain
+
+
+@pytest.mark.parametrize("size", [(1366, 768), (1280, 720)], ids=str)
+@pytest.mark.parametrize("name", ["separation", "virtual-sensor", "lqg"])
+def test_the_pinned_knobs_cover_neither_options_nor_what_has_just_been_said(
+        new_tab: Callable[..., Tab], name: str, size: tuple[int, int]) -> None:
+    lesson, words, tab = LESSONS[name], LESSONS[name].words["en"], new_tab(*size)
+    tab.open_lesson(words.title, words.question, size)
+    if tab.page.locator(".ol-option:enabled").count():
+        tab.predict("ABCD"[(lesson.answer + 1) % len(words.options)])
+        tab.reveal()
+        eventually(lambda: tab.page.evaluate(COVERED, ".ol-wrong"), lambda points: points == 0, "the verdict of the prediction in sight")
+    tab.unfold(phrases.TASKS("en"))
+    tab.page.evaluate("document.activeElement.blur()")
+    tab.key("t")
+    eventually(lambda: tab.page.evaluate(COVERED, ".ol-wrong"), lambda points: points == 0, "the verdict of a task in sight")
+
+
+def test_a_second_question_comes_clear_of_the_knobs(walking: Tab) -> None:
+    lesson = LESSONS["error-dynamics"]
+    opened(walking, lesson.id)
+    walking.type_number(label_of(lesson.knob("guess_q"), "en"), "-1")
+    eventually(lambda: walking.page.evaluate(COVERED, ".ol-again"), lambda points: points == 0, "the second question in sight")
+
+
+@pytest.mark.parametrize("theme", ["dark", "light"])
+def test_a_veil_hides_in_either_theme(new_tab: Callable[..., Tab], theme: str) -> None:
+    tab = new_tab(1366, 768)
+    for name in ("duality", "separation"):  # figures drawn as SVG, and charts
+        words = LESSONS[name].words["en"]
+        tab.choose_lesson(words.title, words.question)
+        if tab.button(theme).count():
+            tab.press(theme)
+        found = eventually(lambda: tab.page.evaluate(VEIL), bool, "figures")
+        assert all("blur" in filters for filters in found), (name, theme, found)
+    tab.predict("skip")
+    assert not any("blur" in filters for filters in tab.page.evaluate(VEIL))
+    if tab.button("light").count():
+        tab.press("light")
+
+
+@pytest.mark.parametrize("name", ["showdown", "kalman", "arm"])
+def test_closed_folders_take_a_line_and_fields_show_short_numbers_without_bubbles(walking: Tab, name: str) -> None:
+    opened(walking, name)
+    closed = walking.page.evaluate(CLOSED)
+    assert len(closed) > 5 and max(high for _, high in closed) <= LINE_PX, closed
+    walking.unfold()
+    walking.answered(rests=True)
+    assert walking.page.evaluate(FIELDS) == []
+    walking.page.get_by_role("slider").first.hover()
+    assert walking.page.evaluate(BUBBLES) == 0
+
+
+def test_a_cross_that_no_hand_can_move_says_so_and_the_camera_stays(walking: Tab) -> None:
+    opened(walking, "lqg")
+    seen = walking.page.evaluate(SIGHT)
+    board = next(board for board in LESSONS["lqg"].compute(LESSONS["lqg"].start()).boards if board.knob is None and board.poles)
+    drag(walking, on_screen(walking, f"/board/{board.id}/pole0"), (-30.0, 20.0))
+    assert phrases.COMPUTED_POLES("en") in walking.notices()
+    assert walking.page.evaluate(SIGHT) == pytest.approx(seen)
+    walking.close_any_notices()
+    opened(walking, "hidden-modes")
+    board = next(board for board in LESSONS["hidden-modes"].compute(LESSONS["hidden-modes"].start()).boards if board.fixed)
+    drag(walking, on_screen(walking, f"/board/{board.id}/bolt0"), (-30.0, 20.0))
+    assert phrases.FIXED_POLE("en") in walking.notices()
+    walking.close_any_notices()
