@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Protocol
 
+from .class_runs import ClassRuns
 from .votes import Asked, Vote
 
 LECTURE = "lecture"  # the place of those who follow
@@ -59,4 +60,12 @@ class VoteDesk(Protocol):
 
     def lower_hands(self) -> RoomView:
         """Forget who asked for a slower lecture."""
+        ...
+
+    def draw_seeds(self) -> Mapping[int, int]:
+        """The seed of each follower by the follower's number; those who follow now."""
+        ...
+
+    def show_runs(self, runs: ClassRuns | None) -> None:
+        """Show each follower their own run, or take it away from all."""
         ...

@@ -16,6 +16,7 @@ from .votes import Asked, Vote
 FILE = "room.sqlite"  # in the folder of --data-dir
 WAIT_S = 10.0  # s that one worker waits for another one's writing
 SECRET_BYTES = 24  # of the presenter's word
+SEED_BITS = 63  # of the room's seed
 SCHEMA = """
 CREATE TABLE IF NOT EXISTS room (id INTEGER PRIMARY KEY CHECK (id = 1), secret TEXT NOT NULL, state TEXT NOT NULL, hands INTEGER NOT NULL);
 CREATE TABLE IF NOT EXISTS votes (number INTEGER PRIMARY KEY, lesson TEXT NOT NULL, scene TEXT NOT NULL, round INTEGER NOT NULL,
@@ -24,6 +25,10 @@ CREATE TABLE IF NOT EXISTS ballots (vote INTEGER NOT NULL, ballot TEXT NOT NULL,
   WITHOUT ROWID;
 CREATE TABLE IF NOT EXISTS presence (worker INTEGER NOT NULL, place TEXT NOT NULL, people INTEGER NOT NULL, slower INTEGER NOT NULL,
   PRIMARY KEY (worker, place));
+CREATE TABLE IF NOT EXISTS drawn (id INTEGER PRIMARY KEY CHECK (id = 1), seed INTEGER NOT NULL, taken INTEGER NOT NULL);
+CREATE TABLE IF NOT EXISTS seats (seat INTEGER PRIMARY KEY, worker INTEGER NOT NULL);
+CREATE TABLE IF NOT EXISTS runs (id INTEGER PRIMARY KEY CHECK (id = 1), number INTEGER NOT NULL, words TEXT NOT NULL);
+INSERT OR IGNORE INTO runs VALUES (1, 0, '');
 """
 
 
@@ -45,6 +50,7 @@ class RoomStore:
         self._lock, self._database = threading.RLock(), connect(path, "FULL")
         self._database.executescript(SCHEMA)
         self._database.execute("INSERT OR IGNORE INTO room VALUES (1, ?, '', 0)", (secrets.token_urlsafe(SECRET_BYTES),))
+        self._database.execute("INSERT OR IGNORE INTO drawn VALUES (1, ?, 0)", (secrets.randbits(SEED_BITS),))
 
     def close(self) -> None:
         """Let go of the file."""
@@ -155,6 +161,8 @@ class RoomStore:
         """Nobody is here yet: the server has just begun."""
         with self._writing() as database:
             database.execute("DELETE FROM presence")
+            database.execute("DELETE FROM seats")
+            database.execute("UPDATE runs SET number = number + 1, words = ''")
 
     @property
     def hands(self) -> int:
@@ -166,3 +174,45 @@ class RoomStore:
         with self._writing() as database:
             database.execute("UPDATE room SET hands = hands + 1")
             database.execute("UPDATE presence SET slower = 0")
+
+    # --- a run for each follower -------------------------------------------------------------------------------------
+    @property
+    def seed(self) -> int:
+        """The seed of the room, from which those of the followers are drawn."""
+        return int(self._read("SELECT seed FROM drawn")[0][0])
+
+    def take_seats(self, worker: int, count: int) -> list[int]:
+        """Numbers for so many followers who have come to a worker; no number is given twice."""
+        with self._writing() as database:
+            last = database.execute("UPDATE drawn SET taken = taken + ? RETURNING taken", (count,)).fetchone()[0]
+            seats = list(range(last - count + 1, last + 1))
+            database.executemany("INSERT INTO seats VALUES (?, ?)", [(seat, worker) for seat in seats])
+            return seats
+
+    def leave_seats(self, seats: Iterable[int]) -> None:
+        """Those followers have left."""
+        with self._writing() as database:
+            database.executemany("DELETE FROM seats WHERE seat = ?", [(seat,) for seat in seats])
+
+    def empty_worker(self, worker: int) -> None:
+        """Nobody follows at a worker: it has just begun."""
+        with self._writing() as database:
+            database.execute("DELETE FROM seats WHERE worker = ?", (worker,))
+
+    def seats(self) -> tuple[int, ...]:
+        """The numbers of all who follow, in all workers."""
+        return tuple(seat for (seat,) in self._read("SELECT seat FROM seats ORDER BY seat"))
+
+    def keep_runs(self, words: str) -> None:
+        """Keep the runs of the class; "" takes them away."""
+        with self._writing() as database:
+            database.execute("UPDATE runs SET number = number + 1, words = ?", (words,))
+
+    @property
+    def run_number(self) -> int:
+        """How often the runs of the class have changed."""
+        return int(self._read("SELECT number FROM runs")[0][0])
+
+    def runs(self) -> str:
+        """The runs of the class; "" where there are none."""
+        return str(self._read("SELECT words FROM runs")[0][0])

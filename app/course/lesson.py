@@ -27,6 +27,7 @@ from .figures.scene import Board as Board
 from .figures.scene import Stage as Stage
 from .knobs import Knob, KnobError, Poles
 from .lazy import LazyValue
+from .many_seeds import SeedTrial
 from .own_plant_banner import write_banner
 from .scenes import NO_PATH, Scene
 from .script_record import Code
@@ -164,7 +165,8 @@ class Lesson(Generic[S]):
     those that a hall needs, at most KEYS of which matter at once: in large print all others are behind "more knobs".
     `code` says what a script of a design starts from and finds again, where the run is no plain loop.
     `derived` gives the numbers of the derivation's places, `place` its place in the course, `again` its second prediction,
-    `path` its scenes, which are told on the lesson's own plant. A `draft` may lack derivation, exams, second prediction and
+    `path` its scenes, which are told on the lesson's own plant. `seeds` runs one design on many seeds.
+    A `draft` may lack derivation, exams, second prediction and
     translation. `fault` says what is wrong with the files of a lesson that could not be read.
     """
 
@@ -183,6 +185,7 @@ class Lesson(Generic[S]):
     aside: tuple[str, ...] = ()
     key: tuple[str, ...] = ()
     job: Job[S, Any] | None = None
+    seeds: SeedTrial | None = None
     pick: Callable[[Outcome[S], float, float], Mapping[str, Any]] | None = None
     adapt: Callable[[Lesson, Model], Lesson] | None = None
     universal: bool = False
@@ -252,4 +255,4 @@ def _fitted(origin: Lesson, text: str) -> Lesson:
         prose, introduction=f"{head(language)}\n\n{prose.introduction}",
         tasks={key: task for key, task in prose.tasks.items() if key in kept}) for language, prose in lesson.words.items()}
     derived = no_numbers if lesson.derived is origin.derived else lesson.derived  # made for the lesson's own study
-    return replace(lesson, words=words, plant=text, origin=origin, derived=derived, again=None, path=NO_PATH)
+    return replace(lesson, words=words, plant=text, origin=origin, derived=derived, again=None, path=NO_PATH, seeds=None)

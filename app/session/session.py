@@ -39,8 +39,9 @@ from .commands.commands import (
 from .commands.exams import Answering, HandingIn
 from .commands.files import Comparing, FileReady, LessonsChanged, Shelving, Taking
 from .commands.guide import Guiding
-from .commands.room import Lecturing, RoomChanged
+from .commands.room import Lecturing, RoomChanged, RunSeeds
 from .handlers import design, downloads, exams, guide, hand_in, lectures, page, pins, playback, room, saved_designs, sharing, tasks
+from .handlers.many_seeds import SeedRunner
 from .handlers.presenter import Presenter
 from .handlers.reload import RECALL_TIMEOUT_S, MemoryRequest, restore_memory
 from .runtime.background_jobs import BackgroundJobs
@@ -85,6 +86,7 @@ class Session:
         self._show = Presenter(lessons, view, lesson, first, clock)
         self._show.insists = insists or bool(state)
         self._desk = desk
+        self._seeds = SeedRunner(self._show, desk)
         self._errands = BackgroundJobs(self.post)
         self._ended: Callable[[], object] = lambda: None
         self._recall = MemoryRequest(self._show, lambda *kept: self.post(MemoryRecalled(*kept)))
@@ -131,7 +133,7 @@ class Session:
                 self._work(taken)
 
     def _work(self, taken: list[tuple[int, Edit]]) -> None:
-        if taken or not self._show.resting or self._show.job.running:
+        if taken or not self._show.resting or self._show.job.running or self._seeds.running:
             playback.catch_up(self._show, self._show.clock())
         for number, edits in grouped(taken):
             if self._mailbox.closed:  # whoever asked has left, and what waits would be done for nobody
@@ -162,6 +164,7 @@ class Session:
             guide.follow(self._show, ())
         self._recall.go_on(now)
         tasks.go_on(self._show, self._mailbox.empty)
+        self._seeds.go_on(self._mailbox.empty)
         playback.tick(self._show, now)
         guide.tick(self._show, now)
 
@@ -177,7 +180,9 @@ class Session:
 
     def _run_command(self, command: Command) -> None:
         """Hand a command to the room that knows it."""
-        if isinstance(command, Playing):
+        if isinstance(command, RunSeeds):
+            self._seeds.start_or_cancel()
+        elif isinstance(command, Playing):
             playback.obey(self._show, command)
         elif isinstance(command, Designing):
             design.obey(self._show, command)
@@ -240,7 +245,7 @@ class Session:
 
     def _wait(self) -> float | None:
         """Seconds until something is due without an edit, None if nothing is."""
-        if self._show.job.running or self._show.unfinished is not None:
+        if self._show.job.running or self._seeds.running or self._show.unfinished is not None:
             return 0.0
         now = self._show.clock()
         frame = playback.wait_for_frame(self._show, now)

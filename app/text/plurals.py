@@ -15,7 +15,7 @@ IRREGULAR = MappingProxyType({"axes": "axis", "entries": "entry", "frequencies":
 NOUNS = frozenset((
     "changes", "channels", "characters", "columns", "counts", "decimals", "designs", "dimensions", "directions", "gains",
     "inputs", "members", "names", "numbers", "outputs", "perturbations", "places", "points", "poles", "predictions", "readings",
-    "rows", "runs", "samples", "scenes", "seconds", "starts", "states", "steps", "stops", "votes",
+    "rows", "runs", "samples", "scenes", "seconds", "seeds", "starts", "states", "steps", "stops", "votes",
     "windows", "years", "zeros"))
 
 

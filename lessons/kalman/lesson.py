@@ -19,6 +19,7 @@ from .job import JOB
 from .knobs import KNOBS
 from .own import adapted
 from .path import PATH
+from .seeds import run_seeds
 from .study import compute
 from .tasks import TASKS
 
@@ -34,5 +35,5 @@ LESSON = Lesson(
     place=COURSE_PLACES["kalman"],
     again=SecondPrediction(("q",), 0, {"q": 100.0}, ("nees", "nis", "tests"), numbers=True),
     words=read_prose(Path(__file__).parent), key=("q", "r", "p0"),
-    aside=("force", "arithmetic", "line"), job=JOB, adapt=_adapted, code=code,
+    aside=("force", "arithmetic", "line"), job=JOB, seeds=run_seeds, adapt=_adapted, code=code,
     derived=derived, path=PATH)

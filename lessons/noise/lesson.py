@@ -16,6 +16,7 @@ from .job import JOB
 from .knobs import KNOBS
 from .own import adapted
 from .path import PATH
+from .seeds import run_seeds
 from .study import compute
 from .tasks import TASKS
 
@@ -25,5 +26,5 @@ LESSON = Lesson(
     place=COURSE_PLACES["noise"],
     again=SecondPrediction(("v",), 2, {"v": 0.0064}, ("valley", "peaks", "shares"), numbers=True),
     words=read_prose(Path(__file__).parent), key=("speed", "w", "v"),
-    job=JOB, adapt=adapted,
+    job=JOB, seeds=run_seeds, adapt=adapted,
     derived=derived, path=PATH)

@@ -16,6 +16,7 @@ from .figures import figures
 from .job import JOB
 from .knobs import KNOBS
 from .path import PATH
+from .seeds import run_seeds
 from .study import compute
 from .tasks import TASKS
 
@@ -26,5 +27,5 @@ LESSON = Lesson(
     place=COURSE_PLACES["nonlinear"],
     again=SecondPrediction(("sensor",), 2, {"sensor": 0.1}, ("nees", "nis", "verdicts", "errors")),
     words=read_prose(Path(__file__).parent), key=("case", "filter", "size"),
-    aside=("alpha", "beta", "kappa", "redraw", "line"), job=JOB, code=code,
+    aside=("alpha", "beta", "kappa", "redraw", "line"), job=JOB, seeds=run_seeds, code=code,
     derived=derived, path=PATH)

@@ -16,6 +16,7 @@ from .figures import figures
 from .job import JOB
 from .knobs import KNOBS
 from .path import PATH
+from .seeds import run_seeds
 from .study import compute
 from .tasks import TASKS
 
@@ -26,4 +27,4 @@ LESSON = Lesson(
     again=SecondPrediction(("damping",), 1, {"damping": -90.0}, ("suppression", "sizes", "channel_rotation")),
     words=read_prose(Path(__file__).parent), key=("play", "sensor", "test"), aside=(
         "limited", "limit", "driver", "bandwidth", "adc", "drift", "friction", "stiffness", "damping", "placement"), job=JOB,
-    derived=derived, path=PATH, code=code)
+    seeds=run_seeds, derived=derived, path=PATH, code=code)

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from observer_lab.classroom.class_runs import ClassRuns, OwnRun, read_runs, seeds_of
 from observer_lab.classroom.page_store import PageStore, StandingPage
 from observer_lab.classroom.room import LECTURE, MAX_PLACES, UNSOLVED, overview
 from observer_lab.classroom.room_store import FILE, RoomStore
@@ -122,6 +123,35 @@ def test_the_counts_of_all_workers_are_added(store: RoomStore, tmp_path: Path) -
     assert store.presence()[1] == 0 and store.hands == 1
     store.forget_presence()
     assert store.presence() == ({}, 0)
+
+
+def test_numbers_of_followers_are_given_once_and_a_restart_keeps_the_seed(store: RoomStore, tmp_path: Path) -> None:
+    other = RoomStore(tmp_path)
+    assert [store.take_seats(0, 2), other.take_seats(1, 3), store.take_seats(0, 1)] == [[1, 2], [3, 4, 5], [6]]
+    store.leave_seats([2, 6])
+    assert other.seats() == (1, 3, 4, 5)
+    store.empty_worker(1)
+    assert other.seats() == (1,) and other.take_seats(1, 1) == [7]
+    assert RoomStore(tmp_path).seed == store.seed and 0 <= store.seed < 2**63
+    store.forget_presence()
+    assert store.seats() == () and store.take_seats(0, 1) == [8]
+
+
+def test_seeds_differ_from_follower_to_follower_and_from_room_to_room() -> None:
+    drawn = [seed for room in (1, 2, 2**62) for seed in seeds_of(room, tuple(range(1, 301)))]
+    assert len(set(drawn)) == len(drawn) == 900 and seeds_of(2, (7,)) == (drawn[306],)
+
+
+def test_runs_of_a_class_reach_all_workers_and_end_with_the_server(store: RoomStore, tmp_path: Path) -> None:
+    other, before = RoomStore(tmp_path), store.run_number
+    runs = ClassRuns({"en": "error"}, (0.0, 1.0), {4: OwnRun((0.0, -0.5), (0.0, 0.3), True), 9: OwnRun((0.0, 2.0), (0.0, 0.3), False)})
+    store.keep_runs(runs.write())
+    assert other.run_number == before + 1 and read_runs(other.runs()) == runs
+    other.keep_runs("")
+    assert (store.run_number, store.runs()) == (before + 2, "")
+    store.keep_runs(runs.write())
+    store.forget_presence()
+    assert other.runs() == ""
 
 
 def test_an_overview_names_few_places() -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 import re
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 from urllib.error import HTTPError
 from urllib.request import HTTPRedirectHandler, Request, build_opener
@@ -12,6 +13,7 @@ from urllib.request import HTTPRedirectHandler, Request, build_opener
 import pytest
 from client import WireTab, empty
 
+from observer_lab.classroom.class_runs import seeds_of
 from observer_lab.classroom.room_store import RoomStore
 from observer_lab.classroom.votes import HIDDEN_BELOW
 from observer_lab.lessons import LESSONS
@@ -26,9 +28,9 @@ PREDICT = next(k for k, scene in enumerate(LESSONS["separation"].path) if scene.
 Enter = Callable[..., WireTab]
 
 
-def opened(folder: Path, worker: int = 0) -> LabServer:
+def opened(folder: Path, worker: int = 0, lesson: str = "separation") -> LabServer:
     word = RoomStore(folder).secret
-    return LabServer(LESSONS, port=0, lesson="separation", mode="guide", room=LectureRoom(folder, worker, "en"),
+    return LabServer(LESSONS, port=0, lesson=lesson, mode="guide", room=LectureRoom(folder, worker, "en"),
                      presenter=AccessToken(word, 0, PRESENTER_FIELD))
 
 
@@ -376,3 +378,48 @@ def test_in_the_lab_followers_see_the_knobs_that_the_presenter_has_moved(enter: 
     follower.until(lambda: "<dd>12 %</dd>" in part(follower, '<dl class="ol-knobs"'), "the moved knob")
     server.sessions[max(server.sessions)].post(SetMode("guide"))
     follower.until(lambda: "data-scene=" in card(follower), "the path again")
+
+
+def test_each_follower_runs_one_seed_and_the_presenter_sees_the_cloud_of_all(tmp_path: Path) -> None:
+    """On two workers: each follower's page shows one run of its own, and another design takes cloud and runs away."""
+    one, other = opened(tmp_path, 0, "kalman"), opened(tmp_path, 1, "kalman")
+    store = RoomStore(tmp_path)
+    followers: list[WireTab] = []
+
+    def own(tab: WireTab) -> str:
+        return part(tab, '<section class="ol-own-run"')
+
+    def cloud() -> str:
+        return part(presenter, '<section class="ol-seeds"')
+
+    def all_see(condition: Callable[[WireTab], object], what: str) -> None:
+        for follower in followers:
+            follower.until(partial(condition, follower), what)
+    try:
+        with WireTab(one.url, word=store.secret) as presenter:
+            presenter.settle()
+            followers += [WireTab((one, other)[k % 2].url) for k in range(5)]
+            all_see(card, "the card")
+            presenter.until(lambda: len(store.seats()) == 5 and "Run one seed for each follower" in cloud(), "all five numbers")
+            ask(presenter, "seeds")
+            presenter.until(lambda: "average NEES" in cloud(), "the covariances")
+            assert "errors of 5 seeds" in cloud() and cloud().count("<circle") == 5
+            all_see(lambda tab: "Your run" in own(tab), "its own run")
+            assert len({own(follower) for follower in followers}) == 5, "no two have the same noise"
+            seeds = {str(seed) for seed in seeds_of(store.seed, store.seats())}
+            sent = "".join(str(m) for tab in (presenter, *followers) for m in tab.messages)
+            assert not [seed for seed in {*seeds, str(store.seed)} if seed in sent], "nobody is told a seed"
+            say(followers[0], "seeds")
+            say(followers[0], "slower")
+            followers[0].until(lambda: followers[0].notes, "an answer to the hand")
+            assert "average NEES" in cloud() and own(followers[1]), "a follower's press runs nothing"
+            ask(presenter, "turn:1")
+            all_see(lambda tab: not own(tab), "that the run of another design is gone")
+            presenter.until(lambda: "average NEES" not in cloud(), "that the cloud of another design is gone")
+            followers.pop().close()
+            presenter.until(lambda: len(store.seats()) == 4, "that one has left")
+    finally:
+        for follower in followers:
+            follower.close()
+        one.stop()
+        other.stop()

@@ -9,7 +9,12 @@ import viser
 
 from ...course.knobs import Knob, Poles
 from ...session.commands.commands import DrawByHand, Edit, RunJob, SetKnobs
+from ...session.commands.room import RunSeeds
 from ...session.state.view import Picture
+from ..charts.seed_cloud import RUN_SEEDS, seeds_html
+from ..viser_private import viser_internals
+from ..viser_private.hidden_input import hidden_input
+from ..viser_private.write_once import write_content
 from ..words import phrases
 from .knob_widgets import NumberWidget, Widget, make_widget
 
@@ -27,6 +32,8 @@ class KnobRows:
         self._more: viser.GuiFolderHandle | None = None
         self._bar: Any = None
         self._job: viser.GuiButtonHandle | None = None
+        self._seeds: viser.GuiHtmlHandle | None = None
+        self._hand = ""
         rows = [knob for knob in self._lesson.knobs if not knob.hidden and not isinstance(knob, Poles)]
         large, keys = picture.state.lecture, self._lesson.keys
         self._aside = [knob for knob in rows if (knob.name not in keys if large else knob.name in self._lesson.aside)]
@@ -34,6 +41,7 @@ class KnobRows:
         with gui.add_folder(phrases.KNOBS(self._lang)):
             self._add_all(often, False)
             self._make_job()
+            self._make_seeds()
             if self._aside:
                 self._more = gui.add_folder((phrases.MORE_KNOBS if large else phrases.MORE)(self._lang), expand_by_default=False)
                 with self._more:
@@ -78,6 +86,15 @@ class KnobRows:
         async def _(_: viser.GuiEvent) -> None:
             self._post(RunJob())
 
+    def _make_seeds(self) -> None:
+        if self._lesson.seeds is not None:
+            self._hand = viser_internals.node_id(hidden_input(self._gui, self._heard))
+            self._seeds = self._gui.add_html("")
+
+    def _heard(self, said: str) -> None:
+        if said == RUN_SEEDS:
+            self._post(RunSeeds())
+
     def show(self, picture: Picture) -> None:
         """The values that a picture accepts, in the rows that matter now."""
         for name, (knob, widget) in self._widgets.items():
@@ -89,6 +106,8 @@ class KnobRows:
                     if knob.group is not None and self._lesson.shown(knob, picture.design)}
         for place, heading in self._groups.items():
             _reveal(heading, place in standing)
+        if self._seeds is not None and (picture.resting or picture.many is None):
+            write_content(self._seeds, seeds_html(picture, self._hand))
         if self._more is not None:
             _reveal(self._more, any(self._lesson.shown(knob, picture.design) for knob in self._aside))
 

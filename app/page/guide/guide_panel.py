@@ -21,10 +21,11 @@ from ...session.commands.commands import (
     ToggleTheme,
 )
 from ...session.commands.guide import ChooseOption, EndLecture, GoToScene, RecordStop, SaveLecture, SetMode, ToggleGlossary, TurnScene
-from ...session.commands.room import AskTyped, AskTypedAgain, CloseVote, LowerHands, OpenVote
+from ...session.commands.room import AskTyped, AskTypedAgain, CloseVote, LowerHands, OpenVote, RunSeeds
 from ...session.state.view import Picture
 from ..charts.charts import Chart
 from ..charts.print_sizes import Sizes
+from ..charts.seed_cloud import RUN_SEEDS, seeds_html
 from ..column.knob_widgets import NumberWidget, Widget, make_widget
 from ..viser_private import viser_internals
 from ..viser_private.hidden_input import hidden_input
@@ -58,6 +59,7 @@ class GuidePanel:
         self._formulas = gui.add_html("")
         self._verdict = gui.add_html("")
         self._room = gui.add_html("") if picture.state.room is not None else None
+        self._seeds = gui.add_html("") if picture.state.room is not None else None
         if self._room is not None:
             gui.add_html(ask_html(self._hand, picture.state.language) + audience_html(picture))
             viser_internals.run_script(client, "ask")
@@ -79,7 +81,8 @@ class GuidePanel:
             "option": lambda: ChooseOption(_whole(value)), "course": ToggleCourse, "language": SetLanguage, "theme": ToggleTheme,
             "take": ToggleDownloads, "help": ToggleHelp, "terms": ToggleGlossary, "reset": lambda: GoToScene(self._stop),
             "end": EndLecture, "record": RecordStop, "save": SaveLecture, "lesson": lambda: OpenLesson(value),
-            "vote": VOTES.get(value, OpenVote), "ask": lambda: AskTyped(value), "hands": LowerHands}
+            "vote": VOTES.get(value, OpenVote), "ask": lambda: AskTyped(value), "hands": LowerHands,
+            RUN_SEEDS: RunSeeds}
         if kind in edits:
             self._post(edits[kind]())
 
@@ -98,6 +101,8 @@ class GuidePanel:
         write_content(self._verdict, verdict_html(picture, self._hand))
         if self._room is not None:
             write_content(self._room, room_html(picture, self._hand))
+        if self._seeds is not None and (picture.resting or picture.many is None):
+            write_content(self._seeds, seeds_html(picture, self._hand))
         self._tell_notes(picture)
         self._point(picture)
         for name, chart in self.charts.items():

@@ -16,6 +16,7 @@ from ..viser_private import viser_internals
 from ..viser_private.hidden_input import hidden_input
 from ..words import phrases
 
+ABOVE_ALL = -1e8  # the order of what stands first on a page
 NOTICE_S = 4.0  # s that a sentence stands on the page
 LONGEST_NUMBER = 9  # digits
 DECIMAL = re.compile(r"[+-]?(?:\d{1,15}(?:\.\d{0,15})?|\.\d{1,15})(?:[eE][+-]?\d{1,2})?", re.ASCII)
@@ -57,8 +58,9 @@ class Follower:
     """One browser that follows: where it says what, and whether its hand is raised."""
 
     def __init__(self, client: viser.ClientHandle, language: str, ears: Ears) -> None:
-        self._client, self._language, self._ears = client, language, ears
+        self._client, self.language, self._ears = client, language, ears
         self.raised = False
+        self._run: viser.GuiHtmlHandle | None = None
         self._hand = viser_internals.node_id(hidden_input(client.gui, self.hear))
         self._waits: viser.GuiHtmlHandle | None = client.gui.add_html(
             f'<h2 class="ol-scene">{phrases.NOT_BEGUN(language)}</h2>')  # until there is a page
@@ -71,6 +73,15 @@ class Follower:
             self._waits.remove()
             self._waits = None
             self._client.flush()
+
+    def show_run(self, content: str) -> None:
+        """Show this follower's own run above the shared page; "" takes it away."""
+        if self._run is not None:
+            self._run.remove()
+            self._run = None
+        if content:
+            self._run = self._client.gui.add_html(content, order=ABOVE_ALL)
+        self._client.flush()
 
     def hear(self, said: str) -> None:
         """A vote or a hand; anything else changes nothing."""
@@ -85,9 +96,9 @@ class Follower:
 
     def _tell(self, ballot: Ballot, counted: bool) -> None:
         viser_internals.run_script(self._client, "room", vote=ballot.vote, option=ballot.answer, counted=counted)
-        answer = format_number(ballot.answer, ".6g", self._language) if ballot.numeric else LETTERS[int(ballot.answer)]
+        answer = format_number(ballot.answer, ".6g", self.language) if ballot.numeric else LETTERS[int(ballot.answer)]
         self._say(phrases.VOTE_COUNTED.format(letter=answer) if counted else phrases.VOTE_REFUSED)
 
     def _say(self, words: Text) -> None:
-        self._client.add_notification("Observer Lab", words(self._language), auto_close_seconds=NOTICE_S)
+        self._client.add_notification("Observer Lab", words(self.language), auto_close_seconds=NOTICE_S)
         self._client.flush()

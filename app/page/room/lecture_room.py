@@ -13,6 +13,7 @@ from pathlib import Path
 
 import viser
 
+from ...classroom.class_runs import ClassRuns, seeds_of
 from ...classroom.page_store import PageStore
 from ...classroom.room import LECTURE, UNSOLVED, RoomView, overview
 from ...classroom.room_store import RoomStore
@@ -26,6 +27,7 @@ from ..access.connection import Connection, ConnectionClosed
 from ..charts.print_sizes import SHEET_MAX_WIDTH_PX
 from ..words import phrases
 from .broadcast import Broadcast
+from .class_seats import ClassSeats
 from .follower import Ballot, Follower
 from .presenter_view import OwnScreen, PresenterScreen
 from .relay import Relay
@@ -45,12 +47,14 @@ class LectureRoom:
         self._relay: Relay | None = None
         self._loop: asyncio.AbstractEventLoop | None = None
         self._broadcast = Broadcast(self._pages, self._wake, self._store.keep_state, self._stop_leading)
+        self._seats = ClassSeats(self._store, worker)
         self._followers: dict[int, Follower] = {}
         self._tasks: dict[int, asyncio.Task[None]] = {}
         self._alone: dict[int, Session] = {}
         self._presenting: dict[int, tuple[Session, PresenterScreen]] = {}
         self._ended = threading.Event()
         self._told: RoomView | None = None
+        self._shows_runs = True  # whether the pages may show runs of which the presenter's page knows
         self._reported: tuple[Mapping[str, int], int] | None = None
         self._hands = self._store.hands
 
@@ -102,7 +106,7 @@ class LectureRoom:
 
     def present(self, client_id: int, session: Session, screen: PresenterScreen) -> None:
         """A tab presents."""
-        self._presenting[client_id], self._told = (session, screen), None
+        self._presenting[client_id], self._told, self._shows_runs = (session, screen), None, False
 
     def work_alone(self, client_id: int, session: Session) -> None:
         """A tab works on its own."""
@@ -168,6 +172,17 @@ class LectureRoom:
         self._store.lower_hands()
         return self._view()
 
+    # --- a run for each follower ---------------------------------------------------------------------------------------
+    def draw_seeds(self) -> Mapping[int, int]:
+        """The seed of each follower by the follower's number."""
+        seats = self._store.seats()
+        return dict(zip(seats, seeds_of(self._store.seed, seats), strict=True))
+
+    def show_runs(self, runs: ClassRuns | None) -> None:
+        """Show each follower their own run, or take it away from all."""
+        self._shows_runs = True
+        self._store.keep_runs("" if runs is None else runs.write())
+
     # --- counts ----------------------------------------------------------------------------------------------------
     def _view(self) -> RoomView:
         people, slower = self._store.presence()
@@ -186,6 +201,10 @@ class LectureRoom:
             self._hands = hands
             for follower in list(self._followers.values()):
                 follower.raised = False
+        if not self._shows_runs:  # a page that presents has begun anew and shows no cloud
+            self.show_runs(None)
+        if self._loop is not None:
+            self._seats.update(self._followers, self._loop)
         people = Counter({LECTURE: len(self._followers)})
         for session in list(self._alone.values()):
             picture = session.picture

@@ -10,8 +10,8 @@ from ...session.state.view import Picture
 from ..guide.room_card import way_back
 from ..screen.screen import Screen
 from .broadcast import Broadcast
+from .follower import ABOVE_ALL
 
-ABOVE_ALL = -1e8  # the order of what stands first on a page
 LOOK_TOLERANCE = 0.02  # stage units that a camera may move unnoticed
 
 

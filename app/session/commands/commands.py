@@ -12,7 +12,7 @@ from ...text import Text
 from .exams import Examining
 from .files import Comparing, LessonsChanged, Shelving, Taking
 from .guide import Guiding, ToggleGlossary
-from .room import Lecturing
+from .room import Lecturing, RunSeeds
 
 
 @dataclass(frozen=True)
@@ -296,5 +296,5 @@ Studying = Predict | Reveal | PredictAgain | ShowAgain | CheckTask | CheckNextTa
 Sharing = OpenState | PlaceOpened | ToggleDownloads | SaveState
 Paging = (OpenLesson | TurnPage | SetLanguage | ToggleLecture | ToggleTheme | WindowChanged | ToggleLandscape | LookFrom | ToggleHelp
           | ToggleGlossary | ToggleCourse | Answer | RunOnTabThread | LessonsChanged | MemoryRecalled)
-Command = Playing | Designing | Studying | Examining | Sharing | Taking | Comparing | Shelving | Paging | Guiding | Lecturing
+Command = Playing | Designing | Studying | Examining | Sharing | Taking | Comparing | Shelving | Paging | Guiding | Lecturing | RunSeeds
 Edit = SetKnobs | Command

@@ -35,6 +35,11 @@ class LowerHands:
 
 
 @dataclass(frozen=True)
+class RunSeeds:
+    """Run the design on many seeds, one for each follower where a class is here; or cancel that."""
+
+
+@dataclass(frozen=True)
 class RoomChanged:
     """Who is here, where, and how the votes stand; nobody has asked for it."""
 

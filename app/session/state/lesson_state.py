@@ -38,7 +38,7 @@ class LessonState:
         """The tab's state with this lesson open, at the start of its run."""
         return replace(state, playing=False, loop=None, stopped=False, t=0.0, predicted=self.predicted,
                        revealed=self.revealed, again=self.again, asked=False, tasks=self.tasks, exams=self.exams, pins=self.pins,
-                       scene=self.scene, done=self.done, chosen=self.chosen, performance=None)
+                       scene=self.scene, done=self.done, chosen=self.chosen, performance=None, many=None)
 
     def take_back(self, old: LessonState) -> bool:
         """Take in what was kept of this lesson: its design one step of undo away, and what is not yet known here.

@@ -9,7 +9,8 @@ from typing import Any  # the values of knobs are of any kind, as `Any` says
 from ...course.course_map import Progress
 from ...course.design import Design
 from ...course.error_window import ErrorWindow
-from ...course.lesson import Verdict
+from ...course.lesson import Design, Verdict
+from ...course.many_seeds import SeedErrors
 
 
 @dataclass(frozen=True)
@@ -71,3 +72,14 @@ class Performance:
 
     frames: tuple[Mapping[str, Any], ...]
     due: float
+
+
+@dataclass(frozen=True, eq=False)
+class ManySeeds:
+    """The errors of many seeds of a design, None while there are none; `fraction` says how far the runs are, None at their end.
+    `followers` says whether each seed is that of a follower."""
+
+    design: Design
+    found: SeedErrors | None
+    fraction: float | None
+    followers: bool

@@ -11,7 +11,7 @@ from ...course.lectures import Lecture, Stop
 from ...course.pinned_designs import Pin
 from ...course.scenes import Mode
 from .saved_designs import SavedDesign
-from .tab_records import USUAL, ExamState, Performance, ReplayLoop, TaskState
+from .tab_records import USUAL, ExamState, ManySeeds, Performance, ReplayLoop, TaskState
 
 
 @dataclass(frozen=True)
@@ -65,6 +65,7 @@ class State:
     talk: Lecture | None = None  # the lecture that is being given
     stop: int = 0  # which of its stops is open
     room: RoomView | None = None  # the class that follows, None in a tab that presents to nobody
+    many: ManySeeds | None = None  # the errors of many seeds of one design
     recorded: tuple[Stop, ...] = ()  # stops that were noted for a lecture of one's own
 
     @property

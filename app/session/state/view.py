@@ -24,6 +24,7 @@ from .tab_records import MOST_VARIANTS as MOST_VARIANTS
 from .tab_records import USUAL as USUAL
 from .tab_records import ExamAnswer as ExamAnswer
 from .tab_records import ExamState as ExamState
+from .tab_records import ManySeeds as ManySeeds
 from .tab_records import Performance as Performance
 from .tab_records import ReplayLoop as ReplayLoop
 from .tab_records import TaskState as TaskState
@@ -126,6 +127,12 @@ class Picture:
         """How the class has answered what the presenter typed in that scene, now and the time before."""
         room, scene = self.state.room, self.scene.id if self.scene else ""
         return () if room is None else votes_on_typed(room.votes, self.lesson.id, scene)
+
+    @property
+    def many(self) -> ManySeeds | None:
+        """The errors of many seeds of this design, None where none were run."""
+        many = self.state.many
+        return many if many is not None and many.design == self.design else None
 
     @property
     def voting(self) -> bool:
