@@ -72,7 +72,8 @@ def joined(head: dict[str, Any], claims: dict[str, Any], sign: Callable[[bytes],
 
 def signed(claims: dict[str, Any], name: str = "platform", kid: str = KID) -> str:
     """A token with RS256."""
-    return joined({"alg": "RS256", "kid": kid, "typ": "JWT"}, claims, lambda words: key_pair(name).sign(words, padding.PKCS1v15(), SHA256()))
+    return joined({"alg": "RS256", "kid": kid, "typ": "JWT"}, claims,
+                  lambda words: key_pair(name).sign(words, padding.PKCS1v15(), SHA256()))
 
 
 def checked(token: str, keys: dict[str, Any]) -> dict[str, Any]:
@@ -207,8 +208,10 @@ class LearningPlatform:
 
     def toml(self, lab: str, key: str = "lab.pem", more: str = "") -> str:
         """The lab's file for this platform."""
-        return (f'address = "{lab}/"\nkey-file = "{key}"\n\n[[platforms]]\nissuer = "{self.url}"\nclient-id = "{CLIENT}"\n'
-                f'login = "{self.url}/auth"\ntoken = "{self.url}/token"\nkey-set = "{self.url}/keys"\ndeployments = ["{DEPLOYMENT}"]\n{more}')
+        return (f'address = "{lab}/"\nkey-file = "{key}"\n\n'
+                f'[[platforms]]\nissuer = "{self.url}"\nclient-id = "{CLIENT}"\n'
+                f'login = "{self.url}/auth"\ntoken = "{self.url}/token"\nkey-set = "{self.url}/keys"\n'
+                f'deployments = ["{DEPLOYMENT}"]\n{more}')
 
     def trust(self, lab: str) -> None:
         """Take the lab's key set from where it stands."""

@@ -14,7 +14,8 @@ WAIT_S = 10.0  # s that one worker waits for another one's writing
 NONCE_KEPT_S = 3600  # s; a login holds for less
 SCHEMA = """
 CREATE TABLE IF NOT EXISTS nonces (nonce TEXT PRIMARY KEY, used INTEGER NOT NULL) WITHOUT ROWID;
-CREATE TABLE IF NOT EXISTS hand_ins (student TEXT NOT NULL, token TEXT NOT NULL, PRIMARY KEY (student, token)) WITHOUT ROWID;
+CREATE TABLE IF NOT EXISTS hand_ins (number INTEGER PRIMARY KEY, student TEXT NOT NULL, token TEXT NOT NULL UNIQUE);
+CREATE INDEX IF NOT EXISTS of_student ON hand_ins (student);
 """
 
 
@@ -42,7 +43,7 @@ class Ledger:
                                     (hashlib.sha256(nonce.encode()).hexdigest(),)).rowcount == 1
 
     def add(self, student: str, token: str) -> list[str]:
-        """Keep a hand-in of a student's key; all that are kept of it."""
+        """Keep a hand-in of a student's key; all that are kept of it, in the order in which they came."""
         with self._open() as database:
-            database.execute("INSERT OR IGNORE INTO hand_ins VALUES (?, ?)", (student, token))
-            return [str(row[0]) for row in database.execute("SELECT token FROM hand_ins WHERE student = ?", (student,))]
+            database.execute("INSERT OR IGNORE INTO hand_ins (student, token) VALUES (?, ?)", (student, token))
+            return [str(row[0]) for row in database.execute("SELECT token FROM hand_ins WHERE student = ? ORDER BY number", (student,))]
