@@ -51,6 +51,37 @@ def test_what_cannot_be_answered_has_a_status(head: bytes, status: int) -> None:
     assert isinstance(found, Refusal) and found.status == status
 
 
+def posted(*fields: bytes, path: bytes = b"/form", body: bytes = b"a=b") -> RequestStart | Refusal | None:
+    """What becomes of a form."""
+    return read_head(b"\r\n".join([b"POST " + path + b"?x=1 HTTP/1.1", b"Host: a", *fields, b"", body]), HERE, ("/form",))
+
+
+FORM, LENGTH = b"Content-Type: application/x-www-form-urlencoded; charset=utf-8", b"content-length: 3"
+
+
+def test_a_form_is_read_where_it_may_be_posted_and_nowhere_else() -> None:
+    for fields in ((LENGTH, FORM), (FORM, LENGTH), (FORM, b"A: b", LENGTH, b"Cookie: c=d")):
+        found = posted(*fields)
+        assert isinstance(found, RequestStart) and (found.method, found.form) == ("POST", b"a=b")
+        request = request_of(found.data)
+        assert request.path == "/form?x=1" and request.headers["Host"] == "a" and "Content-Length" not in request.headers
+    for path in (b"/", b"/form/", b"/Form", b"/%66orm"):
+        refusal = posted(LENGTH, FORM, path=path)
+        assert isinstance(refusal, Refusal) and refusal.status == 405
+    assert posted(FORM, b"Content-Length: 65536") is None, "the rest is waited for"
+
+
+@pytest.mark.parametrize(("fields", "status"), [
+    ((FORM,), 411), ((FORM, LENGTH, LENGTH), 411), ((FORM, b"Content-Length: -3"), 411), ((FORM, b"Content-Length: 3, 3"), 411),
+    ((FORM, LENGTH, b"Transfer-Encoding: chunked"), 411), ((FORM, b"Content-Length: 65537"), 413),
+    ((FORM, b"Content-Length: " + b"9" * 40), 413), ((LENGTH,), 415), ((LENGTH, b"Content-Type: text/plain"), 415),
+    ((LENGTH, FORM, FORM), 415), ((FORM, b" folded", LENGTH), 400)],
+    ids=range(11))
+def test_a_form_without_a_bound_or_of_another_kind_is_refused(fields: tuple[bytes, ...], status: int) -> None:
+    found = posted(*fields)
+    assert isinstance(found, Refusal) and found.status == status
+
+
 @pytest.mark.parametrize("field", [b"Content-Length: 0", b"Accept-Encoding: gzip", b"X: \xe9"])
 def test_harmless_fields_pass(field: bytes) -> None:
     assert isinstance(read_head(b"GET / HTTP/1.1\r\nHost: a\r\n" + field + b"\r\n\r\n", HERE), RequestStart)

@@ -52,6 +52,7 @@ class ServeRequest:
     trusted: bool = False
     room: bool = False
     at: str | None = None
+    lti: str | None = None
 
 
 @dataclass(frozen=True)

@@ -15,6 +15,7 @@ from dataclasses import replace
 from typing import assert_never
 
 from ..classroom.room import RoomView, VoteDesk
+from ..course.handin.learner import Learner
 from ..course.handin.served_course import ServedCourse
 from ..course.knobs import KnobError
 from ..course.lectures import Lecture
@@ -36,7 +37,7 @@ from .commands.commands import (
     Studying,
     WindowChanged,
 )
-from .commands.exams import Answering, HandingIn
+from .commands.exams import Answering, HandingIn, HandInReported
 from .commands.files import Comparing, FileReady, LessonsChanged, Shelving, Taking
 from .commands.guide import Guiding
 from .commands.room import Lecturing, RoomChanged, RunSeeds
@@ -68,19 +69,20 @@ class Session:
     def __init__(self, lessons: Mapping[str, Lesson], view: View, lesson: str, language: str = "en",
                  clock: Callable[[], float] = time.monotonic, plant: str = "",
                  state: str = "", insists: bool = False, sealed: bool = False, mode: Mode = "lab", talk: Lecture | None = None,
-                 course: ServedCourse | None = None, desk: VoteDesk | None = None) -> None:
+                 course: ServedCourse | None = None, desk: VoteDesk | None = None, learner: Learner | None = None) -> None:
         """`state` is a token, or the words of a saved file, that the tab opens with if nothing else is known of it.
 
         A new tab goes on where the browser's last one was, unless the server `insists` on its lesson or its state.
 
         Exams are drawn for a random key until the person gives one; a `sealed` tab only notes answers to them.
-        With a `course` its numbers are drawn instead, and its answers are handed in. A tab that presents to a room has a `desk` there.
+        With a `course` its numbers are drawn instead, and its answers are handed in, by a `learner` to the platform.
+        A tab that presents to a room has a `desk` there.
         """
         if lesson not in lessons:
             raise KeyError(f"There is no lesson {lesson}; there are {', '.join(lessons)}.")
         self._mailbox, self._state = Mailbox(), state
         first = State(language=language, fresh=secrets.token_hex(8), plant=plant, withheld=sealed, sealed=sealed, mode=mode,
-                      talk=talk, lecture=talk is not None, course=course,
+                      talk=talk, lecture=talk is not None, course=course, learner=learner, key=learner.key if learner else "",
                       newcomer=mode == "guide" and not insists and not state and desk is None,
                       room=None if desk is None else RoomView(audience=desk.audience))
         self._show = Presenter(lessons, view, lesson, first, clock)
@@ -141,7 +143,7 @@ class Session:
             self._show.answered = number
             self._show.touched |= not isinstance(
                 edits, (MemoryRecalled, Answer, WindowChanged, RunOnTabThread, PageSeen, PlaceOpened, FileReady, LessonsChanged,
-                        RoomChanged)
+                        RoomChanged, HandInReported)
             )
             try:
                 if isinstance(edits, list):
@@ -191,7 +193,7 @@ class Session:
         elif isinstance(command, Answering):
             exams.obey(self._show, command)
         elif isinstance(command, HandingIn):
-            hand_in.obey(self._show, command)
+            hand_in.obey(self._show, self._errands, command)
         elif isinstance(command, Sharing):
             sharing.obey(self._show, command)
         elif isinstance(command, Taking):

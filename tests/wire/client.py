@@ -166,7 +166,7 @@ class WireTab(WirePage):
 
     def __init__(self, url: str, origin: str | None = None, protocol: str | None = None, kept: str | None = None,
                  camera: bool = True, hosts: Sequence[str] = (), answers: bool = True, canvas: tuple[int, int] = (1280, 720),
-                 plays: bool = False, word: str = "", path: str = "") -> None:
+                 plays: bool = False, word: str = "", path: str = "", cookies: str = "") -> None:
         super().__init__(kept, answers, plays)
         self.messages: list[dict[str, Any]] = []  # everything received
         self._questions = 0
@@ -177,6 +177,7 @@ class WireTab(WirePage):
                                sock=socket.create_connection((place.hostname, place.port), timeout=PATIENCE),
                                subprotocols=[Subprotocol(protocol or f"viser-v{version('viser')}")],
                                additional_headers=[*(("Host", host) for host in more),
+                                                   *([("Cookie", cookies)] if cookies else []),
                                                    *([("Authorization", f"Bearer {word}")] if word else [])],
                                compression=None, max_size=None, open_timeout=PATIENCE, close_timeout=1.0)
         if camera:

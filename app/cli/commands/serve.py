@@ -17,6 +17,7 @@ from ...text.languages import languages
 from ..file_limit import allow_many_files
 from ..lecture_room import LectureFolder, audience_address, names_of, open_room_folder, room_told
 from ..lesson_folder import follow_folder
+from ..lti import open_platforms, token_for_launches
 from ..opening import ServeRequest, opening_of
 from ..options import PLANT_HELP, STATE_HELP, CommandError, error_cause, host_name, web_address, whole_number
 from ..records import COLUMNS_HELP, DATA_HELP
@@ -75,6 +76,8 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--room", action="store_true",
                         help="hold a lecture: one tab presents, all others follow; prints the links of both")
     parser.add_argument("--at", type=web_address, metavar="URL", help="the address of the audience's link, as that of a proxy")
+    parser.add_argument("--lti", metavar="FILE",
+                        help="the learning platforms that may open lessons by LTI 1.3: a TOML file; see README.md")
     parser.add_argument("--log-json", action="store_true", help="write the log as lines of JSON")
     parser.add_argument("--data-dir", metavar="FOLDER", help="folder for what is kept: the log, in files that rotate")
     parser.add_argument("--max-sessions", type=count, metavar="N",
@@ -88,7 +91,7 @@ def execute(options: argparse.Namespace) -> int:
                               tuple(options.frames), options.state, options.exam, options.workers, options.exact_port,
                               options.view, options.worker_timeout,
                               options.token, options.data, options.columns, options.lecture, options.course, options.lessons,
-                              options.trust_code, options.room, options.at))
+                              options.trust_code, options.room, options.at, options.lti))
 
 
 class Ending:
@@ -135,11 +138,15 @@ def _serve(request: ServeRequest, end: Ending) -> None:
     if request.at is not None and not request.room:
         raise CommandError("--at names the address of a room's audience; give it with --room.")
     room_folder = open_room_folder(request.data_dir) if request.room else None
+    platforms = open_platforms(request)
+    if platforms is not None:
+        request = replace(request, names=(*request.names, *names_of(platforms.address)), token=token_for_launches(request))
     listener, access, url, printed = _door(request)
     presenter, audience, links = None, "", ""
     if room_folder is not None:
         presenter, audience, links = _links(request, room_folder, listener.getsockname()[1], access)
         request = replace(request, names=(*request.names, *names_of(request.at)))
+    doors = None if platforms is None else platforms.doors(first, request, listener.getsockname()[1])
     from ...page.access.shared_counters import SharedCounters, WorkerSlot
     from ...page.screen.server import LabServer  # viser is loaded only here
 
@@ -150,7 +157,7 @@ def _serve(request: ServeRequest, end: Ending) -> None:
         return LabServer(first.lessons, request.host, 0, first.lesson, request.language, plant=first.plant, names=request.names,
                          state=first.state, insists=first.insists, sealed=request.exam or first.course is not None, access=access,
                          frames=request.frames, listener=listener, seat=seat, mode="present" if first.talk else request.mode,
-                         talk=first.talk, course=first.course, room=room, presenter=presenter)
+                         talk=first.talk, course=first.course, room=room, presenter=presenter, doors=doors)
 
     def tell() -> None:
         log.info("serving %s", url)

@@ -24,16 +24,16 @@ def derive_key(secret: bytes, salt: bytes, info: bytes) -> bytes:
 
 @dataclass(frozen=True)
 class CourseKeys:
-    """The two keys of a course: one draws numbers, one signs hand-ins. They stand in no text of this record."""
+    """The keys of a course: one draws numbers, one signs hand-ins, one names students. They stand in no text of it."""
 
     _numbers: bytes = field(repr=False)
     _signing: bytes = field(repr=False)
+    _students: bytes = field(repr=False)
 
     @classmethod
     def of(cls, course: str, secret: str) -> CourseKeys:
         """The keys of the course with this id. Courses with the same secret have independent keys."""
-        numbers, signing = (derive_key(secret.encode(), SALT, f"{purpose}\n{course}".encode()) for purpose in ("numbers", "hand-ins"))
-        return cls(numbers, signing)
+        return cls(*(derive_key(secret.encode(), SALT, f"{purpose}\n{course}".encode()) for purpose in ("numbers", "hand-ins", "students")))
 
     def seed(self, student: str, item: str, variant: int) -> str:
         """The seed of an item for a student: HMAC over student, item and variant, in hexadecimal digits.
@@ -41,6 +41,10 @@ class CourseKeys:
         `student` is a key as `canonical_key` gives it; neither it nor the name of an item holds a line break.
         """
         return hmac.digest(self._numbers, f"{student}\n{item}\n{variant}".encode("utf-8", "surrogatepass"), "sha256").hex()
+
+    def student(self, platform: str, user: str) -> str:
+        """The key of a person whom a learning platform knows under a number: HMAC of both, 24 hexadecimal digits that name nobody."""
+        return hmac.digest(self._students, f"{platform}\n{user}".encode("utf-8", "surrogatepass"), "sha256").hex()[:24]
 
     def sign(self, message: str) -> str:
         """The signature of a message: HMAC-SHA-256 in base64 for addresses, without padding."""

@@ -20,7 +20,7 @@ SINGLE_HEADERS = ("Host", "Origin", "Upgrade", CAME_BY)  # two of these, and two
 PORTS = (("http", 80), ("https", 443))
 POLICY = ("default-src 'none'; script-src 'unsafe-inline' 'unsafe-eval' blob:; style-src 'unsafe-inline'; "
           "img-src data: blob:; font-src data:; worker-src blob: data:; "
-          "connect-src 'self' data: blob: ws://{host} wss://{host}; base-uri 'none'; form-action 'none'; object-src 'none'; "
+          "connect-src 'self' data: blob: ws://{host} wss://{host}; base-uri 'none'; form-action {forms}; object-src 'none'; "
           "frame-ancestors {frames}")
 
 
@@ -107,14 +107,16 @@ def asks_for_websocket(head: RequestHead) -> bool:
     return any("websocket" in value.lower() for value in head.get_all("Upgrade"))
 
 
-def content_policy(host: str, frames: Iterable[str] = ()) -> str:
-    """What a page that came under this Host may load and call: itself, whatever its address bar names; and which sites, `frames`,
-    may show it inside theirs.
+def content_policy(host: str, frames: Iterable[str] = (), forms: str = "'none'") -> str:
+    """What a page that came under this Host may load and call: itself, whatever its address bar names; which sites, `frames`,
+    may show it inside theirs; and where its `forms` may go.
+
+    A site is a name, which must come over TLS, or an origin such as http://localhost:8888.
 
     viser's page connects to any address that stands behind `?websocket=` in its own, and runs what comes from there.
     """
-    allowed = " ".join(f"https://{name}" for name in frames) or "'none'"
-    return POLICY.format(host=host, frames=allowed)
+    allowed = " ".join(site if "://" in site else f"https://{site}" for site in frames) or "'none'"
+    return POLICY.format(host=host, frames=allowed, forms=forms)
 
 
 def _split(authority: str) -> tuple[str, int | None]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from http import HTTPStatus
 from typing import Any
 
@@ -36,9 +36,10 @@ class Connection(ServerConnection):
     pieces.
     """
 
-    def __init__(self, addresses: AddressBook, protocol: Any, server: Any, **options: Any) -> None:
+    def __init__(self, addresses: AddressBook, protocol: Any, server: Any, forms: Collection[str] = (), **options: Any) -> None:
+        """A form may be posted to the paths of `forms`."""
         super().__init__(protocol, server, **options)
-        self.method = "GET"
+        self.method, self.form, self._forms = "GET", b"", forms
         self.dropped = False
         self._addresses, self._address, self._waits = addresses, "", False
         self._meter, self._head = ConnectionMeter(), bytearray()
@@ -111,7 +112,7 @@ class Connection(ServerConnection):
             return
         if self._reads_head:
             self._head += data
-            found = read_head(bytes(self._head), self._here())
+            found = read_head(bytes(self._head), self._here(), self._forms)
             if found is None:
                 return
             self._reads_head, self._head = False, bytearray()
@@ -119,7 +120,7 @@ class Connection(ServerConnection):
                 self._refuse(found)
                 return
             assert isinstance(found, RequestStart)
-            self.method, data = found.method, found.data
+            self.method, self.form, data = found.method, found.form, found.data
             self._come_from(sender(self._address, found.fields))  # before a frame that came with the head is counted
         super().data_received(data)
 

@@ -13,11 +13,11 @@ import logging
 import re
 import socket
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
 from functools import partial
 from http import HTTPStatus
-from typing import Any
+from typing import Any, Protocol
 
 from websockets.asyncio.server import serve
 from websockets.datastructures import Headers
@@ -82,12 +82,37 @@ def takes_gzip(request: Request) -> bool:
 
 
 @dataclass(frozen=True)
+class DoorRequest:
+    """A request at a door of its own: path and question, fields, and the form that came with it. `cookie` is the field Set-Cookie that
+    lets a browser in, "" where the server asks for no word."""
+
+    path: str
+    headers: Headers
+    form: bytes
+    cookie: str
+    frames: tuple[str, ...] = ()
+
+
+class Doors(Protocol):
+    """Paths beside the page, which decide themselves who may pass."""
+
+    @property
+    def paths(self) -> Collection[str]:
+        """Where they are; forms may be posted there."""
+        ...
+
+    def answer(self, request: DoorRequest) -> Response:
+        """The answer; called on a thread of its own, it may ask other machines."""
+        ...
+
+
+@dataclass(frozen=True)
 class AdmissionControl:
     """Who is let in, and what the others are told: through `gate`, knowing the word of `access` if one is needed.
 
     `refused` hears of each whom the gate turns away; `health` is what HEALTH answers; `full` is the page for whoever comes while
     there is no place, else empty; `stranger` is the page for who does not know the word; `headers` stand on every answer.
-    Whoever shows the word of `presenter` presents to a room.
+    Whoever shows the word of `presenter` presents to a room. `doors` are open to who does not know the word.
     """
 
     gate: AccessPolicy
@@ -98,6 +123,26 @@ class AdmissionControl:
     stranger: str
     headers: PageHeaders = field(default_factory=PageHeaders)
     presenter: AccessToken | None = None
+    doors: Doors | None = None
+
+    @property
+    def forms(self) -> frozenset[str]:
+        """The paths to which a form may be posted."""
+        return frozenset(() if self.doors is None else self.doors.paths)
+
+    async def answer_at_door(self, request: Request, form: bytes) -> Response:
+        """The answer to a request at one of the doors."""
+        head = request.headers
+        refusal = self.gate.refusal(head)
+        if refusal is not None:
+            self.refused(refusal)
+        if refusal is not None or self.doors is None:
+            answer = plain_answer(refusal or NO_PAGE)
+        else:
+            cookie = "" if self.access is None else self._cookie(self.access, head)
+            answer = await asyncio.to_thread(self.doors.answer, DoorRequest(request.path, head, form, cookie, self.headers.frames))
+        self.headers.complete(answer, next(iter(head.get_all("Host")), ""))
+        return answer
 
     def answer(self, request: Request, page: PackedPage, ready: bool) -> Response | None:
         """The answer to a request, None where it asks for a WebSocket and gets it."""
@@ -124,7 +169,7 @@ class AdmissionControl:
         if not ready:
             return _with(plain_answer(STARTING), "Retry-After", str(RETRY_AFTER_S))
         if path == HEALTH and not asks_for_websocket(head):
-            return _answer(200, json.dumps(self.health()), "application/json")
+            return text_answer(200, json.dumps(self.health()), "application/json")
         if path not in WHERE:
             return plain_answer(NO_PAGE)
         for word in (access, self.presenter):
@@ -136,9 +181,12 @@ class AdmissionControl:
 
     def _exchange(self, access: AccessToken, request: Request) -> Response:
         """Give the cookie for the word in the address, and send the browser to the address without it."""
-        answer = _with(_answer(303, "The word is in a cookie now.", "text/plain; charset=utf-8"), "Location",
+        answer = _with(text_answer(303, "The word is in a cookie now.", "text/plain; charset=utf-8"), "Location",
                        access.address_without(request.path))
-        return _with(answer, "Set-Cookie", access.cookie_in_frames() if self.headers.frames else access.cookie(request.headers))
+        return _with(answer, "Set-Cookie", self._cookie(access, request.headers))
+
+    def _cookie(self, access: AccessToken, head: Headers) -> str:
+        return access.cookie_in_frames() if self.headers.frames else access.cookie(head)
 
 
 def serve_guarded(listener: socket.socket, page: PackedPage, reception: AdmissionControl, ready: Callable[[], bool],
@@ -147,7 +195,7 @@ def serve_guarded(listener: socket.socket, page: PackedPage, reception: Admissio
 
     A page of another version than `protocol` names is told so by the code of the close.
     """
-    addresses = AddressBook()
+    addresses, forms = AddressBook(), reception.forms
 
     async def ask(connection: Connection, request: Request) -> Response | None:
         end = time.monotonic() + READY_TIMEOUT_S
@@ -156,7 +204,12 @@ def serve_guarded(listener: socket.socket, page: PackedPage, reception: Admissio
         if connection.protocol.eof_sent:  # whoever asked has left meanwhile, and the library takes an answer to nobody for a fault
             raise asyncio.CancelledError
         held_back = asks_for_websocket(request.headers) and addresses.must_wait(connection.address)
-        answer = reception.hold_back() if connection.dropped or held_back else reception.answer(request, page, ready())
+        if connection.dropped or held_back:
+            answer: Response | None = reception.hold_back()
+        elif request.path.partition("?")[0] in forms and not asks_for_websocket(request.headers):
+            answer = await reception.answer_at_door(request, connection.form)
+        else:
+            answer = reception.answer(request, page, ready())
         if answer is not None:
             answer.headers["Connection"] = "close"
             answer.body = b"" if connection.method == "HEAD" else answer.body
@@ -171,7 +224,7 @@ def serve_guarded(listener: socket.socket, page: PackedPage, reception: Admissio
             connection.wait_for_tab()
             await handler(connection)
 
-        options |= {"max_size": MAX_MESSAGE_BYTES, "create_connection": partial(Connection, addresses), "process_request": ask,
+        options |= {"max_size": MAX_MESSAGE_BYTES, "create_connection": partial(Connection, addresses, forms=forms), "process_request": ask,
                     "logger": log, "server_header": None}
         return serve(enter, sock=listener, **options)
     return server
@@ -179,7 +232,7 @@ def serve_guarded(listener: socket.socket, page: PackedPage, reception: Admissio
 
 def plain_answer(refusal: Refusal) -> Response:
     """A refusal as an answer in plain text."""
-    return _answer(refusal.status, refusal.words, "text/plain; charset=utf-8")
+    return text_answer(refusal.status, refusal.words, "text/plain; charset=utf-8")
 
 
 def _with(answer: Response, name: str, value: str) -> Response:
@@ -188,10 +241,11 @@ def _with(answer: Response, name: str, value: str) -> Response:
 
 
 def _html(status: int, words: str) -> Response:
-    return _answer(status, words, "text/html; charset=utf-8")
+    return text_answer(status, words, "text/html; charset=utf-8")
 
 
-def _answer(status: int, words: str, kind: str) -> Response:
+def text_answer(status: int, words: str, kind: str) -> Response:
+    """An answer of that kind of text, which nobody keeps."""
     body = f"{words}\n".encode()
     headers = Headers({"Content-Type": kind, "Cache-Control": "no-store", "Content-Length": str(len(body))})
     return Response(status, HTTPStatus(status).phrase, headers, body)

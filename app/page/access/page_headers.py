@@ -22,5 +22,5 @@ class PageHeaders:
         headers["Referrer-Policy"] = "no-referrer"
         if not self.frames:
             headers["X-Frame-Options"] = "DENY"
-        if headers.get("Content-Type", "").startswith("text/html"):
+        if headers.get("Content-Type", "").startswith("text/html") and "Content-Security-Policy" not in headers:
             headers["Content-Security-Policy"] = content_policy(host, self.frames)

@@ -34,10 +34,11 @@ class ExamPanel:
         if not self._lesson.exams:
             return
         with gui.add_folder(phrases.EXAM(self._lang), expand_by_default=False):
-            key = gui.add_text(phrases.KEY(self._lang), picture.state.key, hint=phrases.KEY_HINT(self._lang))
-            course = picture.state.course
+            course, learner = picture.state.course, picture.state.learner
+            key = gui.add_text(phrases.KEY(self._lang), picture.state.key, hint=phrases.KEY_HINT(self._lang), visible=learner is None)
             if course is not None:
-                told = phrases.COURSE_NOTE.format(title=course.course.title)(self._lang)
+                note = phrases.COURSE_NOTE if learner is None else phrases.LEARNER_NOTE
+                told = note.format(title=course.course.title)(self._lang)
                 gui.add_html(f'<p class="ol-note">{html.escape(told)}</p>')
             elif picture.state.sealed:
                 gui.add_html(f'<p class="ol-note">{phrases.NOTES_ALONE(self._lang)}</p>')

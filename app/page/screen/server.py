@@ -18,6 +18,7 @@ import viser
 from PIL import Image
 
 from ...classroom.room import VoteDesk
+from ...course.handin.learner import Learner
 from ...course.handin.served_course import ServedCourse
 from ...course.lectures import Lecture
 from ...course.lesson import Lesson
@@ -25,10 +26,10 @@ from ...course.scenes import Mode
 from ...session.commands.commands import Refuse
 from ...session.commands.files import LessonsChanged
 from ...session.session import WATCHDOG, Session
-from ..access.access_policy import AccessPolicy, Refusal
+from ..access.access_policy import AccessPolicy, Refusal, RequestHead
 from ..access.addresses import is_public, listen, url
 from ..access.connection import Connection
-from ..access.handshake import RETRY_AFTER_S, AdmissionControl
+from ..access.handshake import RETRY_AFTER_S, AdmissionControl, Doors
 from ..access.memory_arena import share_one_arena
 from ..access.page_headers import PageHeaders
 from ..access.shared_counters import SharedCounters, WorkerSlot
@@ -85,6 +86,18 @@ class Room(VoteDesk, Protocol):
         ...
 
 
+class LaunchDoors(Doors, Protocol):
+    """The doors for learning platforms, which know whom they sent."""
+
+    def asked(self, path: str) -> bool:
+        """Whether a tab says that it was launched."""
+        ...
+
+    def learner(self, path: str, head: RequestHead) -> Learner | None:
+        """Whom a tab belongs to."""
+        ...
+
+
 class LabServer:
     """Observer Lab on a port: every tab that connects gets a session, every tab that leaves takes it away."""
 
@@ -93,7 +106,7 @@ class LabServer:
                  names: Iterable[str] = (), state: str = "", insists: bool = False, sealed: bool = False, access: AccessToken | None = None,
                  frames: Iterable[str] = (), listener: socket.socket | None = None, seat: WorkerSlot | None = None,
                  mode: Mode = "lab", talk: Lecture | None = None, course: ServedCourse | None = None,
-                 room: Room | None = None, presenter: AccessToken | None = None) -> None:
+                 room: Room | None = None, presenter: AccessToken | None = None, doors: LaunchDoors | None = None) -> None:
         """`state` is what a tab opens with that brings none, as a token or the words of a file. A new tab goes on where the last one
         of its browser was, unless the server `insists` on its lesson or has a state. `sealed` offers no practice of exams.
         `frames` are the sites that may show the page inside theirs.
@@ -107,6 +120,8 @@ class LabServer:
 
         In a `room` a tab follows unless it knows the word of `presenter` or asks to work on its own.
 
+        `doors` let learning platforms open lessons.
+
         Raises OSError where it cannot listen, ValueError at a name that is none.
         """
         sys.setswitchinterval(SWITCH_INTERVAL_S)
@@ -118,9 +133,9 @@ class LabServer:
         self._sessions: dict[int, Session] = {}
         self._screens: dict[int, Screen] = {}
         self._seat = seat or WorkerSlot(SharedCounters(), 0, max_sessions)
-        self._host, self._room, self._presenter = host, room, presenter
+        self._host, self._room, self._presenter, self._doors = host, room, presenter, doors
         reception = AdmissionControl(AccessPolicy.of(host, is_public(host), names), access, self._write_down, self.health, self._full,
-                                     token_required_page(language), PageHeaders(tuple(frames)), presenter)
+                                     token_required_page(language), PageHeaders(tuple(frames)), presenter, doors)
         self._server = viser_internals.open_server(listener or listen(host, port), reception, language)
         if room is not None:
             room.start(self._server.get_event_loop())
@@ -171,7 +186,7 @@ class LabServer:
         viser_internals.may_leave(client)
         connection, room, number = viser_internals.open_tab(self._server, client.client_id), self._room, client.client_id
         if room is None or connection is None:
-            self._work(client, Screen(client))
+            self._begin_launched(client, connection)
             return
         role = self._role(connection)
         if role == FOLLOW:
@@ -184,6 +199,17 @@ class LabServer:
         else:
             room.work_alone(number, self._work(client, room.own_screen(client)))
 
+    def _begin_launched(self, client: viser.ClientHandle, connection: Connection | None) -> None:
+        """Begin a session for whom a learning platform has sent, or for anybody."""
+        request = None if connection is None else connection.request
+        if self._doors is None or request is None or not self._doors.asked(request.path):
+            self._work(client, Screen(client))
+            return
+        learner = self._doors.learner(request.path, request.headers)
+        session = self._work(client, Screen(client), learner=learner)
+        if learner is None:
+            session.post(Refuse(phrases.LAUNCH_OVER))
+
     def _role(self, connection: Connection) -> str:
         """What a tab of a room is for, by its address and the word that it shows."""
         request = connection.request
@@ -195,11 +221,12 @@ class LabServer:
         knows = self._presenter is not None and self._presenter.knows_token(request.headers, "")
         return "present" if knows and FOLLOW not in asked else FOLLOW
 
-    def _work(self, client: viser.ClientHandle, screen: Screen, state: str = "", desk: VoteDesk | None = None) -> Session:
+    def _work(self, client: viser.ClientHandle, screen: Screen, state: str = "", desk: VoteDesk | None = None,
+              learner: Learner | None = None) -> Session:
         """Begin a session on a screen."""
         session = Session(self._lessons, screen, self._lesson, self._language, plant=self._plant, state=state or self._state,
                           insists=self._insists, sealed=self._sealed, mode=self._mode, talk=self._talk, course=self._course,
-                          desk=desk)
+                          desk=desk, learner=learner)
         screen.attach(session.post)
         viser_internals.accept_values_only(client, lambda: session.post(Refuse(phrases.NONSENSE)))
         viser_internals.accept_small_files_only(client, MOST_BYTES, lambda: session.post(Refuse(phrases.TOO_LARGE)))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ...course.handin.course_file import Kind
+from ...course.handin.learner import Report
 
 
 @dataclass(frozen=True)
@@ -52,6 +53,13 @@ class SaveHandIn:
     item: str
 
 
+@dataclass(frozen=True)
+class HandInReported:
+    """A hand-in has gone to the learning platform, or it is known why not."""
+
+    report: Report
+
+
 Answering = AnswerExam | AnotherVariant | SetKey | WithholdResults
-HandingIn = HandIn | SaveHandIn
+HandingIn = HandIn | SaveHandIn | HandInReported
 Examining = Answering | HandingIn

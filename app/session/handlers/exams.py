@@ -20,6 +20,7 @@ from ..state.view import MOST_ANSWERS, MOST_VARIANTS, ExamAnswer, ExamState, Sta
 from .presenter import Presenter
 
 SEALED = text("This server notes answers to exams and tells nothing of them; practise on one that was started without --exam.")
+PLATFORM_DECIDES = text("Your learning platform gives your key.")
 COURSE_DECIDES = text("The course file says which exams are for practice.")
 
 
@@ -31,6 +32,8 @@ def obey(show: Presenter, command: Answering) -> None:
         case AnotherVariant(exam):
             _turn(show, find_exam(show, exam))
         case SetKey(key):
+            if show.state.learner is not None:
+                raise KnobError(PLATFORM_DECIDES)
             show.change(replace(show.state, key=key.strip()[:MAX_TYPED_CHARACTERS] if isinstance(key, str) else ""))
         case WithholdResults(on):
             if show.state.sealed and on is not True:

@@ -10,7 +10,8 @@ from ...course.handin.hand_in import SOLVED, written_key
 from ...course.handin.served_course import ServedCourse
 from ...course.knobs import KnobError
 from ...text import text
-from ..commands.exams import HandIn, HandingIn, SaveHandIn
+from ..commands.exams import HandIn, HandingIn, HandInReported, SaveHandIn
+from ..runtime.background_jobs import BackgroundJobs
 from .exams import find_exam, note_answer
 from .presenter import Presenter
 from .tasks import check_task
@@ -20,25 +21,29 @@ NEEDS_KEY = text("Type your key first: letters, digits, dots and dashes, as your
 OWN_PLANT = text("Hand in with the lesson's own plant; choose it above.")
 NOT_SOLVED = text("Solve the task first; then hand it in.")
 NOTHING_SIGNED = text("There is no hand-in of this yet.")
+SENDING = text("Signed. Your points are on their way to the learning platform.")
+TOO_MANY_WAIT = text("Signed, but the learning platform is slow. Hand in again in a minute.")
 SIGNED = text("Signed. Copy or save the hand-in, and give it to your lecturer.")
 SIGNED_LATE = text("Signed after the deadline. Your lecturer sees that this hand-in is late.")
 
 
-def obey(show: Presenter, command: HandingIn) -> None:
+def obey(show: Presenter, jobs: BackgroundJobs, command: HandingIn) -> None:
     """Do what a command about hand-ins asks. Raises KnobError and what a lesson raises."""
     match command:
         case HandIn(kind, item, said):
-            _sign(show, kind, item, said)
+            _sign(show, jobs, kind, item, said)
         case SaveHandIn(item):
             token = show.state.hand_ins.get(item)
             if token is None:
                 raise KnobError(NOTHING_SIGNED)
             show.view.download(f"{item.replace(' ', '-')}.hand-in.txt", f"{token}\n".encode())
+        case HandInReported(report):
+            show.view.say(report.words, report.bad)
         case _:
             assert_never(command)
 
 
-def _sign(show: Presenter, kind: Kind, id: str, said: object) -> None:
+def _sign(show: Presenter, jobs: BackgroundJobs, kind: Kind, id: str, said: object) -> None:
     course, item = _asked(show, kind, id)
     student = written_key(show.state.key)
     if not student:
@@ -46,6 +51,10 @@ def _sign(show: Presenter, kind: Kind, id: str, said: object) -> None:
     answer = note_answer(show, find_exam(show, id), said) if kind == "exam" else _solved(show, id, said)
     token = course.hand_in(item, student, answer)
     show.change(replace(show.state, hand_ins={**show.state.hand_ins, item.name: token}))
+    if show.state.learner is not None and (report := show.state.learner.report) is not None:
+        sent = jobs.send(lambda: HandInReported(report(token)))
+        show.view.say(SENDING if sent else TOO_MANY_WAIT, not sent)
+        return
     late = course.late(item)
     show.view.say(SIGNED_LATE if late else SIGNED, late)
 

@@ -81,7 +81,7 @@ def _go_on(show: Presenter, memory: TabMemory) -> None:
     show.desks.take_back(memory.desks)
     show.lesson = show.lessons[memory.lesson]
     show.state = replace(show.state, language=memory.language, lecture=memory.lecture, dark=memory.dark,
-                         plant=memory.plant or show.state.plant, key=memory.key, fresh=memory.fresh or show.state.fresh,
+                         plant=memory.plant or show.state.plant, key=_key(show, memory), fresh=memory.fresh or show.state.fresh,
                          withheld=memory.withheld or show.state.withheld, mode=memory.mode or show.state.mode,
                          talk=memory.talk, stop=memory.stop, hand_ins=_signed(show, memory))
     if show.shown is not None:
@@ -96,15 +96,23 @@ def _begin_from(show: Presenter, earlier: TabMemory) -> None:
         _go_on(show, memory)
         return
     show.desks.take_back(memory.desks)
-    show.state = replace(state, dark=memory.dark, plant=state.plant or memory.plant, key=memory.key, hand_ins=_signed(show, memory))
+    show.state = replace(state, dark=memory.dark, plant=state.plant or memory.plant, key=_key(show, memory), hand_ins=_signed(show, memory))
     if show.shown is not None:
         show.open()
 
 
+def _key(show: Presenter, memory: TabMemory) -> str:
+    """The student's key: a learning platform's word comes before the browser's."""
+    return memory.key if show.state.learner is None else show.state.learner.key
+
+
 def _signed(show: Presenter, memory: TabMemory) -> dict[str, str]:
-    """The hand-ins that this server's course has signed."""
-    course = show.state.course
-    return {} if course is None else {name: token for name, token in memory.hand_ins.items() if course.handed(name, token)}
+    """The hand-ins that this server's course has signed; those of other students are not shown to whom a platform has sent."""
+    course, learner = show.state.course, show.state.learner
+    if course is None:
+        return {}
+    held = {name: course.handed(name, token) for name, token in memory.hand_ins.items()}
+    return {name: memory.hand_ins[name] for name, hand_in in held.items() if hand_in and (not learner or hand_in.student == learner.key)}
 
 
 def _put_beside(show: Presenter, memory: TabMemory) -> None:

@@ -77,7 +77,8 @@ def write_lesson_state(lesson: Lesson, history: History, state: State) -> str:
 def write_memory(lesson: str, state: State, desks: Iterable[tuple[str, str]]) -> str:
     """The tab as JSON: the lesson that is open and, latest first, as many written desks as there is room for."""
     head = {"version": VERSION, "lesson": lesson, "language": state.language, "lecture": state.lecture,
-            "dark": state.dark, "key": state.key, "fresh": state.fresh, "withheld": state.withheld, "mode": state.mode}
+            "dark": state.dark, "key": "" if state.learner else state.key, "fresh": state.fresh,
+            "withheld": state.withheld, "mode": state.mode}
     if state.talk is not None:
         head["talk"] = [write_lecture(state.talk), state.stop]
     if state.hand_ins:

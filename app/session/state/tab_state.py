@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from ...classroom.room import RoomView
+from ...course.handin.learner import Learner
 from ...course.handin.served_course import ServedCourse
 from ...course.lectures import Lecture, Stop
 from ...course.pinned_designs import Pin
@@ -45,6 +46,7 @@ class State:
     withheld: bool = False  # whether answers to exams are noted and nothing is told of them
     sealed: bool = False  # whether the server has settled that, so that no tab can practise
     course: ServedCourse | None = field(default=None, repr=False)  # the course that the server offers; it never leaves the server
+    learner: Learner | None = field(default=None, repr=False)  # whom a learning platform has sent
     hand_ins: Mapping[str, str] = field(default_factory=dict)  # the last token of each item, by the item's name
     landscape: bool = False
     plant: str = ""  # the plant that the person brought last, shown now or not

@@ -20,9 +20,10 @@
     for (const name of ['token', 'present', 'again', 'websocket']) asked.delete(name);
     return location.pathname + (asked.size ? '?' + asked : '');
   };
-  const role = ['own', 'follow'].find(name => new URLSearchParams(location.search).has(name));  // in a lecture room
+  const asked = new URLSearchParams(location.search), role = ['own', 'follow'].find(name => asked.has(name));  // in a lecture room
+  const launch = asked.get('lti');  // of a learning platform
   // viser's page leaves the last / out, at which proxies turn away
-  viser.server = location.origin.replace(/^http/, 'ws') + folder + (role ? `?${role}=1` : '');
+  viser.server = location.origin.replace(/^http/, 'ws') + folder + (role ? `?${role}=1` : launch ? '?lti=' + encodeURIComponent(launch) : '');
   lab.token = () => (lab.carried || location.hash).slice(1);
   lab.say = what => viser.tell(lab.widget, JSON.stringify(what));
   lab.show = (token, lesson, asked) => {

@@ -1,4 +1,6 @@
 // Asks once more, now from a page of this server: a browser keeps a strict cookie back from links on other sites' pages.
 () => {
-  if (!new URLSearchParams(location.search).has('again')) location.replace(location.pathname + '?again' + location.hash);
+  const asked = new URLSearchParams(location.search), again = asked.has('again');
+  asked.set('again', '');
+  if (!again) location.replace(`${location.pathname}?${asked}${location.hash}`);
 }
