@@ -101,6 +101,28 @@ def test_every_form_finds_its_own_entry(glossary) -> None:
     assert wrong == []
 
 
+@pytest.mark.parametrize(("said", "term"), [
+    ("线圈的出力随气隙增大而减弱", "backlash"), ("抵消、限幅都有代价", "cost function"), ("测量曲线上毫无迹象", "unscented kalman filter"),
+    ("输入被截断的时间占 5 %", "balanced truncation"), ("过程噪声的设定值", "reference input"), ("连续与采样", "sampling period"),
+    ("分离原理何时失效", "fault"), ("摆杆倾斜 6°", "pitch")])
+def test_a_word_in_another_sense_is_not_marked(said: str, term: str) -> None:
+    """In Chinese a short form is easily a piece of another word; the English of these has not the term."""
+    assert EN.entry(term) is not None and term not in {found.entry.id for found in ZH.find(said)}
+
+
+@pytest.mark.slow
+def test_chinese_marks_hardly_a_term_that_the_english_lesson_has_not() -> None:
+    """Where a Chinese form fires in lessons whose English never has the term, the form is too short: 间隙 was both gap and backlash."""
+    stray: dict[str, set[str]] = {}
+    for lesson in LESSONS.values():
+        used = {each.id for each in EN.used(words for _, words in prose_parts(lesson.words["en"]))}
+        for each in ZH.used(words for _, words in prose_parts(lesson.words["zh"])):
+            if each.id not in used:
+                stray.setdefault(each.id, set()).add(lesson.id)
+    assert {term: where for term, where in stray.items() if len(where) > 6} == {}
+    assert "backlash" not in stray
+
+
 def test_a_broken_file_is_refused_with_what_is_wrong() -> None:
     for text, said_of_it in (("# G\n\n## pole\n\nA root.\n", "no formula for pole"), ("# G\n\n## pole\n\n$s$\n", "no explanation for pole"),
                              ("# G\n\n## a\n- b\n\nx\n\n$s$\n\n## b\n\ny\n\n$s$\n", "the form b twice")):

@@ -16,6 +16,7 @@ WRITTEN_OUT_POWERS = range(-3, 5)  # powers of ten that are written out
 BESIDE = range(-3, 4)  # and those where another number of the sentence is written as a power of ten
 SENTENCE_DIGITS = 4  # digits of a number in a sentence whose format asks for as many as it has: 60.97 of 60.9685
 LARGE_NUMBER, INFINITE = 1e6, float("inf")  # from here on decimals would only be noise: −4.37·10¹⁰ instead of −43718053745.3
+NEGATIVE_ZERO = re.compile(r"-(?=0(?:\.0*)?(?:e[+-]00)?%?$)")  # −0.04 rounded to one decimal is 0.0
 POWERS = re.compile("10[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]")
 
 
@@ -39,7 +40,8 @@ def format_number(value: object, spec: str = "", language: str = "en", *, beside
         spec = ".3g"
     if spec == "g" and isinstance(value, (int, float)) and "." in f"{value:g}":
         spec = f".{SENTENCE_DIGITS}g"
-    words = EXPONENT_NUMBER.sub(lambda found: _power(found, plain), format(value, spec)).replace("-", "−").replace("inf", "∞")
+    written = NEGATIVE_ZERO.sub("", format(value, spec))
+    words = EXPONENT_NUMBER.sub(lambda found: _power(found, plain), written).replace("-", "−").replace("inf", "∞")
     sign = decimal_sign(language)
     if sign == "." or "." not in words:
         return words

@@ -12,7 +12,7 @@ from observer_lab.course.figures.claims import claim
 from observer_lab.course.figures.records import Curve, Figure, LineFigure, PlaneFigure, Point, TableFigure
 from observer_lab.course.lesson import Outcome
 from observer_lab.plants.arm import ANGLE_INDEX, CURRENT_INDEX, LOAD_INDEX, MODEL, MOTOR_DATA, SPEED_INDEX
-from observer_lab.text import NO_WORDS, Text, joined, text
+from observer_lab.text import NO_WORDS, Text, format_number, joined, text
 
 from ..toolkit.figures import ERROR_TAB, TIME_TAB, error_figure, input_figure, within
 from .knobs import EXACT_ENCODER, JOINT
@@ -199,7 +199,7 @@ def _rest(outcome: Outcome[Study]) -> TableFigure:
     x, xhat = (np.mean(last(values), axis=0) for values in (run.x, run.xhat))
 
     def row(name: Text, places: tuple[float, float], unit: str, scale: float = 1.0) -> tuple[Text | str, ...]:
-        return (name, *(f"{scale * v:.4g} {unit}".replace("-", "−") for v in places))
+        return (name, *("—" if np.isnan(v) else f"{format_number(scale * v, '.4g')} {unit}" for v in places))
     promised = [(np.nan,) * 4] * 2 if rest is None else rest
     rows = (
         row(text("angle, true"), (promised[0][ANGLE_INDEX], x[ANGLE_INDEX]), "°", degrees(1.0)),

@@ -12,6 +12,7 @@ from observer_lab.engine import chi2_band, psd
 from observer_lab.text import Text, same, text, text_in
 
 from ..toolkit.figures import TIME_TAB
+from ..toolkit.shares import apart
 from .filters import COMPARED_STEPS, UNTESTED_SAMPLES
 from .knobs import CARRIED, DT
 from .noise_identification import FIT_TAB, fit_figure
@@ -142,7 +143,8 @@ def _distance(outcome: Outcome[Study]) -> LineFigure:
                       (Curve(text("relative distance"), np.maximum(away, 1e-12), "error"),), "‖M − M∞‖ / ‖M∞‖",
                       log_y=True, window=(1e-10, 1.0), tab=GAIN_TAB,
                       caption=claim(text("Within 1 % after {after:.2f} s. No reading has any part in this.", after=after), left, below=1.0,
-                                    otherwise=text("At the end still {left:.2g} % away. No reading has any part in this.", left=left)))
+                                    otherwise=text("At the end it still differs by {left}. No reading has any part in this.",
+                                                   left=apart(left / 100))))
 
 
 def _forms(outcome: Outcome[Study]) -> LineFigure:

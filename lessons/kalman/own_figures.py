@@ -13,6 +13,7 @@ from observer_lab.plants.signal_names import signal_name, with_unit
 from observer_lab.text import Text, format_number, same, symbol, text, text_in
 
 from ..toolkit.figures import TIME_TAB
+from ..toolkit.shares import apart
 from .figures import GAIN_TAB, INNOVATION_TAB, STEP_TAB, TEST_TAB
 from .knobs import UPDATE
 from .own_study import UNTESTED_SAMPLES, Study
@@ -88,7 +89,7 @@ def _distance(outcome: Outcome[Study]) -> LineFigure:
                       "‖M − M∞‖ / ‖M∞‖", log_y=True,
                       window=(1e-10, 1.0), tab=GAIN_TAB,
                       caption=text("Within 1 % after {after} s. No reading has any part in this.", after=after) if left <= 1 else
-                      text("At the end still {left:.2g} % away. No reading has any part in this.", left=left))
+                      text("At the end it still differs by {left}. No reading has any part in this.", left=apart(left / 100)))
 
 
 def _innovation(model: Model, outcome: Outcome[Study]) -> LineFigure:

@@ -25,11 +25,9 @@ def report_figure(outcome: Outcome[Study]) -> TableFigure:
         SHORT_FORM_LINE: lambda: text("exact for the optimal gain only, against (59)'s advice; off by up to {short_gap:.1e} here, "
                     "Joseph {joseph_gap:.1e}",
                     short_gap=float(study.forms.short.max()), joseph_gap=float(study.forms.joseph.max())),
-        NEAR_R: lambda: text("slip: it is S; S/R = {s_over_r:.2f}, seen {seen_over_r:.2f}; with σ_v = 1e-9 at 1 kHz, 8 "
-                     "million",
+        NEAR_R: lambda: text("slip: it is S; S/R = {s_over_r:.2f}, seen {seen_over_r:.2f}; with σ_v = 10⁻⁹ at 1 kHz, 8 million",
                      s_over_r=study.over_R[0], seen_over_r=study.over_R[1]),
-        MEANS: lambda: text("slip: {sigmas:.0f} σ of the mean (σ_v = 1e-9, 20 000 samples); HL and HR of one sign, though "
-                    "HR = −HL",
+        MEANS: lambda: text("slip: {sigmas:.0f} σ of the mean (σ_v = 10⁻⁹, 20 000 samples); HL and HR of one sign, though HR = −HL",
                     sigmas=sigmas),
     }
     printed = {

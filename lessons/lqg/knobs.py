@@ -18,7 +18,7 @@ RULES = (
     (SENSOR_RULE, text("β_R ↑: sensor noise is suppressed less")),
     (PROCESS_RULE, text("β_Q ↑: the filter is faster and follows disturbances more")),
     (CAUTION_RULE, text("LQG has no robustness of its own")),
-    (UNITS_RULE, text("σ_v = 1e-9 gives V = 1e-9")),
+    (UNITS_RULE, text("σ_v = 10⁻⁹ gives V = 10⁻⁹")),
 )
 When = tuple[str, tuple[str, ...]] | None
 

@@ -29,7 +29,7 @@ def rules_figure(outcome: Outcome[Study]) -> TableFigure:
                               "sensor noise ×{process_input:.3g}",
                               process_more=m["process_more"], process_input=m["process_input"]),
         CAUTION_RULE: lambda: text("holds: nothing is promised; here min |1 + ℓ| = {nearest:.3g}", nearest=study.real.margins.nearest),
-        UNITS_RULE: lambda: text("slip: R_v = σ_v² I gives 1e-18; the figures use 1e-9 and 1e-6"),
+        UNITS_RULE: lambda: text("slip: R_v = σ_v² I gives 10⁻¹⁸; the figures use 10⁻⁹ and 10⁻⁶"),
     }
     rows = tuple((label, evidence[key]() if key == chosen else same("—")) for key, label in RULES if key != NONE)
     said = (text("Choose a line with the last knob.") if chosen == NONE else

@@ -22,6 +22,7 @@ from observer_lab.plants.signal_names import signal_name
 from observer_lab.text import NO_WORDS, Text, joined, same, text, text_in
 
 from ..toolkit.latex import tiny
+from ..toolkit.shares import apart
 from .analyses import Margins, Noise, Refusal, Trial
 from .study import largest
 
@@ -167,7 +168,7 @@ def gain_figure(found: Trial | Refusal) -> LineFigure:
     return LineFigure("gain", title, found.t, (Curve(text("relative distance"), np.maximum(found.distance, 1e-12), "error"),),
                       "‖M − M∞‖ / ‖M∞‖", log_y=True, window=(1e-8, 1.0), tab=NOISE_TAB,
                       caption=text("Within 1 % after {after} s; no reading has any part in this.", after=after) if left <= 1 else
-                      text("At the end still {left:.2g} % away. No reading has any part in this.", left=left))
+                      text("At the end it still differs by {left}. No reading has any part in this.", left=apart(left / 100)))
 
 
 # --- robustness --------------------------------------------------------------------------------------------------------

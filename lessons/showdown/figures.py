@@ -10,7 +10,7 @@ from observer_lab.course.figures.records import LOG_AXIS_FLOOR, Curve, Dash, Lin
 from observer_lab.course.lazy import FigureSet, tab_figures
 from observer_lab.course.lesson import Outcome
 from observer_lab.engine.sampled import ResponseMeasures
-from observer_lab.text import Text, joined, listed, same, text, text_in
+from observer_lab.text import Text, format_number, joined, listed, same, text, text_in
 
 from .controllers import CONTROLLER_NAMES, ORDER, SHORT_NAMES, gain_gap
 from .effort_tables import EFFORT_TAB, equal
@@ -93,7 +93,7 @@ def _channel(outcome: Outcome[Study], j: int) -> LineFigure:
     m = outcome.study
     key, name, _ = CHANNEL_LABELS[j]
     curves = [*_curves(outcome, j), _noise(m, 0.5), *_measured(outcome, j, 1e12)]
-    said = _each(m, [f"{db:.1f}" for db in m.band_db[:, j]])
+    said = _each(m, [format_number(db, ".1f") for db in m.band_db[:, j]])
     return over_frequency(f"channel_{key}", text("velocity: {name}", name=name), m.f, tuple(curves), "[(µm/s)²/Hz]",
                           text("Suppression over 0.5–3 Hz in dB: {said}.", said=said), CHANNEL_TAB,
                           _window(curves))
@@ -122,7 +122,7 @@ def _input(outcome: Outcome[Study], j: int) -> LineFigure:
     m = outcome.study
     name = (text("left vertical coil u1"), same(""), text("horizontal coil u3"))[j]
     curves = [*_curves(outcome, 5 + j, 1e6, True), *_measured(outcome, 5 + j, 1e6)]
-    said = _each(m, [f"{1e3 * v:.3g}" for v in m.forces[:, j]])
+    said = _each(m, [format_number(1e3 * v, ".3g") for v in m.forces[:, j]])
     return over_frequency(f"input_{j}", text("command: {name}", name=name), m.f, tuple(curves), "[mN²/Hz]",
                           text("RMS in mN: {said}.", said=said), INPUT_TAB, _window(curves))
 

@@ -34,7 +34,7 @@ def _words(values: list[float]) -> str:
 def _twenty(outcome: Outcome[Study]) -> Verdict:
     d, m, got = outcome.design, outcome.metrics, _band(outcome, "lqe")
     if d["sensor"] < BEST_SENSOR * (1 - 1e-9) or d["ground"] != "white":
-        return Verdict(False, text("V₀ = {sensor:.1e}: no better sensors than 1e-11 are for sale, and the ground "
+        return Verdict(False, text("V₀ = {sensor:.1e}: no better sensors than 10⁻¹¹ are for sale, and the ground "
                                    "is white.",
                                    sensor=d["sensor"]))
     if any(d[error] for error in MODEL_ERRORS):
@@ -98,7 +98,7 @@ def _noise(outcome: Outcome[Study]) -> float:
 def _coarse(outcome: Outcome[Study]) -> Verdict:
     d, rms = outcome.design, outcome.metrics["lqe_vertical_rms"]
     if d["adc"] != COARSE or abs(d["sensor"] / TRUE_SENSOR - 1) > 1e-6:
-        return Verdict(False, text("Let the converter read in steps of {step:g} µm/s, and leave the sensors at V₀ = 1e-10.", step=COARSE))
+        return Verdict(False, text("Let the converter read in steps of {step:g} µm/s, and leave the sensors at V₀ = 10⁻¹⁰.", step=COARSE))
     off = d["v"] / _noise(outcome) - 1
     if off < -INTENSITY_RTOL:
         return Verdict(False, text("The filters believe V = {v:.3g}: too little, the vertical RMS velocity is {rms:.2f} µm/s.",
@@ -112,7 +112,7 @@ def _coarse(outcome: Outcome[Study]) -> Verdict:
 def _yardsticks(outcome: Outcome[Study]) -> Verdict:
     d, m = outcome.design, outcome.metrics
     if d["sensor"] < TRUE_SENSOR * (1 - 1e-9) or d["ground"] != "white":
-        return Verdict(False, text("Keep the sensors at V₀ = 1e-10 or noisier and the ground white."))
+        return Verdict(False, text("Keep the sensors at V₀ = 10⁻¹⁰ or noisier and the ground white."))
     if any(d[error] for error in MODEL_ERRORS):
         return Verdict(False, text("The plant must be what its designer believes: leave the errors of stiffness, damping "
                                    "and placement at 0."))

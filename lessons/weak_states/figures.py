@@ -10,6 +10,7 @@ from observer_lab.course.lazy import FigureSet, tab_figures
 from observer_lab.course.lesson import Design, Outcome
 from observer_lab.text import format_number, joined, same, subscript, text, text_in
 
+from ..toolkit.shares import apart, more
 from .balanced_platform import STATE_COUNT, closed_forms, relative, sigmas
 from .body import share
 from .reduced_regulator import PAIRS
@@ -182,8 +183,7 @@ def _spectrum(outcome: Outcome[Study]) -> LineFigure:
     if c.small.densities is not None and order < STATE_COUNT:
         curves.append(Curve(text("LQG on {order}", order=order), 1e12 * c.small.densities[:, 0], "estimate", "dash"))
     said = (NOTHING_CUT if order == STATE_COUNT else
-            text("The two loops differ by {gap} % at most, in any output and at any frequency.",
-                 gap=show(100 * c.gap, 2)) if c.gap is not None else
+            text("The two loops differ by {gap} at most, in any output and at any frequency.", gap=apart(c.gap)) if c.gap is not None else
             text("The loop with {order} states is unstable on the platform: rightmost pole {rightmost}.",
                  order=order, rightmost=show(c.small.rightmost, 2)))
     return over_frequency("spectrum", text("velocity VL under ground noise"), f,
@@ -207,8 +207,8 @@ def _gains(outcome: Outcome[Study]) -> PlaneFigure:
         "gains", text("gains on the k-th pair of balanced states"), tuple(curves), (), "k",
         "‖·‖", (0.4, PAIRS + 0.6), (lowest, 10.0), tab=LQG_TAB, powers="y",
         caption=NOTHING_CUT if order == STATE_COUNT else
-        text("On 10 states ‖K‖ is {growth} % larger than on {order}; the last pair's share of it is {k}.",
-             growth=show(100 * c.growth, 2), order=order, k=show(float(c.full.K[-1] / np.linalg.norm(c.full.K)), 2)))
+        text("On 10 states ‖K‖ is {growth} than on {order}; the last pair's share of it is {k}.",
+             growth=more(c.growth), order=order, k=show(float(c.full.K[-1] / np.linalg.norm(c.full.K)), 2)))
 
 
 def _costs(outcome: Outcome[Study]) -> TableFigure:
@@ -223,7 +223,7 @@ def _costs(outcome: Outcome[Study]) -> TableFigure:
     said = (NOTHING_CUT if order == STATE_COUNT else
             text("An unstable loop has no average cost.") if c.extra is None else
             claim(text("Leaving the states out costs nothing that one could measure."), c.extra, below=1e-7,
-                  otherwise=text("Leaving states out costs {extra} % more.", extra=show(100 * c.extra, 2))))
+                  otherwise=text("With states left out the cost is {extra}.", extra=more(c.extra))))
     return TableFigure("costs", text("two designs on ten states"),
                        (text("design on"), text("10 states"), text("{order} states",
                                                                                                    order=order)),

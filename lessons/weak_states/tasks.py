@@ -53,8 +53,7 @@ def _clock(outcome: Outcome[Study]) -> Verdict:
     said = text("ranks {now} and {now2} with time in units of {clock} s",
                 now=now[0], now2=now[1], clock=show(r.clock))
     if d["measure"] != RELATIVE or d["tolerance"] < MIN_RELATIVE_TOLERANCE * (1 - 1e-9):
-        return Verdict(False, text("Measure the singular values against the largest, with a tolerance of at least "
-                                   "1e-6."))
+        return Verdict(False, text("Measure the singular values against the largest, with a tolerance of at least 10⁻⁶."))
     if now != (STATE_COUNT, STATE_COUNT):
         return Verdict(False, text("At τ = {tolerance}: {said}.", tolerance=show(d["tolerance"]), said=said))
     return Verdict(True, text("At τ = {tolerance}: {said}. The plant is the same.",

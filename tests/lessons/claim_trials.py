@@ -81,8 +81,12 @@ def aimed(lesson: Lesson, count: int, seed: int) -> Iterator[Design]:
 def spoken(lesson: Lesson, design: Design) -> Iterator[tuple[Shown, object]]:
     """All that the page says of a design, each sentence where it stands; nothing where it refuses, at once or when it is looked at."""
     outcome = outcome_of(lesson, design)
-    if outcome is None:
-        return
+    if outcome is not None:
+        yield from spoken_of(lesson, outcome)
+
+
+def spoken_of(lesson: Lesson, outcome: Outcome) -> Iterator[tuple[Shown, object]]:
+    """The same of an outcome."""
     try:
         if lesson.id in AFTERWARDS:
             outcome = AFTERWARDS[lesson.id](lesson, outcome)
@@ -98,24 +102,31 @@ def tried(lesson: Lesson, designs: Iterable[Design]) -> Trial:
     """Put every sentence of these designs before its witness."""
     found = Trial()
     for design in designs:
+        outcome = outcome_of(lesson, design)
         found.designs += 1
-        for shown, said in spoken(lesson, design):
-            found.mixed |= {one for one in re.split(r"(?<=[.:;]) ", str(said))
-                            if (LONG.search(one) and has_powers(one)) or RAW.search(one)}
-            for words in claims_in(said):
-                witness = WITNESSES.get(words.id)
-                if witness is None:
-                    if isinstance(words, Claim):
-                        found.unseen.add(words.id)
-                    continue
-                found.tried[words.id] += 1
-                try:
-                    witness(shown, words)
-                except AssertionError as lie:
-                    start = lesson.start()
-                    where = {k: v for k, v in design.values if v != start[k]}
-                    found.lies.setdefault(words.id, []).append(f"{str(lie)[:160]}; {str(where)[:400]}")
+        if outcome is not None:
+            put_before_witnesses(lesson, outcome, found)
     return found
+
+
+def put_before_witnesses(lesson: Lesson, outcome: Outcome, found: Trial) -> None:
+    """Put every sentence about an outcome before its witness."""
+    for shown, said in spoken_of(lesson, outcome):
+        found.mixed |= {one for one in re.split(r"(?<=[.:;]) ", str(said))
+                        if (LONG.search(one) and has_powers(one)) or RAW.search(one)}
+        for words in claims_in(said):
+            witness = WITNESSES.get(words.id)
+            if witness is None:
+                if isinstance(words, Claim):
+                    found.unseen.add(words.id)
+                continue
+            found.tried[words.id] += 1
+            try:
+                witness(shown, words)
+            except AssertionError as lie:
+                start = lesson.start()
+                where = {k: v for k, v in outcome.design.values if v != start[k]}
+                found.lies.setdefault(words.id, []).append(f"{str(lie)[:160]}; {str(where)[:400]}")
 
 
 if __name__ == "__main__":
