@@ -125,7 +125,7 @@ curve = Curve(text("x"), np.zeros(3), "plant")
 print("CSS", sheet(True, True))
 print("page", app_page("en").split("<style>")[0])
 print("chart", charts._series(curve, "en", "", 1.0))
-print("SVG", matrices._blend(1.0))
+print("SVG", matrices._blends(np.ones((1, 1))))
 print("export", curve_style(curve))
 print("stage", [part.colour for part in BODY_PARTS])
 """

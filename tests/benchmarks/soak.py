@@ -113,9 +113,9 @@ async def cut(ward: Ward) -> None:
 
 
 async def flooded(ward: Ward, k: int) -> None:
-    """Flood in one of all ways until dropped, each time from another address behind a proxy."""
+    """Flood in one of all ways until dropped, from one of so many addresses behind a proxy that none has to wait."""
     first, again = list(FLOODS.values())[k % len(FLOODS)]
-    await flood_once(ward.url, first, again, time.monotonic() + 5.0, f"198.51.{k // 250}.{k % 250 + 1}")
+    await flood_once(ward.url, first, again, time.monotonic() + 5.0, f"198.51.100.{k % 100 + 1}")
 
 
 async def never_reads(ward: Ward) -> tuple[float, float]:
