@@ -2,18 +2,32 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
-from observer_lab.course.lesson import Outcome
+from observer_lab.course.lesson import Design, Outcome
 from observer_lab.course.script_record import Code, GivenValue, ShownValue
 from observer_lab.plants.platform.lqg_weights import COIL_COUNT
 
 from .balanced_platform import HEARD
 from .body import MAX_DRAWN_MOTION
 from .reduced_regulator import EQUAL, WEIGHT_OUTPUTS, weights_of
-from .study import RELATIVE, Study
+from .study import RELATIVE, Ranks, Study
 
 RANK_CHOICE_MARGIN = 1e-13  # of the largest singular value: how near to the tolerance another may lie for rounding to decide the rank
+
+
+def ranks_shown(d: Design, m: Mapping[str, float], ranks: Ranks) -> tuple[list[ShownValue], str]:
+    """Both ranks, but those that rounding decides, and the words for these."""
+    shown, unsaid = [], ""
+    for name, values in (("rank_controllability", ranks.reached), ("rank_observability", ranks.seen)):
+        edge = d["tolerance"] * (values[0] if d["measure"] == RELATIVE else 1.0)
+        if np.abs(values - edge).min() > RANK_CHOICE_MARGIN * values[0]:
+            shown.append(ShownValue(name, m[name]))
+        else:
+            unsaid += f", {name.replace('_', ' of ')}, which rounding decides at this tolerance"
+    return shown, unsaid
 
 
 def code(outcome: Outcome[Study]) -> Code:
@@ -34,13 +48,8 @@ def code(outcome: Outcome[Study]) -> Code:
         ShownValue("L", outcome.gains["L"]),
     ]
     shown += [ShownValue(name, m[name], max(1.0, abs(m[name]))) for name in ("gap", "extra") if name in m]
-    unsaid = "Forces by pair, and the closed forms"
-    for name, values in (("rank_controllability", study.ranks.reached), ("rank_observability", study.ranks.seen)):
-        edge = d["tolerance"] * (values[0] if d["measure"] == RELATIVE else 1.0)
-        if np.abs(values - edge).min() > RANK_CHOICE_MARGIN * values[0]:
-            shown.append(ShownValue(name, m[name]))
-        else:
-            unsaid += f", {name.replace('_', ' of ')}, which rounding decides at this tolerance"
+    ranks, unsaid = ranks_shown(d, m, study.ranks)
+    shown += ranks
     return Code(
         ("weak",),
         (
@@ -72,5 +81,5 @@ def code(outcome: Outcome[Study]) -> Code:
             GivenValue("V", weights.V, "intensity of the readings' noise"),
         ),
         tuple(shown),
-        unsaid,
+        "Forces by pair, and the closed forms" + unsaid,
     )

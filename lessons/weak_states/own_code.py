@@ -7,7 +7,7 @@ import numpy as np
 from observer_lab.course.lesson import Outcome
 from observer_lab.course.script_record import Code, GivenValue, ShownValue
 
-from .code import RANK_CHOICE_MARGIN
+from .code import ranks_shown
 from .own_system import OwnStudy
 from .study import RELATIVE
 
@@ -20,13 +20,7 @@ def own_code(outcome: Outcome[OwnStudy]) -> Code:
     shown = [ShownValue("hankel", s.hankel[:stable], largest), ShownValue("eigvals(A)", outcome.poles["plant"], poles=True),
              ShownValue("eigvals(Ar)", outcome.poles["model"], poles=True),
              ShownValue("error", m["error"], max(m["error"], largest))]
-    unsaid = "The outputs after a blow"
-    for name, values in (("rank_controllability", study.ranks.reached), ("rank_observability", study.ranks.seen)):
-        edge = d["tolerance"] * (values[0] if d["measure"] == RELATIVE else 1.0)
-        if np.abs(values - edge).min() > RANK_CHOICE_MARGIN * values[0]:
-            shown.append(ShownValue(name, m[name]))
-        else:
-            unsaid += f", {name.replace('_', ' of ')}, which rounding decides at this tolerance"
+    ranks, unsaid = ranks_shown(d, m, study.ranks)
     return Code(("weak_own",), (
         GivenValue("A", s.plant.A, "the plant"), GivenValue("B", s.plant.B), GivenValue("C", s.plant.C),
         GivenValue("D", np.asarray(s.plant.D)),
@@ -35,4 +29,4 @@ def own_code(outcome: Outcome[OwnStudy]) -> Code:
         GivenValue("relative", d["measure"] == RELATIVE, "singular values are measured against the largest"),
         GivenValue("frequencies", s.frequencies, "Hz"),
         GivenValue("to_balanced", s.whole.left, "z = to_balanced x: balanced states, then unstable ones"),
-        GivenValue("from_balanced", s.whole.T)), tuple(shown), unsaid)
+        GivenValue("from_balanced", s.whole.T)), tuple(shown + ranks), "The outputs after a blow" + unsaid)
