@@ -52,6 +52,7 @@ class ServeRequest:
     trusted: bool = False
     room: bool = False
     at: str | None = None
+    store: str | None = field(default=None, repr=False)
 
 
 @dataclass(frozen=True)
