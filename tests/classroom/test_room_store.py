@@ -27,6 +27,7 @@ from observer_lab.classroom.votes import (
     votes_on,
     votes_on_typed,
 )
+from observer_lab.page.room.own_run import own_run_html
 
 
 def opened(store: KeptRoom, scene: str = "why", options: int = 3) -> Vote:
@@ -224,3 +225,11 @@ def test_a_typed_question_is_a_vote_of_its_own_beside_the_scenes(store: KeptRoom
     ("Which?\nonly one", None), ("Which?" + "\nx" * 9, None), ("x" * 301, None), ("Which?\na\n" + "b" * 121, None)])
 def test_a_question_is_its_first_line_and_its_options_the_others(words: str, asked: Asked | None) -> None:
     assert read_question(words) == asked
+
+
+def test_a_page_draws_a_run_of_its_own_in_its_language_and_a_large_start_hides_nothing() -> None:
+    runs = ClassRuns({"en": "height error [mm]", "zh": "高度误差 [mm]"}, (0.0, 1.0, 2.0, 3.0, 4.0),
+                     {4: OwnRun((900.0, 0.1, -0.1, 0.2, 0.1), (400.0, 0.1, 0.1, 0.1, 0.1), True)})
+    english, chinese = (own_run_html(runs, runs.runs[4], language) for language in ("en", "zh"))
+    assert "height error" in english and "inside" in english and "高度误差" in chinese
+    assert ">500<" not in english and ">0.2<" in english, "its axis is that of the errors after the start"
