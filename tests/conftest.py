@@ -6,10 +6,15 @@ import gc
 import logging
 import os
 import warnings
+from collections.abc import Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
 from hypothesis import HealthCheck, Phase, settings
+
+if TYPE_CHECKING:
+    from redis_server import RedisServer
 
 HERE = Path(__file__).parent
 SLOW = frozenset({"e2e", "wire"})  # folders in which a server or a browser is started; elsewhere a test says so itself
@@ -39,6 +44,25 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     for item in items:
         if item.path.relative_to(HERE).parts[0] in SLOW:
             item.add_marker(pytest.mark.slow)
+
+
+@pytest.fixture(scope="session")
+def redis_server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[RedisServer]:
+    """A Redis server of this worker."""
+    from redis_server import redis_serving
+
+    with redis_serving(tmp_path_factory.mktemp("redis")) as server:
+        yield server
+
+
+@pytest.fixture(params=["folder", "redis"])
+def place(request: pytest.FixtureRequest, tmp_path: Path) -> Path | str:
+    """Where a lecture room is kept that nobody has opened yet: a folder, or a Redis server."""
+    if request.param == "folder":
+        return tmp_path
+    server: RedisServer = request.getfixturevalue("redis_server")
+    server.empty()
+    return server.address
 
 
 def pytest_collection_finish() -> None:

@@ -7,7 +7,7 @@ import queue
 import threading
 from collections.abc import Callable
 
-from .room_store import RoomStore
+from .kept_room import KeptRoom
 
 MAX_BATCH = 1000  # votes of one transaction
 
@@ -18,7 +18,7 @@ Cast = tuple[int, str, float, Callable[[bool], object]]  # vote, ballot, answer,
 class VoteWriter:
     """A thread that writes what waits. What it cannot write is told as not counted."""
 
-    def __init__(self, store: RoomStore) -> None:
+    def __init__(self, store: KeptRoom) -> None:
         self._store = store
         self._waiting: queue.SimpleQueue[Cast | None] = queue.SimpleQueue()
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import socket
 import tempfile
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from urllib.parse import urlsplit
 
@@ -22,32 +22,36 @@ NO_FOLDER = "The room ends with this server; give --data-dir FOLDER to keep vote
 
 
 @dataclass(frozen=True)
-class LectureFolder:
+class LecturePlace:
     """Where a room is kept, and the presenter's word. `temporary` is the folder that goes with the server, if it is one."""
 
-    path: Path
-    secret: str
+    place: Path | str = field(repr=False)  # an address may hold a password
+    secret: str = field(repr=False)
     temporary: tempfile.TemporaryDirectory[str] | None = None
 
 
-def open_room_folder(data_dir: str | None) -> LectureFolder:
-    """The folder of the room, with its file in it. Raises CommandError."""
+def open_room_place(data_dir: str | None, store: str | None) -> LecturePlace:
+    """The place of the room, with what it needs in it: the Redis server at `store`, else a folder. Raises CommandError."""
     import sqlite3
 
-    from ..classroom.room_store import RoomStore
+    from ..classroom.kept_room import open_room
+    from ..classroom.redis_connection import RoomProblem
 
-    temporary = tempfile.TemporaryDirectory(prefix="observer-lab-room-") if data_dir is None else None
+    temporary = tempfile.TemporaryDirectory(prefix="observer-lab-room-") if data_dir is None and store is None else None
     path = Path(data_dir or (temporary.name if temporary else "."))
     try:
-        path.mkdir(parents=True, exist_ok=True)
-        store = RoomStore(path)
-        store.forget_presence()
-        secret = store.secret
-        store.close()
+        if store is None:
+            path.mkdir(parents=True, exist_ok=True)
+        kept = open_room(store or path)
+        kept.forget_presence()
+        secret = kept.secret
+        kept.close()
     except (OSError, sqlite3.Error) as problem:
         cause = error_cause(problem) if isinstance(problem, OSError) else str(problem)
         raise CommandError(f"{str(path)[:80]} cannot hold the room ({cause}); choose another folder.") from problem
-    return LectureFolder(path, secret, temporary)
+    except RoomProblem as problem:
+        raise CommandError(str(problem)) from problem
+    return LecturePlace(store or path, secret, temporary)
 
 
 def audience_address(host: str, port: int, at: str | None) -> str:

@@ -53,6 +53,7 @@ class ServeRequest:
     room: bool = False
     at: str | None = None
     lti: str | None = None
+    store: str | None = field(default=None, repr=False)
 
 
 @dataclass(frozen=True)

@@ -60,6 +60,13 @@ def web_address(words: str) -> str:
     return words
 
 
+def redis_address(words: str) -> str:
+    """The reader of an option that is the address of a Redis server. What is wrong is said without the address: it may hold a password."""
+    if not re.fullmatch(r"rediss?://(?:[^\s/@]{0,300}@)?[A-Za-z0-9_.\[\]:-]{1,253}(?:/\d{0,4})?", words, re.ASCII):
+        raise argparse.ArgumentTypeError("this is no address of a Redis server; give it as in redis://127.0.0.1:6379/0")
+    return words
+
+
 def error_cause(problem: BaseException | None) -> str:
     """What went wrong, to stand in the middle of a sentence."""
     words = getattr(problem, "strerror", None) or str(problem) or type(problem).__name__

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import sqlite3
 import threading
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from observer_lab.classroom.class_runs import ClassRuns, OwnRun, read_runs, seeds_of
-from observer_lab.classroom.page_store import PageStore, StandingPage
+from observer_lab.classroom.kept_room import KeptPages, KeptRoom
+from observer_lab.classroom.page_store import KEPT_BATCHES, StandingPage
 from observer_lab.classroom.room import LECTURE, MAX_PLACES, UNSOLVED, overview
 from observer_lab.classroom.room_store import FILE, RoomStore
 from observer_lab.classroom.vote_writer import VoteWriter
@@ -25,14 +27,10 @@ from observer_lab.classroom.votes import (
     votes_on,
     votes_on_typed,
 )
+from observer_lab.page.room.own_run import own_run_html
 
 
-@pytest.fixture
-def store(tmp_path: Path) -> RoomStore:
-    return RoomStore(tmp_path)
-
-
-def opened(store: RoomStore, scene: str = "why", options: int = 3) -> Vote:
+def opened(store: KeptRoom, scene: str = "why", options: int = 3) -> Vote:
     store.open_vote("separation", scene, options)
     return store.votes()[-1]
 
@@ -41,7 +39,7 @@ def ballots(vote: Vote, *options: int) -> list[tuple[int, str, int]]:
     return [(vote.number, f"ballot{k:04d}", option) for k, option in enumerate(options)]
 
 
-def test_counts_are_hidden_until_five_have_voted(store: RoomStore) -> None:
+def test_counts_are_hidden_until_five_have_voted(store: KeptRoom) -> None:
     vote = opened(store)
     store.cast(ballots(vote, *[1] * (HIDDEN_BELOW - 1)))
     few = store.votes()[-1]
@@ -51,13 +49,13 @@ def test_counts_are_hidden_until_five_have_voted(store: RoomStore) -> None:
     assert store.votes()[-1].shares == (0.2, 0.8, 0.0)
 
 
-def test_a_browser_that_votes_again_replaces_its_vote(store: RoomStore) -> None:
+def test_a_browser_that_votes_again_replaces_its_vote(store: KeptRoom) -> None:
     vote = opened(store)
     assert store.cast([(vote.number, "sameballot", 0), (vote.number, "sameballot", 2)]) == [True, True]
     assert store.votes()[-1].counts == (0, 0, 1)
 
 
-def test_a_vote_that_is_closed_unknown_or_beyond_the_options_does_not_count(store: RoomStore) -> None:
+def test_a_vote_that_is_closed_unknown_or_beyond_the_options_does_not_count(store: KeptRoom) -> None:
     vote = opened(store)
     assert store.cast([(vote.number, "ballot01", 3), (vote.number, "ballot02", -1), (vote.number + 1, "ballot03", 0)]) == [False] * 3
     store.close_vote()
@@ -65,7 +63,8 @@ def test_a_vote_that_is_closed_unknown_or_beyond_the_options_does_not_count(stor
     assert store.votes()[-1].counts == (0, 0, 0)
 
 
-def test_closing_keeps_the_counts_and_no_ballot(store: RoomStore, tmp_path: Path) -> None:
+def test_closing_keeps_the_counts_and_no_ballot(tmp_path: Path) -> None:
+    store = RoomStore(tmp_path)
     vote = opened(store)
     store.cast(ballots(vote, 0, 1, 1, 2, 1))
     store.close_vote()
@@ -77,7 +76,7 @@ def test_closing_keeps_the_counts_and_no_ballot(store: RoomStore, tmp_path: Path
                        "place", "people", "slower"}
 
 
-def test_asking_again_makes_a_second_round_beside_the_first(store: RoomStore) -> None:
+def test_asking_again_makes_a_second_round_beside_the_first(store: KeptRoom) -> None:
     first = opened(store)
     store.cast(ballots(first, 0, 0, 0, 1, 1))
     second = opened(store)
@@ -87,8 +86,9 @@ def test_asking_again_makes_a_second_round_beside_the_first(store: RoomStore) ->
     assert [(vote.round, vote.counts, vote.open) for vote in found] == [(1, (3, 2, 0), False), (2, (0, 5, 0), False)]
 
 
-def test_a_process_that_ends_at_any_moment_loses_no_acknowledged_vote(store: RoomStore, tmp_path: Path) -> None:
+def test_a_process_that_ends_at_any_moment_loses_no_acknowledged_vote(tmp_path: Path) -> None:
     """Each acknowledgement is followed by a look through a connection of its own, which sees committed rows alone."""
+    store = RoomStore(tmp_path)
     vote, writer, seen, done = opened(store), VoteWriter(store), [], threading.Event()
     other = sqlite3.connect(tmp_path / FILE, check_same_thread=False)
 
@@ -105,15 +105,22 @@ def test_a_process_that_ends_at_any_moment_loses_no_acknowledged_vote(store: Roo
     assert RoomStore(tmp_path).votes()[-1].counts == (100, 100, 100)
 
 
-def test_the_presenters_word_and_the_state_survive_and_the_file_is_for_its_owner(store: RoomStore, tmp_path: Path) -> None:
+def test_the_presenters_word_and_the_state_survive(store: KeptRoom, room: Callable[[], KeptRoom]) -> None:
+    assert store.state == ""
     store.keep_state("1.abc")
-    again = RoomStore(tmp_path)
+    again = room()
     assert (again.secret, again.state) == (store.secret, "1.abc") and len(store.secret) >= 32
+
+
+def test_the_presenters_word_and_the_state_survive_and_the_file_is_for_its_owner(tmp_path: Path) -> None:
+    store = RoomStore(tmp_path)
+    store.keep_state("1.abc")
+    assert (RoomStore(tmp_path).secret, RoomStore(tmp_path).state) == (store.secret, "1.abc")
     assert (tmp_path / FILE).stat().st_mode & 0o077 == 0
 
 
-def test_the_counts_of_all_workers_are_added(store: RoomStore, tmp_path: Path) -> None:
-    other = RoomStore(tmp_path)
+def test_the_counts_of_all_workers_are_added(store: KeptRoom, room: Callable[[], KeptRoom]) -> None:
+    other = room()
     store.report(0, {LECTURE: 3, "kalman/why": 1, UNSOLVED + "kalman/band": 1}, 2)
     other.report(1, {LECTURE: 4, "kalman/why": 2, "noise": 1}, 1)
     view = overview(*store.presence(), store.votes())
@@ -125,14 +132,14 @@ def test_the_counts_of_all_workers_are_added(store: RoomStore, tmp_path: Path) -
     assert store.presence() == ({}, 0)
 
 
-def test_numbers_of_followers_are_given_once_and_a_restart_keeps_the_seed(store: RoomStore, tmp_path: Path) -> None:
-    other = RoomStore(tmp_path)
+def test_numbers_of_followers_are_given_once_and_a_restart_keeps_the_seed(store: KeptRoom, room: Callable[[], KeptRoom]) -> None:
+    other = room()
     assert [store.take_seats(0, 2), other.take_seats(1, 3), store.take_seats(0, 1)] == [[1, 2], [3, 4, 5], [6]]
     store.leave_seats([2, 6])
     assert other.seats() == (1, 3, 4, 5)
     store.empty_worker(1)
     assert other.seats() == (1,) and other.take_seats(1, 1) == [7]
-    assert RoomStore(tmp_path).seed == store.seed and 0 <= store.seed < 2**63
+    assert room().seed == store.seed and 0 <= store.seed < 2**63
     store.forget_presence()
     assert store.seats() == () and store.take_seats(0, 1) == [8]
 
@@ -142,8 +149,8 @@ def test_seeds_differ_from_follower_to_follower_and_from_room_to_room() -> None:
     assert len(set(drawn)) == len(drawn) == 900 and seeds_of(2, (7,)) == (drawn[306],)
 
 
-def test_runs_of_a_class_reach_all_workers_and_end_with_the_server(store: RoomStore, tmp_path: Path) -> None:
-    other, before = RoomStore(tmp_path), store.run_number
+def test_runs_of_a_class_reach_all_workers_and_end_with_the_server(store: KeptRoom, room: Callable[[], KeptRoom]) -> None:
+    other, before = room(), store.run_number
     runs = ClassRuns({"en": "error"}, (0.0, 1.0), {4: OwnRun((0.0, -0.5), (0.0, 0.3), True), 9: OwnRun((0.0, 2.0), (0.0, 0.3), False)})
     store.keep_runs(runs.write())
     assert other.run_number == before + 1 and read_runs(other.runs()) == runs
@@ -163,21 +170,26 @@ def test_what_is_no_ballot_is_not_taken(word: object) -> None:
     assert not is_ballot(word)
 
 
-def test_a_page_is_the_whole_and_the_batches_after_it(tmp_path: Path) -> None:
-    pages, other = PageStore(tmp_path), PageStore(tmp_path)
-    series = pages.begin_series()
+def test_a_page_is_the_whole_and_the_batches_after_it(pages: Callable[[], KeptPages]) -> None:
+    mine, other = pages(), pages()
+    series = mine.begin_series()
     for k in range(1, 5):
-        pages.append("en-wide", series, k, b"%d" % k)
-    pages.stand("en-wide", series, 2, b"whole")
+        mine.append("en-wide", series, k, b"%d" % k)
+    mine.stand("en-wide", series, 2, b"whole")
     assert other.standing("en-wide") == StandingPage(series, 2, b"whole")
     assert other.after("en-wide", series, 2) == [(3, b"3"), (4, b"4")]
+    mine.append("en-wide", series, 4, b"again")
+    assert other.after("en-wide", series, 3) == [(4, b"again")], "a batch that was sent twice is one"
+    mine.append("en-wide", series, KEPT_BATCHES + 5, bytes(range(256)))
+    mine.stand("en-wide", series, KEPT_BATCHES + 3, b"whole")
+    assert other.after("en-wide", series, 0) == [(4, b"again"), (KEPT_BATCHES + 5, bytes(range(256)))]
     assert other.standing("zh-wide") is None and other.series == series
     other.want("zh-phone")
-    assert pages.wanted() == ["zh-phone"]
-    assert pages.after("en-wide", pages.begin_series(), 0) == []
+    assert mine.wanted() == ["zh-phone"]
+    assert mine.after("en-wide", mine.begin_series(), 0) == []
 
 
-def test_numbers_are_counted_between_round_edges_and_an_absurd_one_spreads_nothing(store: RoomStore) -> None:
+def test_numbers_are_counted_between_round_edges_and_an_absurd_one_spreads_nothing(store: KeptRoom) -> None:
     store.open_vote("kalman", "gain", 0, Asked("How large is the gain?"))
     vote = store.votes()[-1]
     numbers = [0.31, 0.33, 0.35, 0.38, 0.42, 0.47, 0.52, 0.36, 0.34, 0.39] * 4 + [1e12]
@@ -197,7 +209,7 @@ def test_every_number_is_in_some_bin(numbers: list[float]) -> None:
     assert all(np.isfinite(edges)) and list(edges) == sorted(edges)
 
 
-def test_a_typed_question_is_a_vote_of_its_own_beside_the_scenes(store: RoomStore) -> None:
+def test_a_typed_question_is_a_vote_of_its_own_beside_the_scenes(store: KeptRoom) -> None:
     asked = Asked("Which one?", ("this", "that"))
     opened(store)
     for _ in range(2):
@@ -213,3 +225,11 @@ def test_a_typed_question_is_a_vote_of_its_own_beside_the_scenes(store: RoomStor
     ("Which?\nonly one", None), ("Which?" + "\nx" * 9, None), ("x" * 301, None), ("Which?\na\n" + "b" * 121, None)])
 def test_a_question_is_its_first_line_and_its_options_the_others(words: str, asked: Asked | None) -> None:
     assert read_question(words) == asked
+
+
+def test_a_page_draws_a_run_of_its_own_in_its_language_and_a_large_start_hides_nothing() -> None:
+    runs = ClassRuns({"en": "height error [mm]", "zh": "高度误差 [mm]"}, (0.0, 1.0, 2.0, 3.0, 4.0),
+                     {4: OwnRun((900.0, 0.1, -0.1, 0.2, 0.1), (400.0, 0.1, 0.1, 0.1, 0.1), True)})
+    english, chinese = (own_run_html(runs, runs.runs[4], language) for language in ("en", "zh"))
+    assert "height error" in english and "inside" in english and "高度误差" in chinese
+    assert ">500<" not in english and ">0.2<" in english, "its axis is that of the errors after the start"

@@ -91,7 +91,7 @@ def test_the_class_runs_the_seeds_of_its_seats_and_each_seat_gets_its_own() -> N
     assert many is not None and many.found is not None and many.followers and many.found.count == 3
     assert len(lecture.desk.shown) == 1 and lecture.desk.shown[0] is not None
     sent = read_runs(lecture.desk.shown[0].write())
-    assert {seat: run.path[-1] for seat, run in sent.runs.items()} == SEATS and sent == lecture.desk.shown[0]
+    assert {seat: round(run.path[-1], 9) for seat, run in sent.runs.items()} == SEATS and sent == lecture.desk.shown[0]
     assert {seat for seat, run in sent.runs.items() if run.inside} == {3, 7}, "90² + 90² is beyond 5.99 · 2000, 70² + 70² is not"
 
 

@@ -14,6 +14,7 @@ import pytest
 from client import WireTab, empty
 
 from observer_lab.classroom.class_runs import seeds_of
+from observer_lab.classroom.kept_room import Place, open_room
 from observer_lab.classroom.room_store import RoomStore
 from observer_lab.classroom.votes import HIDDEN_BELOW
 from observer_lab.lessons import LESSONS
@@ -28,9 +29,9 @@ PREDICT = next(k for k, scene in enumerate(LESSONS["separation"].path) if scene.
 Enter = Callable[..., WireTab]
 
 
-def opened(folder: Path, worker: int = 0, lesson: str = "separation") -> LabServer:
-    word = RoomStore(folder).secret
-    return LabServer(LESSONS, port=0, lesson=lesson, mode="guide", room=LectureRoom(folder, worker, "en"),
+def opened(place: Place, worker: int = 0, lesson: str = "separation") -> LabServer:
+    word = open_room(place).secret
+    return LabServer(LESSONS, port=0, lesson=lesson, mode="guide", room=LectureRoom(place, worker, "en"),
                      presenter=AccessToken(word, 0, PRESENTER_FIELD))
 
 
@@ -243,8 +244,8 @@ def test_who_comes_later_gets_the_whole_page_and_who_comes_first_waits(tmp_path:
         server.stop()
 
 
-def test_a_restart_brings_back_lecture_and_votes(tmp_path: Path) -> None:
-    server, secret = opened(tmp_path), RoomStore(tmp_path).secret
+def test_a_restart_brings_back_lecture_and_votes(place: Place) -> None:
+    server, secret = opened(place), open_room(place).secret
     with WireTab(server.url, word=secret) as presenter, WireTab(server.url) as follower:
         presenter.settle()
         ask(presenter, f"scene:{PREDICT}")
@@ -252,13 +253,13 @@ def test_a_restart_brings_back_lecture_and_votes(tmp_path: Path) -> None:
         vote = number_of_the_vote(follower)
         say(follower, f"vote:{vote}:2:ballot0001")
         follower.until(lambda: follower.notes, "the acknowledgement")
-        follower.until(lambda: RoomStore(tmp_path).state, "the kept state")
+        follower.until(lambda: open_room(place).state, "the kept state")
     server.stop()
-    server = opened(tmp_path)
+    server = opened(place)
     try:
         with WireTab(server.url) as follower:
             follower.until(lambda: 'data-scene="predict"' in card(follower), "the scene of the lecture, before its presenter is back")
-            assert RoomStore(tmp_path).votes()[-1].counts == (0, 0, 1) and RoomStore(tmp_path).votes()[-1].open
+            assert open_room(place).votes()[-1].counts == (0, 0, 1) and open_room(place).votes()[-1].open
             with WireTab(server.url, word=secret) as presenter:
                 presenter.settle()
                 presenter.until(lambda: 'data-scene="predict"' in card(presenter), "the presenter's scene")
@@ -266,10 +267,10 @@ def test_a_restart_brings_back_lecture_and_votes(tmp_path: Path) -> None:
         server.stop()
 
 
-def test_another_worker_serves_the_same_page(tmp_path: Path) -> None:
-    first, second = opened(tmp_path, 0), opened(tmp_path, 1)
+def test_another_worker_serves_the_same_page(place: Place) -> None:
+    first, second = opened(place, 0), opened(place, 1)
     try:
-        with WireTab(first.url, word=RoomStore(tmp_path).secret) as presenter, WireTab(second.url) as follower:
+        with WireTab(first.url, word=open_room(place).secret) as presenter, WireTab(second.url) as follower:
             presenter.settle()
             follower.until(lambda: card(follower), "the page from the other worker")
             ask(presenter, f"scene:{PREDICT}")
@@ -348,9 +349,9 @@ def test_the_last_presenter_leads_and_the_one_before_leads_again_when_it_leaves(
     follower.until(lambda: 'data-scene="meet"' in card(follower), "the first presenter's scene once more")
 
 
-def test_of_presenters_at_two_workers_the_last_one_leads_and_followers_come_back_to_it(tmp_path: Path) -> None:
-    one, other = opened(tmp_path, 0), opened(tmp_path, 1)
-    secret = RoomStore(tmp_path).secret
+def test_of_presenters_at_two_workers_the_last_one_leads_and_followers_come_back_to_it(place: Place) -> None:
+    one, other = opened(place, 0), opened(place, 1)
+    secret = open_room(place).secret
     try:
         with WireTab(one.url, word=secret) as first, WireTab(one.url) as follower:
             first.settle()
@@ -380,10 +381,10 @@ def test_in_the_lab_followers_see_the_knobs_that_the_presenter_has_moved(enter: 
     follower.until(lambda: "data-scene=" in card(follower), "the path again")
 
 
-def test_each_follower_runs_one_seed_and_the_presenter_sees_the_cloud_of_all(tmp_path: Path) -> None:
+def test_each_follower_runs_one_seed_and_the_presenter_sees_the_cloud_of_all(place: Place) -> None:
     """On two workers: each follower's page shows one run of its own, and another design takes cloud and runs away."""
-    one, other = opened(tmp_path, 0, "kalman"), opened(tmp_path, 1, "kalman")
-    store = RoomStore(tmp_path)
+    one, other = opened(place, 0, "kalman"), opened(place, 1, "kalman")
+    store = open_room(place)
     followers: list[WireTab] = []
 
     def own(tab: WireTab) -> str:

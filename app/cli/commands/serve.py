@@ -15,11 +15,11 @@ from typing import TYPE_CHECKING
 from ...course.scenes import MODES
 from ...text.languages import languages
 from ..file_limit import allow_many_files
-from ..lecture_room import LectureFolder, audience_address, names_of, open_room_folder, room_told
+from ..lecture_room import LecturePlace, audience_address, names_of, open_room_place, room_told
 from ..lesson_folder import follow_folder
 from ..lti import open_platforms, token_for_launches
 from ..opening import ServeRequest, opening_of
-from ..options import PLANT_HELP, STATE_HELP, CommandError, error_cause, host_name, web_address, whole_number
+from ..options import PLANT_HELP, STATE_HELP, CommandError, error_cause, host_name, redis_address, web_address, whole_number
 from ..records import COLUMNS_HELP, DATA_HELP
 
 if TYPE_CHECKING:
@@ -31,6 +31,7 @@ log = logging.getLogger(__name__)
 
 HELP = "serve the lessons to browsers (default)"
 
+ROOM_STORE = "OBSERVER_LAB_ROOM_STORE"  # names the Redis server in the environment, where no list of processes shows its password
 USUAL_TABS, ROOM_TABS = 200, 600  # followers cost little
 HEARTBEATS_PER_TIMEOUT = 10  # signs of life within the time after which a silent worker is replaced
 ENDINGS = (signal.SIGINT, signal.SIGTERM)
@@ -75,6 +76,8 @@ def arguments(parser: argparse.ArgumentParser) -> None:
                         help="a site that may show the page inside its own, over TLS; may be repeated (default: none may)")
     parser.add_argument("--room", action="store_true",
                         help="hold a lecture: one tab presents, all others follow; prints the links of both")
+    parser.add_argument("--room-store", type=redis_address, metavar="redis://…", dest="store",
+                        help=f"keep the room in a Redis server, where other machines find it (or in the environment, {ROOM_STORE})")
     parser.add_argument("--at", type=web_address, metavar="URL", help="the address of the audience's link, as that of a proxy")
     parser.add_argument("--lti", metavar="FILE",
                         help="the learning platforms that may open lessons by LTI 1.3: a TOML file; see README.md")
@@ -91,7 +94,7 @@ def execute(options: argparse.Namespace) -> int:
                               tuple(options.frames), options.state, options.exam, options.workers, options.exact_port,
                               options.view, options.worker_timeout,
                               options.token, options.data, options.columns, options.lecture, options.course, options.lessons,
-                              options.trust_code, options.room, options.at, options.lti))
+                              options.trust_code, options.room, options.at, options.lti, options.store))
 
 
 class Ending:
@@ -137,14 +140,16 @@ def _serve(request: ServeRequest, end: Ending) -> None:
     first = opening_of(request)
     if request.at is not None and not request.room:
         raise CommandError("--at names the address of a room's audience; give it with --room.")
-    room_folder = open_room_folder(request.data_dir) if request.room else None
+    if request.store is not None and not request.room:
+        raise CommandError("--room-store says where a room is kept; give it with --room.")
+    room_place = open_room_place(request.data_dir, room_store_address(request)) if request.room else None
     platforms = open_platforms(request)
     if platforms is not None:
         request = replace(request, names=(*request.names, *names_of(platforms.address)), token=token_for_launches(request))
     listener, access, url, printed = _door(request)
     presenter, audience, links = None, "", ""
-    if room_folder is not None:
-        presenter, audience, links = _links(request, room_folder, listener.getsockname()[1], access)
+    if room_place is not None:
+        presenter, audience, links = _links(request, room_place, listener.getsockname()[1], access)
         request = replace(request, names=(*request.names, *names_of(request.at)))
     doors = None if platforms is None else platforms.doors(first, request, listener.getsockname()[1])
     from ...page.access.shared_counters import SharedCounters, WorkerSlot
@@ -153,7 +158,7 @@ def _serve(request: ServeRequest, end: Ending) -> None:
     def server(listener: socket.socket, seat: WorkerSlot, worker: int = 0) -> LabServer:
         from ...page.room.lecture_room import LectureRoom
 
-        room = None if room_folder is None else LectureRoom(room_folder.path, worker, request.language, audience)
+        room = None if room_place is None else LectureRoom(room_place.place, worker, request.language, audience)
         return LabServer(first.lessons, request.host, 0, first.lesson, request.language, plant=first.plant, names=request.names,
                          state=first.state, insists=first.insists, sealed=request.exam or first.course is not None, access=access,
                          frames=request.frames, listener=listener, seat=seat, mode="present" if first.talk else request.mode,
@@ -195,16 +200,25 @@ def _serve(request: ServeRequest, end: Ending) -> None:
     )
 
 
-def _links(request: ServeRequest, folder: LectureFolder, port: int, access: AccessToken | None) -> tuple[AccessToken, str, str]:
+def room_store_address(request: ServeRequest) -> str | None:
+    """The address of the Redis server that keeps the room; None where a folder does. Raises CommandError."""
+    words = request.store or os.environ.get(ROOM_STORE)
+    try:
+        return None if words is None else redis_address(words)
+    except argparse.ArgumentTypeError as problem:
+        raise CommandError(str(problem)) from problem
+
+
+def _links(request: ServeRequest, place: LecturePlace, port: int, access: AccessToken | None) -> tuple[AccessToken, str, str]:
     """The presenter's word, the audience's address, and what is printed of a room."""
     from ...page.access.addresses import url
     from ...page.access.tokens import PRESENTER_FIELD, AccessToken
 
-    presenter = AccessToken(folder.secret, port, PRESENTER_FIELD)
+    presenter = AccessToken(place.secret, port, PRESENTER_FIELD)
     audience, own = audience_address(request.host, port, request.at), url(request.host, port)
-    mine = presenter.at(own) if access is None else f"{access.at(own)}&{PRESENTER_FIELD}={folder.secret}"
+    mine = presenter.at(own) if access is None else f"{access.at(own)}&{PRESENTER_FIELD}={place.secret}"
     theirs = audience if access is None else access.at(audience)
-    return presenter, theirs, room_told(mine, theirs, request.data_dir is not None)
+    return presenter, theirs, room_told(mine, theirs, request.data_dir is not None or isinstance(place.place, str))
 
 
 def _run(server: LabServer, tell: Callable[[], object], prepare: Callable[[LabServer], object], end: Ending,

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from types import MappingProxyType
 
-from ...classroom.page_store import PageStore
+from ...classroom.kept_room import KeptPages
 from ...session.state.token import write_token
 from ...session.state.view import Picture
 from ..viser_private.shared_page import SharedPage
@@ -53,7 +53,7 @@ class Broadcast:
     `woken` is called when there is something to send, `lost` when a presenter of another worker leads.
     """
 
-    store: PageStore
+    store: KeptPages
     woken: Callable[[], object]
     keep_state: Callable[[str], object]
     lost: Callable[[], object]

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from functools import partial
 
 from ...classroom.class_runs import ClassRuns, read_runs
-from ...classroom.room_store import RoomStore
+from ...classroom.kept_room import KeptRoom
 from .follower import Follower
 from .own_run import own_run_html
 
@@ -15,7 +15,7 @@ from .own_run import own_run_html
 class ClassSeats:
     """The numbers of this worker's followers. Only the thread that counts the room calls `update`."""
 
-    def __init__(self, store: RoomStore, worker: int) -> None:
+    def __init__(self, store: KeptRoom, worker: int) -> None:
         self._store, self._worker = store, worker
         self._seats: dict[int, int] = {}
         self._shown = -1

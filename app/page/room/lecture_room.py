@@ -5,18 +5,17 @@ from __future__ import annotations
 import asyncio
 import logging
 import threading
+import time
 from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
-from pathlib import Path
 
 import viser
 
 from ...classroom.class_runs import ClassRuns, seeds_of
-from ...classroom.page_store import PageStore
+from ...classroom.kept_room import Place, open_pages, open_room
 from ...classroom.room import LECTURE, UNSOLVED, RoomView, overview
-from ...classroom.room_store import RoomStore
 from ...classroom.vote_writer import VoteWriter
 from ...classroom.votes import Asked
 from ...session.commands.commands import RunOnTabThread
@@ -33,16 +32,17 @@ from .presenter_view import OwnScreen, PresenterScreen
 from .relay import Relay
 
 COUNT_S = 0.25  # s between two counts of the room
+REPORT_S = 20.0  # s after which a worker reports its counts again where nothing has changed
 log = logging.getLogger(__name__)
 
 
 class LectureRoom:
-    """A room in a folder, as one worker has it. The loop calls what begins and ends tabs; a thread counts."""
+    """A room in a folder or a Redis server, as one worker has it. The loop calls what begins and ends tabs; a thread counts."""
 
-    def __init__(self, folder: Path, worker: int, language: str, audience: str = "") -> None:
-        """`audience` is the address of those who follow. Raises sqlite3.Error or OSError where the folder cannot hold the room."""
+    def __init__(self, place: Place, worker: int, language: str, audience: str = "") -> None:
+        """`audience` is the address of those who follow. Raises what `open_room` raises."""
         self._audience = audience
-        self._store, self._pages, self._worker, self._language = RoomStore(folder), PageStore(folder), worker, language
+        self._store, self._pages, self._worker, self._language = open_room(place), open_pages(place), worker, language
         self._writer = VoteWriter(self._store)
         self._relay: Relay | None = None
         self._loop: asyncio.AbstractEventLoop | None = None
@@ -56,6 +56,7 @@ class LectureRoom:
         self._told: RoomView | None = None
         self._shows_runs = True  # whether the pages may show runs of which the presenter's page knows
         self._reported: tuple[Mapping[str, int], int] | None = None
+        self._report_due = 0.0
         self._hands = self._store.hands
 
     def start(self, loop: asyncio.AbstractEventLoop) -> None:
@@ -213,8 +214,8 @@ class LectureRoom:
                 people.update(f"{UNSOLVED}{picture.lesson.id}/{name}" for name, task in picture.state.tasks.items()
                               if task.verdict is not None and not task.verdict.solved)
         now = dict(people), sum(follower.raised for follower in list(self._followers.values()))
-        if now != self._reported:
-            self._reported = now
+        if now != self._reported or time.monotonic() >= self._report_due:
+            self._reported, self._report_due = now, time.monotonic() + REPORT_S
             self._store.report(self._worker, *now)
 
     def _tell(self) -> None:

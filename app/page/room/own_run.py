@@ -13,12 +13,14 @@ from ..charts.svg import draw
 from ..words import phrases
 
 LEAST_HALF, MARGIN = 1e-12, 1.15  # of the range of the errors that is shown
+STARTED = 0.25  # the part of the run after which its errors set that range: the start may lie beyond it
 
 
 def own_run_html(runs: ClassRuns, run: OwnRun, language: str) -> str:
     """The course of the error between ±2σ, and whether it ends in the ellipse of P. Nothing tells whose run it is."""
     t, e, band = np.array(runs.times), np.array(run.path), 2 * np.array(run.sigma)
-    half = MARGIN * max(float(np.abs(e).max()), float(band.max()), LEAST_HALF)
+    late = slice(int(STARTED * len(t)), None)
+    half = MARGIN * max(float(np.abs(e[late]).max()), float(band[late].max()), LEAST_HALF)
     figure = PlaneFigure(
         "own-run", phrases.OWN_RUN,
         (Curve(phrases.OWN_ERROR, e, "error", x=t), Curve(same("+ 2σ"), band, "muted", "dot", 1.4, t),

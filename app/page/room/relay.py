@@ -9,7 +9,8 @@ from collections import deque
 from collections.abc import Callable
 from typing import Protocol
 
-from ...classroom.page_store import PageStore, StandingPage
+from ...classroom.kept_room import KeptPages
+from ...classroom.page_store import StandingPage
 
 POLL_S = 0.03  # s between two looks at what another worker has written
 KEPT_BATCHES = 300  # batches that a slow follower may be behind
@@ -65,7 +66,7 @@ class Feed:
 class Relay:
     """Reads what the room's page store gets and hands it to this worker's followers."""
 
-    def __init__(self, store: PageStore, loop: asyncio.AbstractEventLoop, poll: float = POLL_S) -> None:
+    def __init__(self, store: KeptPages, loop: asyncio.AbstractEventLoop, poll: float = POLL_S) -> None:
         self._store, self._loop, self._poll = store, loop, poll
         self._feeds: dict[str, Feed] = {}
         self._wake, self._closed = threading.Event(), False

@@ -22,7 +22,7 @@ from .presenter import Presenter
 SHOW_GAP_S = 0.2  # s between two pictures of a cloud that grows
 MAX_POINTS = 60  # of the course that a follower's page draws
 NO_SEEDS = text("This lesson runs no seeds of its own plant; open lesson noise, kalman, showdown or nonlinear.")
-FEWEST_DIGITS = 4  # of a number that a follower's page draws
+SENT_DIGITS, TINY = 4, 1e-30  # digits of a number that a follower's page draws, and the least size that has them
 
 log = logging.getLogger(__name__)
 
@@ -115,4 +115,5 @@ def class_runs(found: SeedErrors, seats: tuple[int, ...]) -> ClassRuns:
 
 
 def _short(values: np.ndarray) -> tuple[float, ...]:
-    return tuple(float(f"{value:.{FEWEST_DIGITS}g}") for value in values)
+    unit = 10.0 ** (np.floor(np.log10(np.maximum(np.abs(values), TINY))) - (SENT_DIGITS - 1))
+    return tuple((np.round(values / unit) * unit).tolist())
