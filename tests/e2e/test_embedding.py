@@ -73,8 +73,8 @@ def knob(frame: Frame) -> str | None:
     return frame.locator("[role=slider]").first.get_attribute("aria-valuenow")
 
 
-def drag(page: Page, frame: Frame) -> str | None:
-    """Drag the first slider a little to the right; what it says then, once the server has answered."""
+def drag(page: Page, frame: Frame, by: int) -> str | None:
+    """Drag the first slider a little to the side; what it says then, once the server has answered."""
     before = knob(frame)
     thumb = frame.locator("[role=slider]").first
     thumb.scroll_into_view_if_needed()
@@ -83,7 +83,7 @@ def drag(page: Page, frame: Frame) -> str | None:
     x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
     page.mouse.move(x, y)
     page.mouse.down()
-    page.mouse.move(x + 25, y, steps=4)
+    page.mouse.move(x + by, y, steps=4)
     page.mouse.up()
     return eventually(lambda: knob(frame), lambda now: now != before, "the knob under the hand")
 
@@ -136,10 +136,10 @@ def test_a_lesson_survives_that_the_browser_stores_nothing(browser: Browser, sit
     complaints = opened(page, site, address)
     frame = frame_of(page)
     assert frame.evaluate("window.refusals") > 0, "the page has asked"
-    moved = drag(page, frame)
+    moved = drag(page, frame, 25)
     frame.evaluate("window.before = true")
     frame.evaluate("location.reload()")
     eventually(lambda: frame.evaluate("window.before === undefined") and frame.evaluate(STOOD), bool, "the lesson after the reload")
     eventually(lambda: knob(frame), lambda now: now is not None, "its knob")
-    assert moved is not None and drag(page, frame) is not None and complaints == []
+    assert moved is not None and drag(page, frame, -25) is not None and complaints == []
     context.close()
