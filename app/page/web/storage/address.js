@@ -21,6 +21,7 @@
     return location.pathname + (asked.size ? '?' + asked : '');
   };
   const asked = new URLSearchParams(location.search), role = ['own', 'follow'].find(name => asked.has(name));  // in a lecture room
+  if (asked.get('view') === 'stage') document.documentElement.dataset.olView = 'stage';  // the picture alone, for a frame
   const launch = asked.get('lti');  // of a learning platform
   // viser's page leaves the last / out, at which proxies turn away
   viser.server = location.origin.replace(/^http/, 'ws') + folder + (role ? `?${role}=1` : launch ? '?lti=' + encodeURIComponent(launch) : '');

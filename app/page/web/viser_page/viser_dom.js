@@ -8,7 +8,7 @@
   // --- elements: our name → viser's selector ---------------------------------------------------------------------------
   const parts = lab.parts = {
     stage: 'canvas[data-engine]', slowNote: '#webgl-software-rendering', sceneTree: '[aria-label$="scene tree"]',
-    column: '[data-dock-region=right]', columnHandle: '[data-dock-region-handle=right]', view: '[data-scrollarea-viewport]',
+    docks: '[data-dock-root]', column: '[data-dock-region=right]', columnHandle: '[data-dock-region-handle=right]', view: '[data-scrollarea-viewport]',
     tab: '[data-dock-tab]', tabs: '.mantine-Tabs-root',
     panelHead: '[data-testid=floating-panel-handle]', panelGrip: '[data-floating-window] :is([data-dock-griphandle],[data-dock-strip])',
     sheet: SHEET, sheetRoom: `${SHEET} [style*="width: 20em"]`, sheetHead: '[style*="height: 3.5em"]:not([style*="min-height"])',
