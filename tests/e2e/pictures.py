@@ -23,7 +23,7 @@ from conftest import ROOT, chromium, serving  # type: ignore[import-not-found]
 from geometry import on_screen  # type: ignore[import-not-found]
 from PIL import Image, ImageDraw
 from playwright.sync_api import Page, sync_playwright
-from tab import FLAGS, Tab, eventually  # type: ignore[import-not-found]
+from tab import DRAWN, FLAGS, Tab, eventually  # type: ignore[import-not-found]
 
 from observer_lab.lessons import LESSONS
 from observer_lab.session.state.saved_state import SavedState
@@ -33,8 +33,8 @@ LESSON, SCENE, BOARD, MOMENT = "separation", "drag", "observer", "0.15"
 WINDOW, SIZE = (1366, 768), (860, 484)  # px of the page, and of the moving picture
 WAY = (-9 + 6j, -3 + 4.5j, -1.5 + 6j, -3 + 9j, -8 + 9j, -14 + 8j, -17 + 5j, -12 + 4.5j, -9 + 6j)  # of the pole
 BETWEEN, PAUSE = 4, 130  # pictures from one place of the way to the next, ms from one picture to the next
-QUALITY, MOST, COLOURS = 48, 400_000, 192  # of the moving picture; bytes of either; colours of the still one
-PATIENCE = 60_000  # ms
+QUALITY, MOST = 48, 400_000  # of the moving picture; bytes of either
+PATIENCE, LETTERED = 60_000, 5000  # ms; until the labels of the stage stand, which come after their boards
 POINTER = ((0, 0), (0, 17), (4, 13), (7, 20), (10, 19), (7, 12), (12, 12))
 
 
@@ -61,9 +61,10 @@ def guide(page: Page, address: str) -> Image.Image:
     lesson = LESSONS[LESSON]
     page.goto(f"{address}#{write_token(lesson, SavedState(lesson.start(), 'en', False, mode='guide', scene=SCENE))}")
     page.wait_for_selector(f".ol-card[data-scene={SCENE}]", timeout=PATIENCE)
-    page.wait_for_selector(".ol-hand:not([hidden])", timeout=PATIENCE)
-    page.wait_for_timeout(1500)  # until the stage at rest is drawn with all its pixels
-    return Image.open(io.BytesIO(page.screenshot())).convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE)
+    page.wait_for_selector(".ol-hand:not([hidden])", state="attached", timeout=PATIENCE)
+    page.wait_for_timeout(LETTERED)
+    page.evaluate(DRAWN)
+    return Image.open(io.BytesIO(page.screenshot())).convert("RGB")
 
 
 def drag(tab: Tab) -> list[Image.Image]:

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import pytest
 from playwright.sync_api import Browser, Page, expect
 
+from observer_lab.course.figures.records import LineFigure
 from observer_lab.course.scenes import Move, Press
 from observer_lab.lessons import LESSONS
 from observer_lab.page.words import phrases
@@ -17,8 +18,7 @@ PATIENCE = 60_000  # ms: a busy machine is slow
 THIN = 52  # px of the row of the run
 RUN = """() => {
   const box = document.querySelector('.ol-clock').parentElement.parentElement.getBoundingClientRect();
-  const at = name => [...document.querySelectorAll(name)].filter(each => each.checkVisibility()).length;
-  return {high: box.height, left: box.left, right: box.right, bottom: box.bottom - innerHeight, sliders: at('.ol-scene') && at('[role=slider]')};
+  return {high: box.height, left: box.left, right: box.right, bottom: box.bottom - innerHeight};
 }"""
 HEADS = "() => [...document.querySelectorAll('[data-ol-sheet-head]')].filter(each => each.checkVisibility()).length"
 UNDER = """() => {  // what the hand points at
@@ -58,7 +58,7 @@ def test_a_still_ring_shows_once_where_to_press_or_drag(page: Page, server: str,
     expect(hand).to_have_count(0, timeout=PATIENCE)
     for step in (0, -1):  # away, and back to the scene
         page.locator(".ol-way button").nth(step).click()
-        page.wait_for_function("id => document.querySelector('.ol-card').dataset.scene !== id || !document.querySelector('.ol-hand')", arg=scene)
+        page.wait_for_function("([id, away]) => (document.querySelector('.ol-card')?.dataset.scene !== id) === away", arg=[scene, step == 0])
     expect(page.locator(f".ol-card[data-scene={scene}]")).to_be_visible(timeout=PATIENCE)
     assert hand.count() == 0
 
@@ -106,3 +106,17 @@ def test_the_search_finds_a_knob_in_either_language_and_puts_the_focus_on_it(pag
         page.keyboard.press("Enter")
         page.wait_for_function("words => document.activeElement?.getAttribute('aria-label')?.startsWith(words)", arg=knob.label("en"))
         page.evaluate("document.activeElement.blur()")
+
+
+AXES = """() => [...document.querySelectorAll('.uplot')].filter(each => each.checkVisibility()).map(each =>
+  each.querySelector('[class*="-stacked"]') !== null || parseFloat(getComputedStyle(each.querySelector('.u-wrap')).marginBottom) < 0)"""
+
+
+@pytest.mark.parametrize("lesson_id", ["separation", "kalman"])
+def test_each_chart_of_a_scene_has_its_own_axis(page: Page, server: str, lesson_id: str) -> None:
+    lesson = LESSONS[lesson_id]
+    lines = {each.id for each in lesson.figures(lesson.compute(lesson.start())) if isinstance(each, LineFigure)}
+    scene = next(each.id for each in lesson.path if lines & {*each.figures})
+    opened(page, server, lesson_id, scene)
+    page.wait_for_function("() => [...document.querySelectorAll('.uplot')].some(each => each.checkVisibility())")
+    assert not any(page.evaluate(AXES))

@@ -119,7 +119,8 @@ class Screen(Browser):
         """
         before, self._picture = self._picture, picture
         anew = before is None or before.outcome is not picture.outcome
-        charts = [(self._charts[f.id], f, figure_below(picture.seen, f)) for f in stale_figures(picture, before) if f.id in self._charts]
+        charts = [(self._charts[f.id], f, None if picture.guided else figure_below(picture.seen, f))  # each has its axis in the guide
+                  for f in stale_figures(picture, before) if f.id in self._charts]
         with self._client.atomic():
             for chart, figure, under in charts:
                 chart.show_curves(figure, picture.resting, picture.horizon, under)
