@@ -11,9 +11,9 @@ from observer_lab.text import text
 FIRST_COURSE = LearningPath("first", text("A first course in observers"),
             text("From the virtual sensor to noise: design an observer, steer by it, and see where that ends."))
 ESTIMATION = LearningPath("estimation", text("Estimation"),
-                 text("How a filter knows what to trust: from noise over Kalman to lost packets and sensors that lie."))
+                 text("How a filter weighs model and sensors: from noise over the Kalman filter to lost packets and faulty sensors."))
 PLATFORM_PATH = LearningPath("platform", text("The platform"),
-               text("One machine, start to finish: a table that is to stand still while the ground shakes, by LQG and what rivals it."))
+               text("One machine from start to finish: a table that stands still while the ground shakes, by LQG and its rivals."))
 MINUTES = 90
 
 

@@ -47,8 +47,7 @@ def body() -> Body:
     return replace(
         shape, pose=lambda x, gain: pose((x[0], x[1], PER_SUM * (x[0] + x[1])), gain),
         anchors=lambda x, gain: anchors((x[0], x[1], PER_SUM * (x[0] + x[1])), gain), gain=4.0,
-        caption=text("Small gauges: the states x₁ and x₂, of which x₁ is measured and lit; large gauge: x₁ + x₂ "
-                     "and its ghost"))
+        caption=text("Small gauges: the states x₁ and x₂; x₁ is measured and lit; large gauge: x₁ + x₂ and its ghost"))
 
 
 PER_SUM = 5.0  # the large gauge's unit is made for g of another plant

@@ -89,7 +89,7 @@ def _current(outcome: Outcome[Study]) -> LineFigure:
         "i [A]",
         tab=ERROR_TAB,
         caption=text(
-            "No sensor of current: off by {current:.2g} A at most. The winding bears {rated:g} A for good.",
+            "No sensor of current: off by {current:.2g} A at most. The winding is rated for {rated:g} A in continuous use.",
             current=m["current_error"],
             rated=MOTOR_DATA.nominal_current,
         ),
@@ -99,9 +99,9 @@ def _current(outcome: Outcome[Study]) -> LineFigure:
 
 def _error_words(outcome: Outcome[Study]) -> Text:
     m = outcome.metrics
-    kept = text("The error keeps its promise: the load enters it once, at {at:g} s, and it dies out from there.", at=LOAD_AT)
+    kept = text("The error follows ė = (A − LC)e: the load enters it once, at {at:g} s, and it decays from there.", at=LOAD_AT)
     stays = text("The load enters the error at {at:g} s and stays there: nothing in this observer takes it in.", at=LOAD_AT)
-    leaves = text("The error leaves its promise by {share:.2g} of its size: counts and play are no part of A − LC.",
+    leaves = text("The error departs from ė = (A − LC)e by {share:.2g} of its size: counts and play are no part of A − LC.",
                   share=m["separation_meter"])
     grows = text("A pole is not in the left half plane: the error grows.")
     if m["slowest_observer"] > 1e-6:
@@ -132,7 +132,7 @@ def _gear_words(outcome: Outcome[Study]) -> Text:
               apart=abs(degrees(float(run.x[-1, ANGLE_INDEX] - outcome.study.played.motor[-1]))))
     flank = claim(on, rests, below=0.5, otherwise=text("In the last tenth of the run the contact still changes."))
     unseen = text("The encoder at the joint sees the arm itself.") if design["encoder"] == JOINT else text(
-        "The encoder on the motor knows nothing of it, however fast the observer.")
+        "The encoder on the motor does not measure it, however fast the observer.")
     changed = text("Changes of contact: {count}.", count=int(m["changes"]))
     return joined(flank if outcome.study.played.contact[-1] else NO_WORDS, changed, unseen)
 

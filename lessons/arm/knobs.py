@@ -16,7 +16,7 @@ KNOBS = (
         "",
         text("a state for the load"),
         default=True,
-        hint=text("τ̇ = 0 as a fourth equation of the observer, or an observer that knows of no load."),
+        hint=text("τ̇ = 0 as a fourth equation of the observer, or an observer whose model has no load."),
     ),
     Switch(
         "cancel",
@@ -35,7 +35,7 @@ KNOBS = (
         high=3.0,
         default=1.5,
         step=0.1,
-        hint=text("What presses on the arm from 1 s on; held level, a payload's weight is such a load. Nothing measures it."),
+        hint=text("The torque on the arm from 1 s on; with the arm level, a payload's weight is such a load. Nothing measures it."),
     ),
     Number(
         "target",
@@ -46,7 +46,7 @@ KNOBS = (
         high=120.0,
         default=60.0,
         step=5.0,
-        hint=text("Where the arm is to go from level, at once at t = 0."),
+        hint=text("The target angle, measured from level; it steps at t = 0."),
     ),
     Number(
         "u_max",
@@ -57,7 +57,7 @@ KNOBS = (
         high=MOTOR_DATA.voltage,
         default=MOTOR_DATA.voltage,
         step=0.5,
-        hint=text("The drive gives at most this much, either way; the observer is told what it gives."),
+        hint=text("The drive gives at most this much in either direction; the observer gets the applied voltage."),
     ),
     Choice(
         "encoder",
@@ -92,7 +92,7 @@ KNOBS = (
         high=3.0,
         default=0.0,
         step=0.05,
-        hint=text("How far the arm can be moved with the motor held. The observer knows nothing of it."),
+        hint=text("How far the arm can be moved with the motor held. The observer's model does not contain it."),
     ),
     Poles(
         "controller_poles",

@@ -66,7 +66,7 @@ def compute(design: Design) -> Outcome[Study]:
               bool(design["load_state"]) and metrics["slowest_observer"] < 0 and shown.linear, metrics["load_error"]),
         Check("arrives", text("the arm comes to rest on its target"),
               rest is not None and ideal and abs(float(rest[0][ANGLE_INDEX]) - radians(design["target"])) < SOLID, metrics["angle_error"]),
-        Check("autonomous", text("the error lives by itself, ė = (A − LC)e"), metrics["separation_meter"] < SOLID,
+        Check("autonomous", text("the error dynamics are autonomous, ė = (A − LC)e"), metrics["separation_meter"] < SOLID,
               metrics["separation_meter"]),
     )
     study = Study(shown, autonomous_error(run), rest, step_of(design))
@@ -144,7 +144,7 @@ def _live(design: Design, m: Mapping[str, float], run: Run) -> Text:
 
 def _load_words(design: Design, m: Mapping[str, float]) -> Text:
     if not design["load_state"]:
-        return text("This observer knows of no load: its estimate is 0 N m, the load {load:.3g} N m.", load=design["load"])
+        return text("This observer has no state for the load: its estimate is 0 N m, the load is {load:.3g} N m.", load=design["load"])
     if not design["load"]:
         return text("There is no load; the estimate strays by up to {stray:.2g} N m in the last tenth of the run.", stray=m["load_error"])
     missing = text("The load is not found to 5 % within this run.")

@@ -156,8 +156,8 @@ def _problems(chosen: str) -> TableFigure:
     return TableFigure("problems", text("four problems on one plant"),
                        (text("problem"), text_in("bilinear-observer", "case"), text("solutions"), text("pole"), same("3m + r ≥ 2n")),
                        tuple(rows), tab=CASES_TAB, caption=text(
-                           "Fewer sensors, or others, and the same number may no longer be watched. Where 3m + r ≥ 2n an L is to be "
-                           "expected; the third problem has one without it."))
+                           "Fewer sensors, or others, and the same number may no longer be watched. Where 3m + r ≥ 2n, an L exists in "
+                           "general; the third problem has one although the condition fails."))
 
 
 def _forms(run: Record) -> LineFigure:
@@ -166,10 +166,9 @@ def _forms(run: Record) -> LineFigure:
     curves = tuple(Curve(name, np.abs(size), *style)
                    for name, size, style in zip(FORM_NAMES, run.errors.T, styles, strict=True))
     return LineFigure("forms", text("|ε| of the three ways to run it"), run.t, curves, "|ε|", log_y=True,
-                      window=(1e-6, 10.0), tab=FORMS_TAB, caption=text("In the second half of the run the error "
-                                                                       "is up to {late:.2g} without ẏ, "
-                                                                       "{late2:.2g} with the true ẏ and "
-                                                                       "{late3:.2g} with a differentiator.",
+                      window=(1e-6, 10.0), tab=FORMS_TAB, caption=text("Largest error in the second half of the run: {late:.2g} "
+                                                                       "without ẏ, {late2:.2g} with the true ẏ, {late3:.2g} with a "
+                                                                       "differentiator.",
                                                                        late=late[0], late2=late[1], late3=late[2]))
 
 

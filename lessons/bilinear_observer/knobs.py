@@ -40,7 +40,7 @@ KNOBS = (
     Choice("gain", "L", text("gain"), default=COMPUTED_GAIN, when=("problem", (PAPER_PROBLEM,)), options=(
         (COMPUTED_GAIN, text("computed")), (AS_PRINTED, text("L as the paper prints it")),
         (TYPED_GAIN, text("with L₄ typed")), (ROUNDED_GAIN, text("step 8 in printed decimals"))),
-        hint=text("What runs: our numbers, or those of the paper taken at their word.")),
+        hint=text("The numbers in use: ours, or those printed in the paper.")),
     Number("l4", r"L_4", same("L₄"), low=0.0, high=14.0, default=9.0, step=0.01, when=("gain", (TYPED_GAIN,)),
            hint=text("The other entries stay as computed.")),
     Choice("form", "", text("form of the observer"), default=PLAIN_FORM,
@@ -49,7 +49,7 @@ KNOBS = (
     Number("tau", r"\tau", text("differentiator's time constant"), "s", low=0.001, high=0.1, default=0.02,
            scale="log", hint=text("ẏ is replaced by s/(τs + 1) y.")),
     Number("noise", r"\sigma", text("noise of each sensor"), low=0.0, high=0.1, default=0.0, step=0.001,
-           hint=text("The standard deviation of what each sensor adds to y, drawn anew every 5 ms.")),
+           hint=text("The standard deviation of each sensor's noise, drawn again every 5 ms.")),
     Number("chi0", r"\chi(0)", text("first χ"), low=-30.0, high=30.0, default=0.0, step=0.5,
            hint=text("The paper starts at 0; ĝ then starts 15.5 below g.")),
     Choice("line", "", text("printed line in doubt"), default=OPTIONS[0][0], options=OPTIONS,

@@ -8,7 +8,7 @@ from observer_lab.course.figures.claims import claim
 from observer_lab.course.figures.records import Curve, Dash, LineFigure, TableFigure
 from observer_lab.course.lazy import FigureSet, tab_figures
 from observer_lab.course.lesson import Outcome
-from observer_lab.text import joined, listed, same, text, text_in
+from observer_lab.text import format_number, joined, listed, same, text, text_in
 
 from ..toolkit.boards import listed as in_pairs
 from ..toolkit.figures import TIME_TAB
@@ -114,7 +114,7 @@ def _step(outcome: Outcome[Story]) -> TableFigure:
 
 
 def _cells(M: np.ndarray) -> str:
-    return "—" if not M.size or M.size > MOST_CELLS else ", ".join(f"{v:.4g}" for v in M.ravel()).replace("-", "−")
+    return "—" if not M.size or M.size > MOST_CELLS else ", ".join(format_number(v, ".4g") for v in M.ravel()).replace("-", "−")
 
 
 def _conditions(s: Story) -> TableFigure:
@@ -172,7 +172,7 @@ def _forms(s: Story) -> LineFigure:
     curves = tuple(Curve(name, part, *style) for name, part, style in zip(FORM_NAMES, worst.T, styles, strict=True))
     return LineFigure("forms", text("|ε| of the three ways to run it, over the largest g"), run.t, curves, "|ε| / |g|", log_y=True,
                       window=ERROR_RANGE, tab=FORMS_TAB, caption=text(
-                          "In the second half of the run the error is up to {late:.2g} of g without ẏ, {late2:.2g} with the true ẏ and "
+                          "Largest error in the second half, relative to g: {late:.2g} without ẏ, {late2:.2g} with the true ẏ, "
                           "{late3:.2g} with a differentiator.", late=late[0], late2=late[1], late3=late[2]))
 
 

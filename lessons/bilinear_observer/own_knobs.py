@@ -41,7 +41,7 @@ def own_knobs(here: Here) -> tuple[Knob, ...]:
         *(knob for j in range(1, here.plant.inputs) for knob in _further(here, j)),
         *(Poles(f"poles_{w.id}", "p", text("Observer poles"), "rad/s", default=w.poles, re_low=w.window.re_low, re_high=w.window.re_high,
                 im_high=w.window.im_high, role="estimate", when=("wanted", (w.id,)),
-                hint=text("Those that π moves; poles that stay put in every L are bolted.")) for w in here.wanted if w.poles),
+                hint=text("The poles that π moves; poles that are the same for every L are fixed modes.")) for w in here.wanted if w.poles),
         Choice("form", "", text("form of the observer"), default=PLAIN_FORM, options=tuple(zip(FORMS, FORM_NAMES, strict=True)),
                hint=text("Which estimate the ghost shows; the first is (18) with (19), the second (17) with (13).")),
         Number("tau", r"\tau", text("differentiator's time constant"), "s", low=here.horizon / 2000, high=here.horizon / 20,

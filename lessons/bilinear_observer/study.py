@@ -146,7 +146,7 @@ def promises(o: BilinearObserver) -> tuple[Check, Check, Check]:
     (known, needed), n, m, q = counts(o), o.plant.n, o.plant.m, o.order
     return (
         Check("fewer", text("r < n − m: fewer states than Luenberger's reduced observer"), q < n - m, float(n - m - q), informative=True),
-        Check("advised", text("{bound}: (21) is to be expected", bound=bound(o.plant)), o.advised, float(known - needed), informative=True),
+        Check("advised", text("{bound}: (21) holds in general", bound=bound(o.plant)), o.advised, float(known - needed), informative=True),
         Check("pair", text("(V₂AT₂, V₁AT₂) observable: any pole, if (21) asked nothing of L"), o.observable, float(o.order)),
     )
 

@@ -51,7 +51,7 @@ def _runaway(outcome: Outcome[Study]) -> Verdict:
         return Verdict(False, text("|g| is near 1000, but ε does too much: {late:.1e} at the end. Take an observer "
                                    "whose pole is on the left and which needs no differentiator.",
                                    late=late))
-    return Verdict(True, text("|g| reaches {peak} and ε is down to {late:.0e}: the observer does not notice.",
+    return Verdict(True, text("|g| reaches {peak} and ε is down to {late:.0e}: the input does not disturb the observer.",
                               peak=_number(peak), late=late))
 
 
@@ -98,13 +98,14 @@ def _offsets(outcome: Outcome[Study]) -> Verdict:
     plain = outcome.study.observer.forms(outcome.gains["L"])[1]
     long = float(np.linalg.norm(plain.G_y - plain.G_z @ np.linalg.solve(plain.A, plain.Y)))
     if long > MAX_ROW_NORM:
-        return Verdict(False, text("At {pole} the row is {long:.2f} long; at most {most:g} is wanted.", pole=_number(pole), long=long,
+        return Verdict(False, text("At {pole} the row has the norm {long:.2f}; at most {most:g} is wanted.", pole=_number(pole), long=long,
                                    most=MAX_ROW_NORM))
-    return Verdict(True, text("At {pole} the row is {long:.2f} long: neither too deaf nor too credulous.", pole=_number(pole), long=long))
+    return Verdict(True, text("At {pole} the row has the norm {long:.2f}: fast enough, and not too sensitive to sensor errors.",
+                              pole=_number(pole), long=long))
 
 
 BLIND_INPUT = Typed("(1-g*b)/(g^2*f)", ("b", "f", "g"), slips=(
-    ("(1-g*b)/(g*f)", text("The second row hears u through g, and the determinant multiplies it by g once more.")),
+    ("(1-g*b)/(g*f)", text("The second row contains u through g, and the determinant multiplies it by g once more.")),
     ("1/(g^2*f)", text("That is without the friction b."))))
 
 ENOUGH = Typed("((k+1)*n-r)/(k+2)", ("n", "k", "r"), slips=(

@@ -132,7 +132,7 @@ def _mixing(outcome: Outcome[Study]) -> TableFigure:
     mixed, best = outcome.study.mixed, outcome.study.mixed.best
 
     def row(name: Text, a: float, b: float, J: float) -> tuple[Text | str, ...]:
-        return (name, _short(a), _short(b), f"{J / best.count:.3g}", _decibel(J / best.plain_J))
+        return (name, _short(a), _short(b), format_number(J / best.count, ".3g"), _decibel(J / best.plain_J))
     rows = (row(text("no mixing"), 0.0, 0.0, best.plain_J),
             row(text("closed form"), best.start[0], best.start[1], best.start_J),
             row(text("optimum"), best.a, best.b, best.J), row(text("in use"), mixed.a, mixed.b, mixed.J))
@@ -226,7 +226,7 @@ def _facts(outcome: Outcome[Study]) -> TableFigure:
             rows.append((name, text("order {n}, {worst}",
                                     n=plant.n, worst=text("unstable by itself") if worst > 0 else text("stable"))))
     rows += [
-        (text("{name} loop: delay it bears, min |1 + ℓ|", name=name), _bears(margin))
+        (text("{name} loop: delay margin, min |1 + ℓ|", name=name), _bears(margin))
         for name, margin in zip((VERTICAL_LABEL, ROTATION_LABEL, HORIZONTAL_LABEL), _margins(outcome), strict=True)
         if margin is not None
     ]

@@ -30,7 +30,7 @@ KNOBS = (
     Choice("vertical", "", text("vertical loop"), default=PUBLISHED_LOOP,
            options=((PUBLISHED_LOOP, text("C_v as printed")), (SHAPED_LOOP, text("shaped by hand")),
                     (OPEN_LOOP, text("open"))),
-           hint=text("What turns vertical velocity into a vertical force.")),
+           hint=text("The controller from vertical velocity to vertical force.")),
     Number("gain_v", "k_v", text("vertical gain"), "N s/m", low=10.0, high=1e5, default=2000.0, scale="log",
            when=("vertical", (SHAPED_LOOP,)), hint=text("Newtons for each metre per second.")),
     Number("lag", r"\omega_i", text("more gain below"), "rad/s", low=0.0, high=5.0, default=0.0, step=0.1,
@@ -43,8 +43,7 @@ KNOBS = (
     Choice("horizontal", "", text("horizontal loop"), default=PUBLISHED_LOOP,
            options=((PUBLISHED_LOOP, text("C_h as printed")), (BY_POLES, text("poles by A E + B F = Φ")),
                     (BY_GAIN, text("a pure gain")), (OPEN_LOOP, text("open"))),
-           hint=text("What turns horizontal velocity into the horizontal force; dragging a pole selects the "
-                     "second.")),
+           hint=text("The controller from horizontal velocity to horizontal force; dragging a pole selects the second.")),
     Number("gain_h", "k_h", text("horizontal gain"), "N s/m", low=10.0, high=1e5, default=2000.0, scale="log",
            when=("horizontal", (BY_GAIN,)), hint=text("Newtons for each metre per second.")),
     Poles("control_poles", "p", text("Roots of Φ, first four"), "rad/s", default=siso.AT_WILL[0],

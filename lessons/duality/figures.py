@@ -108,7 +108,7 @@ def _ellipses(here: Setting, window: float, twins: Twins, mirror: float) -> tupl
                     window=window, reach=reach[2], reach2=reach[3]),
                energies.reach[at], energies.reach_twin[at],
                (text("reached by (A, B)"), text("seen by (Aᵀ, Bᵀ)")), half, here.axes),
-        _plane("seen", text("how loudly a start is heard"),
+        _plane("seen", text("output energy of an initial state"),
                joined(text("A unit start leaves an output of norm {long:.3g} along the long axis and {short:.3g} along "
                            "the short one, within {window:.3g} s.", long=seen[2], short=seen[3], window=window), mirrored),
                energies.seen[at], energies.seen_twin[at],

@@ -70,6 +70,6 @@ def horizon_figure(found: Horizon, S: np.ndarray, P: np.ndarray, K: np.ndarray) 
          Curve(text("tr P(t), from P(0) = 0 forwards"), forward, "estimate"),
          Curve(same("‖K(t)‖"), size, "force", "dash")),
         text("share of the settled value"), window=(0.0, 1.1), tab=HORIZON_TAB,
-        caption=text("T = {window:.3g} s. At t = 0 S has {back} % of what it settles to, at T P has {forward} %; at the end "
-                     "nothing is left to save, and K is 0.", window=float(found.t[-1]),
+        caption=text("T = {window:.3g} s. S at t = 0 is {back} % of its limit, P at T is {forward} %. At the end no cost is left to "
+                     "save, so K is 0.", window=float(found.t[-1]),
                      back=percent(float(back[0])), forward=percent(float(forward[-1]))))

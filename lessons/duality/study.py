@@ -92,8 +92,8 @@ def _formulas(K: np.ndarray, L: np.ndarray, K_dual: np.ndarray) -> tuple[Formula
 
 def _live(L: np.ndarray, m: Mapping[str, float]) -> Text:
     numbers = f"({', '.join(format_number(v, '.4g') for v in L[:4, 0])}{', …' if L.size > 4 else ''})"
-    return text("The observer's own equation gives L = {numbers}; the feedback of the transposed plant, turned on "
-                "its side, differs by {gain_gap:.0e} of its size.",
+    return text("The observer's own equation gives L = {numbers}; the transposed feedback of the transposed plant differs by "
+                "{gain_gap:.0e} of its size.",
                 numbers=numbers, gain_gap=m["gain_gap"])
 
 

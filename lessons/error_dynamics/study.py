@@ -149,7 +149,7 @@ def _live(m: dict[str, float], kicked: bool) -> Text:
     if m["state_moved"] == 0 and kicked:
         return text("No input acts; only the kick moves plant and error.")
     if m["state_moved"] == 0:
-        return text("No input acts: plant and error are left to themselves.")
+        return text("No input acts: plant and error evolve freely.")
     moved = format_number(m["state_moved"], ".2g")
     driven = text("The input moves the state by up to {moved} and the error by up to {error_moved:.2g}: the "
                   "error is not left alone.",

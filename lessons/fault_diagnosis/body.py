@@ -68,5 +68,4 @@ def _flag(poses: Mapping[str, Pose], accused: Sequence[bool]) -> dict[str, Pose]
 
 BODY = Body(
     _parts(), _pose, lambda x, u, gain: BASE.arrows(x[:6], u, gain), lambda x, gain: BASE.anchors(x[:6], gain), BASE.gain,
-    text("Blue: sensors VL, VR (near the middle) and HL, HR (with needles). Pink: what really fails; the flag: "
-         "what is accused"))
+    text("Blue: sensors VL, VR (near the middle) and HL, HR (with needles). Pink: what really fails; the flag: the diagnosed part"))

@@ -7,7 +7,7 @@ import numpy as np
 from observer_lab.course.figures.records import Curve, Dash, LineFigure, PlaneFigure, Point, TableFigure, over_frequency
 from observer_lab.course.lazy import FigureSet, tab_figures
 from observer_lab.course.lesson import Outcome
-from observer_lab.text import NO_WORDS, Text, joined, listed, same, text, text_in
+from observer_lab.text import NO_WORDS, Text, format_number, joined, listed, same, text, text_in
 
 from .cusum import cusum
 from .diagnosis import DETECTION_POWER
@@ -74,13 +74,13 @@ def _reading(s: Study) -> LineFigure:
         return LineFigure("reading", text("force of the weak coil"), TIMES_S,
                           (Curve(text("asked"), s.record.asked[:, coil], "force", "dash"),
                            Curve(text("delivered"), s.record.applied[:, coil], "error")), "u [N]", window=(-1.0, 1.0),
-                          tab=RESIDUAL_TAB, caption=text("{coils} delivers {case_size:.0f} % from {dt:.1f} s on; "
-                                                         "the bank only knows what was asked.",
+                          tab=RESIDUAL_TAB, caption=text("{coils} delivers {case_size:.0f} % from {dt:.1f} s on; the bank only has the "
+                                                         "commanded force.",
                                                          coils=COIL_IDS[coil], case_size=100 * (1 - s.case.size),
                                                          dt=DT * s.case.start))
     i = 1 if s.case.sensor is None else s.case.sensor
     said = (text("{places} lies from {dt:.1f} s on.", places=FAULT_PLACES[i], dt=DT * s.case.start)
-            if s.case.sensor is not None else text("All four sensors are honest."))
+            if s.case.sensor is not None else text("All four sensors are fault-free."))
     return LineFigure("reading", text("reading of {places}", places=FAULT_PLACES[i]), TIMES_S,
                       (Curve(text("reading"), 1e3 * s.record.y[:, i], "error", width=1.4),
                        Curve(text("true velocity"), 1e3 * s.record.honest[:, i])), "v [mm/s]", window=(-5.0, 5.0),
@@ -102,7 +102,7 @@ def isolation(s: Study) -> TableFigure:
     rows.append((text("T / threshold"), *(f"{v:.2f}" if v < 100 else f"{v:.0f}" for v in s.verdict.values[at])))
     said = (text("No alarm: no row to look for.") if now == -1 else
             _unclear(s.verdict.values[at] > 1) if now == -2 else
-            text("The alarms fit the row of {place}, too briefly to accuse it.", place=PLACE_NAMES[now])
+            text("The alarms fit the row of {place}, but too briefly for a diagnosis.", place=PLACE_NAMES[now])
             if s.verdict.decided is None else text("The alarms fit one row only: {place}.", place=PLACE_NAMES[now]))
     return TableFigure("isolation", text("isolation table"), (text("fault"), *(same(n) for n in MEMBER_NAMES)),
                        tuple(rows), said, VERDICT_TAB)
@@ -132,15 +132,15 @@ def _members() -> TableFigure:
     return TableFigure("members", text("the seven members"),
                        (text("member"), text("sensors"), text_in("fault-diagnosis", "zero"), text("states"),
                         text("memory")), tuple(rows),
-                       text("A coil's zero at s = 0: a constant force leaves every velocity at zero, so no "
-                            "observer of all six states can ignore the coil; the residual needs five."),
+                       text("A coil has a zero at s = 0: a constant force leaves every velocity at zero. So no observer of all six "
+                            "states can ignore the coil; the residual needs five."),
                        VERDICT_TAB)
 
 
 # --- loop --------------------------------------------------------------------------------------------------------------
 def _motion(s: Study, name: str, title: Text, i: int, unit: str) -> LineFigure:
     true, guess = 1e3 * s.record.x[:, i], 1e3 * s.record.xhat[:, i]
-    curves = [Curve(text("true"), true), Curve(text("what the loop believes"), guess, "estimate", "dash")]
+    curves = [Curve(text("true"), true), Curve(text("the estimate that the loop uses"), guess, "estimate", "dash")]
     if s.record is not s.blind:
         curves.append(Curve(text("had nobody acted"), 1e3 * s.blind.x[:, i], "muted", "dot"))
     late = slice(-SAMPLE_COUNT // 6, None)
@@ -161,7 +161,7 @@ def _across(s: Study) -> LineFigure:
 def _forces(s: Study) -> LineFigure:
     looks: tuple[tuple[str, Dash], ...] = (("force", "solid"), ("disturbance", "dash"), ("second", "dot"))
     curves = tuple(Curve(same(COIL_IDS[j]), s.record.applied[:, j], *looks[j]) for j in range(3))
-    said = (text("Open loop: nothing but the known force is asked of the coils.") if s.case.loop == KEEP_LOOP_OPEN else
+    said = (text("Open loop: only the known force is commanded.") if s.case.loop == KEEP_LOOP_OPEN else
             _acted(s) if s.case.loop == SWITCH_LOOP else
             text("The loop keeps believing all four sensors."))
     return LineFigure("forces", text("forces delivered"), TIMES_S, curves, "u [N]", window=(-1.0, 1.0), caption=said,
@@ -171,10 +171,10 @@ def _forces(s: Study) -> LineFigure:
 def _acted(s: Study) -> Text:
     who, at = s.verdict.who, s.verdict.decided
     if who is None or at is None:
-        return text("Nobody is accused: the loop is left as it is.")
+        return text("No fault is diagnosed: the loop stays as it is.")
     if who in COIL_IDS:
         return text("From {dt:.2f} s on {who} is asked for nothing; two coils do the work.", dt=DT * at, who=who)
-    return text("From {dt:.2f} s on the loop believes the member without {who}.", dt=DT * at, who=who)
+    return text("From {dt:.2f} s on the loop uses the member without {who}.", dt=DT * at, who=who)
 
 
 # --- false alarms --------------------------------------------------------------------------------------------------------
@@ -205,20 +205,20 @@ def _counts(s: Study) -> TableFigure:
     rows: list[tuple[Text | str, ...]] = [
         (text("threshold"), f"{s.test.threshold:.2f}"),
         (text("χ² degrees of freedom"), str(s.test.dof)),
-        (text("designed, per window and member"), f"{a:.2g}"),
+        (text("designed, per window and member"), format_number(a, ".2g")),
         (text("mean time between false alarms, one member"), duration(DT * member_run(s.test))),
         (text("mean time between false alarms, all seven"), duration(all_seven)),
         (text("λ for {power:.0f} % power", power=100 * DETECTION_POWER), f"{s.test.needed:.1f}"),
     ]
     t = s.trials
     rows += [(text("all seven, measured"), "—" if t is None else _measured(t, s.test.window)),
-             (text("one window of at least one of seven, measured"), "—" if t is None else f"{t.any / t.windows:.2g}")]
+             (text("one window of at least one of seven, measured"), "—" if t is None else format_number(t.any / t.windows, ".2g"))]
     if t is not None and s.case.place != NONE:
         middle = f"{np.median(t.delays):.2f} s" if t.delays else "—"
-        rows += [(text("accused rightly / wrongly / nobody"), f"{t.right} / {t.wrong} / {t.nobody}"),
+        rows += [(text("diagnosis right / wrong / none"), f"{t.right} / {t.wrong} / {t.nobody}"),
                  (text("median delay"), middle)]
     else:
-        rows += [(text("accused rightly / wrongly / nobody"), "—"), (text("median "
+        rows += [(text("diagnosis right / wrong / none"), "—"), (text("median "
                                                                                                            "delay"), "—")]
     said = joined(text("A healthy bank gives a false alarm every {time} on average. Its windows are tested at every sample and are emptied "
                        "after an alarm.", time=duration(all_seven)), _wrong_model(s))

@@ -53,7 +53,7 @@ def _apart(s: Study) -> TableFigure:
     told = text("● told from all other pairs, whatever both faults do: with each of them rank [H_P H_Q] = |P ∪ Q|. A number: so many "
                 "other pairs can make the same readings. {names} are {count} directions in a space of {rank}.",
                 names=listed(same(FAULT_PLACES[k]) for k in sorted(tied)), count=len(tied), rank=rank_of(tied))
-    return TableFigure("pairs", text("which pairs of faults can be told apart"), _columns(), _square(cell, s.pair), told, PAIR_TAB)
+    return TableFigure("pairs", text("which pairs of faults can be isolated"), _columns(), _square(cell, s.pair), told, PAIR_TAB)
 
 
 def _bank(outcome: Outcome[Study]) -> TableFigure:
@@ -81,8 +81,8 @@ def pair_reach(s: Study, tab: Text) -> TableFigure:
     def cell(i: int, j: int) -> str:
         return short(values[i, j]) + ("*" if i != j and isolable((min(i, j), max(i, j))) != ALWAYS_ISOLABLE else "")
     rows = tuple((same(f"{row[0]} [{'mm/s' if i < 4 else 'N'}]"), *row[1:]) for i, row in enumerate(_square(cell, s.pair)))
-    told = text("Bias, or missing amplitude at {tone:.2g} Hz, of the row's fault beside the column's, which may do what it likes; on the "
-                "diagonal alone, by the seven. ∞: {most:.0f} or more. *: other pairs can make the same readings.",
+    told = text("Bias, or missing amplitude at {tone:.2g} Hz, of the row's fault while the column's fault is arbitrary. On the "
+                "diagonal: that fault alone, by the seven. ∞: {most:.0f} or more. *: other pairs can make the same readings.",
                 tone=s.case.tone, most=LARGEST_SHOWN_FAULT)
     return TableFigure("least-pairs", text("least fault that all members see with 99 % which ignore another part"),
                        (text("fault"), *(same(n) for n in FAULT_PLACES)), rows, joined(told, _company(s, values)), tab)

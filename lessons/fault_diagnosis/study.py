@@ -133,11 +133,11 @@ def _checks(s: Study) -> tuple[Check, ...]:
         ),
         Check(
             "right",
-            text("the right part is accused") if s.case.place != NONE else text("nobody is accused"),
+            text("the right part is diagnosed") if s.case.place != NONE else text("no fault is diagnosed"),
             s.right if s.case.place != NONE else s.verdict.who is None,
             -1.0 if s.delay is None else s.delay,
         ),
-        Check("patient", text("nobody is accused before the fault"), not early, float(early)),
+        Check("patient", text("no diagnosis before the fault"), not early, float(early)),
         Check(
             "expected",
             text("the fault is large enough to count on that"),

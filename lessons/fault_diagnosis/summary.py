@@ -21,16 +21,16 @@ def _verdict(s: Study) -> Text:
     v, place, also = s.verdict, s.case.place, s.case.also
     if v.who is None:
         alarms = NO_WORDS if v.first is None else text("First alarm at {first:.2f} s.", first=DT * v.first)
-        healthy = text("Nothing fails and nobody is accused.")
-        missed = (text("{place} fails at {dt:.1f} s and nobody is accused.", place=place, dt=DT * s.case.start) if also is None else
-                  text("{place} fails at {dt:.1f} s, {other} at {dt2:.1f} s, and nobody is accused.", place=place, dt=DT * s.case.start,
+        healthy = text("Nothing fails and no fault is diagnosed.")
+        missed = (text("{place} fails at {dt:.1f} s and no fault is diagnosed.", place=place, dt=DT * s.case.start) if also is None else
+                  text("{place} fails at {dt:.1f} s, {other} at {dt2:.1f} s, and no fault is diagnosed.", place=place, dt=DT * s.case.start,
                        other=also.place, dt2=DT * also.start))
         return joined(healthy if place == NONE else missed, alarms)
     if s.accused is None:
-        return text("{who} is accused at {at:.2f} s, wrongly.", who=v.who, at=DT * (v.decided or 0))
+        return text("{who} is diagnosed at {at:.2f} s, wrongly.", who=v.who, at=DT * (v.decided or 0))
     due = (NO_WORDS if s.forecast.delay is None or s.accused.place != place else
            text("Without a kick the design expects it after {expected:.2f} s.", expected=DT * s.forecast.delay))
-    return joined(text("{who} is accused {delay:.2f} s after it failed, rightly.", who=v.who, delay=s.delay), due)
+    return joined(text("{who} is correctly identified {delay:.2f} s after it failed.", who=v.who, delay=s.delay), due)
 
 
 def together(s: Study) -> Text:

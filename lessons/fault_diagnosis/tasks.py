@@ -124,11 +124,12 @@ def _framed(o: Outcome[Study]) -> Verdict:
     heard = float(s.test.values(s.silent.residuals)[:, column].max())
     alarm = 100 * float(alarm_probability(heard, s.test.dof, s.test.rate))
     if alarm > HUSHED:
-        return Verdict(False, text("Member −{who} would give an alarm with {alarm:.2g} %; above {most:.0f} % {who} is not accused.",
+        return Verdict(False, text("Member −{who} would give an alarm with {alarm:.2g} %; above {most:.0f} % {who} is not diagnosed.",
                                    who=FRAMED, alarm=alarm, most=HUSHED))
     if due is None:
         return Verdict(False, text("Member −{who} keeps quiet, but not all the others see it with 99 %.", who=FRAMED))
-    return Verdict(True, text("All others see it with 99 % after {dt:.2f} s and −{who} keeps quiet: {who} is accused, which is healthy.",
+    return Verdict(True, text("All others see it with 99 % after {dt:.2f} s and −{who} gives no alarm: {who} is diagnosed although it "
+                              "is fault-free.",
                               dt=DT * due, who=FRAMED))
 
 

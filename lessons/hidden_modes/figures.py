@@ -110,7 +110,7 @@ def margins_of(case: Case) -> TableFigure:
     for seen, reached in zip(case.seen.modes, case.reached.modes, strict=True):
         if seen.pole.imag < -1e-9:
             continue
-        fate = text("settles") if seen.stable else text("departs")
+        fate = text("decays") if seen.stable else text("grows")
         rows.append((_pole(seen), fate, _bar(seen), _bar(reached)))
     hidden = case.unseen or case.unmoved
     words = pole_words(list(hidden))
@@ -151,10 +151,10 @@ def blocks_of(case: Case) -> MatrixFigure:
     edges = tuple(k for k in accumulate(d.sizes) if 0 < k < n)
     shown = d.sizes[0]
     if d.sizes[1]:
-        block = text("The last block is the motion that the sensor does not see: the force reaches it, and its column in the row of y is "
+        block = text("The last block is the motion that the sensor does not see. The force reaches it; its column in the row of y is "
                      "empty.")
     elif d.sizes[2]:
-        block = text("The last block is the motion that the force does not reach: the sensor sees it, and its row in the column of u is "
+        block = text("The last block is the motion that the force does not reach. The sensor sees it; its row in the column of u is "
                      "empty.")
     else:
         block = NO_WORDS

@@ -84,9 +84,9 @@ CALM_POLES, FAST_POLES = (-2.5 - 2j, -2.5 + 2j), (-3.5 - 4j, -3.5 + 4j)
 KNOBS = (
     Choice("plant", "", text("setup"), default="unseen-unstable",
            options=tuple((case.id, case.label) for case in PLANT_CASES.values()),
-           hint=text("What holds the two blocks, where the sensor looks, and where the force acts.")),
+           hint=text("The springs or magnets that hold the two blocks, the place of the sensor, and the place of the force.")),
     Number("centre", r"c_0", text("common part of the start"), "m", low=-0.3, high=0.3, default=0.06,
-           step=0.01, hint=text("How far both blocks start to the same side. The observer believes 0.")),
+           step=0.01, hint=text("How far both blocks start to the same side. The observer starts from 0.")),
     _poles("controller_all", "p", text("Controller poles"), (*SLOW_POLES, *QUICK_POLES), "plant", (*UNOBSERVABLE_CASES, "visible")),
     _poles("controller_part", "p", text("Controller poles that move"), QUICK_POLES, "plant", UNCONTROLLABLE_CASES),
     _poles("observer_part", "q", text("Observer poles that move"), FAST_POLES, "estimate", UNOBSERVABLE_CASES),

@@ -71,8 +71,7 @@ def own_knobs(model: Model) -> tuple[Knob, ...]:
     """How much of the weakest mode is in the start, and the poles that can be moved."""
     return (
         Number("share", r"c_0", text("weakest mode in the start"), low=-2.0, high=2.0, default=1.0, step=0.05,
-               hint=text("How much of the mode in the first line of Numbers is added to the start. The observer "
-                         "believes 0.")),
+               hint=text("How much of the mode in the first line of Numbers is added to the start. The observer starts from 0.")),
         *(replace(knob, when=None) for knob in pole_knobs(model)),
         *run_knobs(model.horizon),
     )
@@ -119,7 +118,7 @@ def _live(here: Setting) -> Text:
         return text("Weakest mode {name}. Hidden from y: {unseen}; it settles by itself.", name=name, unseen=unseen)
     if case.unmoved:
         return text("Weakest mode {name}. Out of reach of u: {unmoved}.", name=name, unmoved=unmoved)
-    return text("Nothing is bolted. The mode nearest to hidden is {name}, by {distance:.2g}.",
+    return text("There is no fixed mode. The mode nearest to hidden is {name}, by {distance:.2g}.",
                 name=name, distance=here.weakest.distance)
 
 

@@ -111,8 +111,7 @@ def carries(case: Case, run: Run) -> bool:
 def _live(case: Case, run: Run) -> Text:
     bolts = case.unseen or case.unmoved
     if not bolts:
-        return text("Nothing is bolted: the magnets make the plant as unstable as before, yet every pole can be "
-                    "moved.")
+        return text("There is no fixed mode: the magnets make the plant as unstable as before, yet every pole can be moved.")
     words, rate = pole_words(list(bolts)), format_number(max(p.real for p in bolts), ".3g")
     if not carries(case, run):
         return (text("The poles at {words} leave no trace in y, and no L moves them. This run starts without a part of e along them; "

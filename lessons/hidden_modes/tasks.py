@@ -24,7 +24,7 @@ def _slow_but_fine(outcome: Outcome[Case]) -> Verdict:
     case, rate = outcome.study, outcome.metrics["error_rate"]
     assert isinstance(case, Case)
     if case.seen.observable:
-        return Verdict(False, text("This sensor sees every mode; the task wants one that does not."))
+        return Verdict(False, text("This sensor sees every mode; choose one that does not."))
     if rate >= 0:
         return Verdict(False, text("The error still grows like e^({rate} t). No pole you can drag changes that.",
                                    rate=_number(rate)))
@@ -61,7 +61,7 @@ def _silence(outcome: Outcome[Case]) -> Verdict:
 def _cure(outcome: Outcome[Case]) -> Verdict:
     case, error, state = outcome.study, outcome.metrics["error_rate"], outcome.metrics["state_rate"]
     if not (case.seen.observable and case.reached.controllable):
-        return Verdict(False, text("A mode is still bolted: change where the sensor looks or where the force acts."))
+        return Verdict(False, text("There is still a fixed mode: move the sensor or the force."))
     if error > -2 or state > -1.2:
         return Verdict(False, text("The slowest poles are {error} (observer, −2 or less) and {state} (controller, "
                                    "−1.2 or less).",
@@ -73,7 +73,7 @@ def _cure(outcome: Outcome[Case]) -> Verdict:
 def _gentle_cure(outcome: Outcome[Case]) -> Verdict:
     case, run, d = outcome.study, outcome.run, outcome.design
     if run is None or not (case.seen.observable and case.reached.controllable):
-        return Verdict(False, text("A mode is still bolted: change where the sensor looks or where the force acts."))
+        return Verdict(False, text("There is still a fixed mode: move the sensor or the force."))
     if d["centre"] != CENTRE or d["kick"] >= 0:
         return Verdict(False, text("Start with the common part of {centre:g} m, without a kick.", centre=CENTRE))
     settled, force = settle_time(run.t, np.abs(run.x[:, :2]).max(axis=1)), float(np.max(np.abs(run.u_asked)))

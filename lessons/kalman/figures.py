@@ -9,7 +9,7 @@ from observer_lab.course.figures.records import Curve, LineFigure, PlaneFigure, 
 from observer_lab.course.lazy import FigureSet, tab_figures
 from observer_lab.course.lesson import Outcome
 from observer_lab.engine import chi2_band, psd
-from observer_lab.text import Text, same, text, text_in
+from observer_lab.text import Text, format_number, same, text, text_in
 
 from ..toolkit.figures import TIME_TAB
 from ..toolkit.shares import apart
@@ -130,7 +130,7 @@ def _gain(outcome: Outcome[Study]) -> LineFigure:
     curves = [curve for i, j, name, role in shown for curve in (
         Curve(same(name), M[:, i, j], role), Curve(same(f"{name} ∞"), np.full(100, goal[i, j]), "reference", "dot", 1.2))]
     return LineFigure("gain", text("entries of the gain M"), _time(outcome)[:100], tuple(curves), "M", tab=GAIN_TAB,
-                      window=(-0.1, 0.6), caption=text("Dotted: the gain that the Riccati equation promises for ever."))
+                      window=(-0.1, 0.6), caption=text("Dotted: the steady gain from the Riccati equation."))
 
 
 def _distance(outcome: Outcome[Study]) -> LineFigure:
@@ -231,7 +231,7 @@ def _tests(outcome: Outcome[Study]) -> TableFigure:
 
     rows = (
         (text("mean of NIS"), f"{test.nis.mean:.3f}", f"{test.nis.mean_band[0]:.3f} … {test.nis.mean_band[1]:.3f}", verdict("nis")),
-        (text("mean of NEES"), f"{whole.mean:.3g}", f"{whole.mean_band[0]:.3g} … {whole.mean_band[1]:.3g}", verdict("nees")),
+        (text("mean of NEES"), format_number(whole.mean, ".3g"), f"{whole.mean_band[0]:.3g} … {whole.mean_band[1]:.3g}", verdict("nees")),
         (text("whiteness, p"), chance(test.whiteness.p_value), "≥ 0.017", verdict("white")),
         (text("bias, p"), chance(test.bias_p_value), "≥ 0.017", verdict("centred") if bias_is_judged(test) else
          text("not judged: it assumes white innovations of covariance S")),

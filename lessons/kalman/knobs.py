@@ -48,7 +48,7 @@ KNOBS = (
            options=((PREDICT, text("predict")), (UPDATE, text("predict and update"))),
            hint=text("Before or after the sample is taken in.")),
     Number("force", "F", text("known force at 0.16 Hz"), "N", low=0.0, high=2.0, default=1.0, step=0.1,
-           hint=text("Amplitude on the vertical coils, half of it on the horizontal one; the filter is told.")),
+           hint=text("Amplitude on the vertical coils, half of it on the horizontal one; the filter gets this force.")),
     Choice("arithmetic", "", text("updates compared"), default=SINGLE,
            options=((SINGLE, text("in single precision")), (FROZEN, text(
                "with the final gain all along"))),

@@ -77,13 +77,14 @@ def _gain(outcome: Outcome[Study]) -> LineFigure:
                    Curve(same(symbol(f"M{i + 1}{j + 1}") + " ∞"), np.full(count, goal[i, j]), "reference", "dot", 1.2)]
     return LineFigure("gain", text("largest entries of the gain M"), found.run.t[:count], tuple(curves),
                       "M", tab=GAIN_TAB,
-                      caption=text("Dotted: the gain that the Riccati equation promises for ever."))
+                      caption=text("Dotted: the steady gain from the Riccati equation."))
 
 
 def _distance(outcome: Outcome[Study]) -> LineFigure:
     found = outcome.study.found
     late = np.flatnonzero(found.distance > 0.01)
-    after, left = f"{found.run.t[min(late[-1] + 1, len(found.run.t) - 1)]:.3g}" if len(late) else "0", 100 * float(found.distance[-1])
+    after = format_number(found.run.t[min(late[-1] + 1, len(found.run.t) - 1)], ".3g") if len(late) else "0"
+    left = 100 * float(found.distance[-1])
     return LineFigure("distance", text("distance to the Riccati gain"), found.run.t,
                       (Curve(text("relative distance"), np.maximum(found.distance, 1e-12), "error"),),
                       "‖M − M∞‖ / ‖M∞‖", log_y=True,
@@ -142,8 +143,8 @@ def _tests(outcome: Outcome[Study]) -> TableFigure:
     def verdict(name: str) -> Text:
         return text("passes") if held[name] else text("flagged")
     bands = [f"{s.mean_band[0]:.3g} … {s.mean_band[1]:.3g}" for s in (study.test.nis, study.settled)]
-    rows = ((text("mean of NIS"), f"{study.test.nis.mean:.3g}", bands[0], verdict("nis")),
-            (text("mean of NEES"), f"{study.settled.mean:.3g}", bands[1], verdict("nees")),
+    rows = ((text("mean of NIS"), format_number(study.test.nis.mean, ".3g"), bands[0], verdict("nis")),
+            (text("mean of NEES"), format_number(study.settled.mean, ".3g"), bands[1], verdict("nees")),
             (text("whiteness, p"), chance(study.test.whiteness.p_value), "≥ 0.017", verdict("white")),
             (text("bias, p"), chance(study.test.bias_p_value), "≥ 0.017", verdict("centred") if bias_is_judged(study.test) else
          text("not judged: it assumes white innovations of covariance S")))

@@ -67,8 +67,7 @@ def _report(o: Outcome[Study]) -> Verdict:
     e = _expected(o)
     if not e.right:
         return Verdict(False, text("The right line; now show it with a filter that no test finds out."))
-    return Verdict(True, text("Tuned, and yet the innovations have {over_r:.2f} R over all records; S promised "
-                              "{s_over_r:.2f} R.",
+    return Verdict(True, text("Tuned, and yet the innovations have {over_r:.2f} R over all records; S is {s_over_r:.2f} R.",
                               over_r=e.over_R, s_over_r=e.S_over_R))
 
 

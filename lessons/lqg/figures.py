@@ -155,7 +155,7 @@ def _cost(outcome: Outcome[Study]) -> TableFigure:
         said = claim(text("No other controller is cheaper on average under this noise."), more, below=1 + 1e-6,
                      otherwise=text(
             "{total} times the least: the inputs' gain, or the noise, is not what the model says.", total=words(more)) if wrong else text(
-            "{total} times the least: the filter believes in another noise.", total=words(more)))
+            "{total} times the least: the filter assumes another noise.", total=words(more)))
     return TableFigure("cost", text("average of xᵀQx + uᵀRu"), (text("part"), same("J")), rows,
                        said, COST_TAB)
 
@@ -216,7 +216,7 @@ def _margins(outcome: Outcome[Study]) -> TableFigure:
             text("Optimal, yet a little error of gain, phase or timing breaks it.") if thin else
             text("In gain and phase this loop has margins, but it is so fast that a delay of {delay:.2g} s breaks it.",
                  delay=real.delay) if hasty else
-            text("This loop has margins; being optimal promised none of them.") if best else
+            text("This loop has margins, but optimality guarantees none of them.") if best else
             text("This loop has margins; for this noise it is not the optimal one."))
     return TableFigure("margins", text("margins"), (text("margin"), same("LQR"), same("LQG")), rows, said,
                        ROBUST_TAB)

@@ -44,16 +44,16 @@ def _of_report(case: Case, when: When) -> tuple[Number, ...]:
     """α_Q, α_R, β_Q, β_R and the true noise of the sensors; on the platform in the report's units and with its values."""
     named = case.id == REPORT
     aq, ar, br = (100.0, 0.1, 1e9) if named else (1.0, 1.0, 1.0)
-    told = (text("V = β_R I in units of 10⁻¹⁸ (m/s)² s: what the filter is told of its sensors.") if named else
-            text("V = β_R I: what the filter is told of its sensors."))
+    told = (text("V = β_R I in units of 10⁻¹⁸ (m/s)² s: the sensor noise that the filter assumes.") if named else
+            text("V = β_R I: the sensor noise that the filter assumes."))
     return (
         _factor("alpha_q", r"\alpha_Q", text("state weight α_Q"), 1e-2, 1e6, aq,
                 text("Q = α_Q Q₀: what motion costs. Only α_Q/α_R matters for K."), when),
         _factor("alpha_r", r"\alpha_R", text("input weight α_R"), 1e-4, 1e4, ar,
                 text("R = α_R I: what force costs."), when),
-        _factor("beta_q", r"\beta_Q", text("disturbance believed β_Q"), 1e-3, 1e3, 1.0,
-                text("W = β_Q W₀ is what the filter is told; the disturbance itself stays."), when),
-        _factor("beta_r", r"\beta_R", text("sensor noise believed β_R"), 1e-3, 1e12, br,
+        _factor("beta_q", r"\beta_Q", text("assumed disturbance β_Q"), 1e-3, 1e3, 1.0,
+                text("W = β_Q W₀ is the disturbance that the filter assumes; the disturbance itself stays."), when),
+        _factor("beta_r", r"\beta_R", text("assumed sensor noise β_R"), 1e-3, 1e12, br,
                 told, when),
         _factor("sensor", r"V_{\mathrm{true}}", text("true sensor noise"), 1e-2, 1e12, 1.0,
                 text("In the unit of β_R: what the sensors really do."), when),
@@ -65,7 +65,7 @@ def _of_paper(when: When) -> tuple[Number, ...]:
         _factor("q", "q", text("state weight q"), 0.1, 1e4, 5.0,
                 text("Q = q [1 1]ᵀ[1 1], R = 1."), when),
         _factor("sigma", r"\sigma", text("disturbance σ"), 0.1, 1e4, 5.0,
-                text("W = σ [1 1]ᵀ[1 1], V = 1, as they are and as the filter believes."), when),
+                text("W = σ [1 1]ᵀ[1 1], V = 1, both the true values and those that the filter assumes."), when),
     )
 
 
@@ -76,7 +76,7 @@ def _for_all(case: Case, report: When) -> tuple[Choice | Number, ...]:
         hint=text("Nyquist and margins: this input is cut, the others stay closed.")),)
     return (
         Number("recovery", r"\rho", text("recovery ρ"), low=0.0, high=10.0, default=0.0, step=0.5,
-               hint=text("Decades of fictitious noise on the inputs that the filter is told of; 0 is plain LQG.")),
+               hint=text("Decades of fictitious input noise that the filter assumes; 0 is plain LQG.")),
         Number("gain", "m", text("true gain of the inputs"), low=0.5, high=2.0, default=1.0, step=0.001,
                hint=text("How strong the inputs really are, times what the model says.")),
         *cut,

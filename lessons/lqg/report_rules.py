@@ -28,7 +28,7 @@ def rules_figure(outcome: Outcome[Study]) -> TableFigure:
         PROCESS_RULE: lambda: text("holds: at 10 β_Q the sum of the filter's poles ×{process_more:.3g}, input from "
                               "sensor noise ×{process_input:.3g}",
                               process_more=m["process_more"], process_input=m["process_input"]),
-        CAUTION_RULE: lambda: text("holds: nothing is promised; here min |1 + ℓ| = {nearest:.3g}", nearest=study.real.margins.nearest),
+        CAUTION_RULE: lambda: text("holds: there is no guarantee; here min |1 + ℓ| = {nearest:.3g}", nearest=study.real.margins.nearest),
         UNITS_RULE: lambda: text("slip: R_v = σ_v² I gives 10⁻¹⁸; the figures use 10⁻⁹ and 10⁻⁶"),
     }
     rows = tuple((label, evidence[key]() if key == chosen else same("—")) for key, label in RULES if key != NONE)

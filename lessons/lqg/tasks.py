@@ -32,7 +32,7 @@ def _vanish(outcome: Outcome[Study]) -> Verdict:
     if outcome.design["recovery"] > 0:
         return Verdict(False, text("Leave recovery at 0: plain LQG is asked for."))
     if high > BREAKING_GAIN:
-        return Verdict(False, text("It still bears a gain of {high:.5g}; an error of 0.1 % is to break it.",
+        return Verdict(False, text("It is still stable for a gain of {high:.5g}; an error of 0.1 % should make it unstable.",
                                    high=high))
     return Verdict(True, text("At {high:.6g} times the model's gain this optimal loop is lost.", high=high))
 
@@ -42,7 +42,7 @@ def _recover(outcome: Outcome[Study]) -> Verdict:
     if not _on(outcome, DOYLE) or d["q"] < HEAVY or d["sigma"] < HEAVY:
         return Verdict(False, text("Doyle's plant with q and σ of at least 1000, please."))
     low, high = s.real.margins.gain
-    found = text("Gains from {low:.3g} to {high:.4g} are borne", low=low, high=high)
+    found = text("The loop is stable for gains from {low:.3g} to {high:.4g}", low=low, high=high)
     if high < MIN_GAIN_UP or low > MAX_GAIN_DOWN:
         return Verdict(False, text("{found}; from 0.5 to 2 is wanted.", found=found))
     if s.density is None:
@@ -89,7 +89,7 @@ def _rule(outcome: Outcome[Study]) -> Verdict:
     if rule == NONE:
         return Verdict(False, text("Choose the line that you doubt."))
     if rule == UNITS_RULE:
-        return Verdict(False, text("That one is a slip of units; a rule of tuning is asked for."))
+        return Verdict(False, text("This rule has an error in its units; choose a rule of tuning."))
     if rule != SENSOR_RULE:
         return Verdict(False, text("This line holds; the table says why."))
     if not more < 0.9:

@@ -8,7 +8,7 @@ from observer_lab.course.figures.records import Curve, LineFigure, MatrixFigure,
 from observer_lab.course.lazy import FigureSet, tab_figures
 from observer_lab.course.lesson import Outcome
 from observer_lab.engine.network import mean_lower_limit
-from observer_lab.text import Text, same, superscript, text, text_in
+from observer_lab.text import Text, format_number, same, superscript, text, text_in
 
 from ..toolkit.figures import TIME_TAB
 from .cases import CASE_KINDS, RUN_SAMPLES
@@ -67,7 +67,7 @@ def _state(outcome: Outcome[Study]) -> LineFigure:
     lost = int(np.sum(~s.heard))
     return LineFigure("state", signal.name, times(outcome),
                       (Curve(text("true"), _lines(true)), Curve(text("estimate"), _lines(guess), "estimate", "dash"),
-                       Curve(text("steps down: nothing heard"), comb, "disturbance", width=1.2)),
+                       Curve(text("steps down: no packet arrives"), comb, "disturbance", width=1.2)),
                       f"[{signal.unit}]" if signal.unit else "x₁", tab=TIME_TAB,
                       caption=text("{lost} of {samples} samples brought no measurement; the longest gap lasted "
                                    "{heard}.",
@@ -142,7 +142,7 @@ def _big(value: float) -> str:
     if value >= DISPLAY_LIMIT:
         return "10⁹"
     if value < 1e4:
-        return f"{value:.3g}"
+        return format_number(value, ".3g")
     mantissa, power = f"{value:.1e}".split("e")
     return f"{mantissa}·10{superscript(int(power))}"
 
@@ -182,7 +182,7 @@ def _limits(outcome: Outcome[Study]) -> TableFigure:
     s, d = outcome.study, outcome.design
     plant = s.watched.sampled
     edge, p = plant.edge, d["loss"]
-    least = (f"{s.watched.ratio(mean_lower_limit(plant.plant.A, plant.Q, p)):.4g}" if p * plant.radius**2 < 1 else NEVER)
+    least = (format_number(s.watched.ratio(mean_lower_limit(plant.plant.A, plant.Q, p)), ".4g") if p * plant.radius**2 < 1 else NEVER)
     rows: tuple[tuple[Text | str, ...], ...] = (
         (same("max|λ|"), f"{plant.radius:.4f}"),
         (text("diverges above 1/max|λ|²"), f"{100 * edge.lost:.2f} %" if edge.lost < 1 else NEVER),
@@ -194,7 +194,7 @@ def _limits(outcome: Outcome[Study]) -> TableFigure:
     said = (text("The mean grows without end.") if not edge.bounded(p) else
             text("The mean stays bounded.") if p < edge.safe else
             text("The mean stays bounded, though the upper bound does not: the modes differ in modulus (Mo and Sinopoli)."))
-    return TableFigure("limits", text("how many may be lost"), (text("quantity"), text("value")), rows,
+    return TableFigure("limits", text("tolerable losses"), (text("quantity"), text("value")), rows,
                        caption=said, tab=MEAN_TAB)
 
 
@@ -250,8 +250,7 @@ def _blocks(outcome: Outcome[Study]) -> MatrixFigure:
              if corner == 0 and s.meter < AUTONOMOUS_TOLERANCE else
              text("Delay alone leaves the lower left block at zero; what the meter reads comes from packets lost or out of order.")
              if corner == 0 else
-             text("The lower left block is not zero: what the observer is told is not what acts, and the "
-                  "difference drives the error."))
+             text("The lower left block is not zero: the observer gets another input than the plant, and the difference drives the error."))
     return MatrixFigure("blocks", text("the loop in (x, inputs under way, e)"), shown, names, names,
                         (N,), words, WALL_TAB)
 

@@ -103,7 +103,7 @@ KNOBS = (
         default=HOLD_INPUT,
         group=ACTUATOR_GROUP,
         options=((HOLD_INPUT, text("hold the last one")), (ZERO_INPUT, text("apply zero"))),
-        hint=text("What the actuator does when no packet comes."),
+        hint=text("The input of the plant when no packet arrives."),
     ),
     Number(
         "delay",

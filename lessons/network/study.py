@@ -218,7 +218,7 @@ def compute(design: Design) -> Outcome[Study]:
     })
     checks = LazySequence(lambda: (
         Check("bounded", text("the mean covariance stays bounded"), s.edge.bounded(design["loss"]) is True, metrics["growth"]),
-        Check("separation", text("the error lives by itself"), study.meter < AUTONOMOUS_TOLERANCE, study.meter),
+        Check("separation", text("the error dynamics are autonomous"), study.meter < AUTONOMOUS_TOLERANCE, study.meter),
         Check("loop", text("the loop with its delay is stable"), metrics["loop_radius"] < 1, metrics["loop_radius"]),
     ))
     return Outcome(design, {"K": s.K, "L": study.watched.steady.gain, "M": study.watched.steady.filter_gain}, poles, metrics,

@@ -32,11 +32,12 @@ def _faster(outcome: Outcome[Study]) -> Verdict:
                                    loss=100 * d["loss"]))
     period, critical = 1e3 * m["period"], 100 * m["critical"]
     if d["loss"] >= m["critical"]:
-        return Verdict(False, text("Sampled every {period:.1f} ms only {critical:.1f} % may be lost.", period=period, critical=critical))
-    if m["critical"] > NO_FASTER:
-        return Verdict(False, text("Sampled every {period:.1f} ms {critical:.1f} % may be lost: faster than needed.",
+        return Verdict(False, text("Sampled every {period:.1f} ms, only {critical:.1f} % losses can be tolerated.",
                                    period=period, critical=critical))
-    return Verdict(True, text("Sampled every {period:.1f} ms {critical:.1f} % may be lost.", period=period, critical=critical))
+    if m["critical"] > NO_FASTER:
+        return Verdict(False, text("Sampled every {period:.1f} ms, {critical:.1f} % losses can be tolerated: faster than needed.",
+                                   period=period, critical=critical))
+    return Verdict(True, text("Sampled every {period:.1f} ms, {critical:.1f} % losses can be tolerated.", period=period, critical=critical))
 
 
 def _gap(outcome: Outcome[Study]) -> Verdict:
@@ -73,7 +74,7 @@ NOISY_READINGS = Typed("R*(a^2-1)/(1-p*a^2)", ("a", "p", "R"), slips=(
     ("R*(a^2*(1-p)-1)", text("Only the gain term is weighed with 1 − p; the growth a² acts every time."))))
 
 BUDGET = Typed("exp(-2*a/R)", ("a", "R", "k"), slips=(
-    ("exp(-2*a*k/R)", text("So many of the samples may be lost; but a sample is lost only together with all its k copies.")),
+    ("exp(-2*a*k/R)", text("This share of the samples can be lost; but a sample is lost only if all its k copies are lost.")),
     ("exp(-a/R)", text("That is the edge for the error's mean size; the variance grows with its square."))))
 
 TASKS = (

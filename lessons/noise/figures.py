@@ -8,7 +8,7 @@ from observer_lab.course.figures.claims import claim
 from observer_lab.course.figures.records import Curve, Figure, LineFigure, PlaneFigure, Point, TableFigure
 from observer_lab.course.lesson import Outcome
 from observer_lab.engine import chi2_band
-from observer_lab.text import Text, same, squared_unit, text
+from observer_lab.text import Text, format_number, same, squared_unit, text
 
 from ..toolkit.figures import TIME_TAB
 from ..toolkit.shares import percent
@@ -92,8 +92,9 @@ def _shares(outcome: Outcome[Study]) -> TableFigure:
     rows = []
     for i, name in enumerate(SIGNAL_NAMES):
         parts = (study.parts.process, study.parts.sensor, study.parts.total, study.kalman.solution)
-        tried = "—" if study.trials is None else f"{np.sqrt(study.trials.square[-1, i]):.3g}"
-        rows.append((text("{name} [{units}]", name=name, units=SIGNAL_UNITS[i]), *(f"{np.sqrt(P[i, i]):.3g}" for P in parts), tried))
+        tried = "—" if study.trials is None else format_number(np.sqrt(study.trials.square[-1, i]), ".3g")
+        rows.append((text("{name} [{units}]", name=name, units=SIGNAL_UNITS[i]),
+                     *(format_number(np.sqrt(P[i, i]), ".3g") for P in parts), tried))
     gap = float(np.linalg.eigvalsh(study.parts.total - study.kalman.solution)[0])
     worst = float(np.abs(study.kalman.solution).max())
     return TableFigure(

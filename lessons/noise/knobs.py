@@ -29,7 +29,7 @@ KNOBS = (
     Number("v", "V", text("sensor noise V"), "m² s", low=1e-5, high=1e-2, default=4e-4, scale="log",
            hint=text("Intensity of the noise on the measured position.")),
     Number("error0", "e_1(0)", text("position error at the start"), "m", low=0.0, high=1.0, default=0.3,
-           step=0.05, hint=text("Where the block really starts; the observer believes 0.")),
+           step=0.05, hint=text("Where the block really starts; the observer starts from 0.")),
     Choice("watch", "", text("judge by the error in"), default=VELOCITY,
            options=((POSITION, text("position, measured")),
                     (VELOCITY, text("velocity, not measured"))),

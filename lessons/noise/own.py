@@ -31,7 +31,7 @@ def own_knobs(model: Model) -> tuple[Knob, ...]:
         Choice("method", "", text("observer by"), default=BELIEF,
                options=((BELIEF, text("belief in the process noise")), (BY_POLES, text(
                    "dragging poles"))),
-               hint=text("A Kalman filter that believes b times the process noise, or poles of your own.")),
+               hint=text("A Kalman filter that assumes b times the process noise, or poles of your own.")),
         Number("belief", "b", text("believed / true process noise"), low=1e-3, high=1e3, default=100.0,
                scale="log",
                when=("method", (BELIEF,)), hint=text("Above 1 the observer is too fast, below 1 too slow.")),
@@ -44,7 +44,7 @@ def own_knobs(model: Model) -> tuple[Knob, ...]:
                default=0.01,
                scale="log", hint=text("As a share of the outputs at the start.")),
         Number("start", r"\epsilon", text("error at the start"), low=0.0, high=2.0, default=0.3, step=0.05,
-               hint=text("1 is as wrong as the plant is off rest; the observer believes it at rest.")),
+               hint=text("At 1 the observer starts from rest although the plant does not.")),
         Choice("watch", "", text("judge by the error in"), default="second",
                options=(("first", one.name), ("second", two.name)), hint=text("Which error the curves show.")),
         *run_knobs(model.horizon),

@@ -9,7 +9,7 @@ from observer_lab.course.lazy import FigureSet, tab_figures
 from observer_lab.course.lesson import Outcome
 from observer_lab.engine.simulation import Run
 from observer_lab.plants import Model, Signal
-from observer_lab.text import squared_unit, text, text_in
+from observer_lab.text import format_number, squared_unit, text, text_in
 
 from ..toolkit.figures import TIME_TAB
 from ..toolkit.shares import percent
@@ -75,7 +75,7 @@ def _peaks(outcome: Outcome[Study]) -> PlaneFigure:
 def _shares(model: Model, outcome: Outcome[Study]) -> TableFigure:
     study = outcome.study
     rows = tuple((text("{name} [{unit}]", name=s.name, unit=s.unit), *(
-        f"{_rms(P, s):.3g}" for P in (study.parts.process, study.parts.sensor, study.parts.total, study.least.total)))
+        format_number(_rms(P, s), ".3g") for P in (study.parts.process, study.parts.sensor, study.parts.total, study.least.total)))
         for s in model.watched[:6])
     return TableFigure("shares", text("σ of the settled error"),
                        (text("error in"), text("process"), text_in("noise", "sensor"), text(

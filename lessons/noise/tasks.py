@@ -23,8 +23,8 @@ def _by_hand(outcome: Outcome[Study]) -> Verdict:
     if outcome.design["method"] != "poles":
         return Verdict(False, text("Drag the poles yourself: here the Kalman filter is not to help."))
     if (outcome.design["w"], outcome.design["v"]) != GIVEN:
-        return Verdict(False, text("Put the noises back to W = {given:g} and V = {given2:g}: the poles are to go "
-                                   "to the bottom, not the bottom to the poles.",
+        return Verdict(False, text("Put the noises back to W = {given:g} and V = {given2:g}; move the poles to the minimum, not the "
+                                   "minimum to the poles.",
                                    given=GIVEN[0], given2=GIVEN[1]))
     if ratio > MAX_VARIANCE_RATIO:
         return Verdict(False, text("The worse of the two variances is {ratio:.3f} times the least; at most "

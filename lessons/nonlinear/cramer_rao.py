@@ -130,7 +130,7 @@ def words(who: str, bound: Bound, runs: int, out: int, kicked: bool, kalman: boo
 
 def _room(who: str, bound: Bound, runs: int, out: int, kicked: bool, kalman: bool) -> Text:
     if kicked:
-        return text("The bound is for those who are told of the kick; no filter is.")
+        return text("The bound assumes that the kick is known, and no filter has it.")
     if kalman:
         return text("The plant is linear, so the {who} is the Kalman filter: no filter has a smaller mean square error.", who=who.upper())
     if out or not np.isfinite(bound.times[who]):

@@ -12,7 +12,7 @@ from observer_lab.course.lesson import Outcome
 from observer_lab.plants import cart_pendulum
 from observer_lab.plants.bodies import falling_body
 from observer_lab.plants.platform import model
-from observer_lab.text import NO_WORDS, Text, joined, listed, same, text
+from observer_lab.text import NO_WORDS, Text, format_number, joined, listed, same, text
 
 from ..toolkit.figures import TIME_TAB
 from .cases import EKF, FALL_CASE, KF, LENGTH, PENDULUM_CASE, PLATFORM, UKF, judged
@@ -131,7 +131,7 @@ def _verdicts(outcome: Outcome[Study]) -> TableFigure:
 
 
 def _short(value: float) -> str:
-    return f"{value:.3g}" if value < 1e4 else f"{value:.1e}"
+    return format_number(value, ".3g") if value < 1e4 else f"{value:.1e}"
 
 
 # --- laws ---------------------------------------------------------------------------------------------------------------
@@ -197,7 +197,7 @@ def _second_law(outcome: Outcome[Study]) -> PlaneFigure:
         k, angle = cart_pendulum.Parameters(), np.linspace(-90, 90, 91)
         push = np.cos(np.radians(angle)) / (k.cart + k.ball * np.sin(np.radians(angle))**2)
         return _plane("law2", text("how much a force on the cart turns the pole"), "θ [°]", "rad/s²/N", angle, push,
-                      np.ones_like(angle), None, text("Lying flat, the pole can no longer be turned by the cart."), (0.0, 1.6))
+                      np.ones_like(angle), None, text("When the pole is horizontal, the cart can no longer turn it."), (0.0, 1.6))
     h = np.linspace(0, 95, 96)
     air = np.exp(-falling_body.PARAMETERS.density * 1e3 * h)
     return _plane("law2", text("density of the air"), "h [km]", "ρ/ρ₀", h, air, np.full_like(h, air[-1]), None,
@@ -215,8 +215,8 @@ def _algorithm(outcome: Outcome[Study]) -> LineFigure:
     more = float(believed[-1] / right[-1] - 1)
     said = (text("The falling body has no process noise, so there is nothing to redraw for. Choose the platform.")
             if s.case.id == FALL_CASE else
-            text("On the plant made linear: Algorithm 3 believes a σ {more:.1f} % above the Kalman filter's and "
-                 "really errs {worse:.1f} % more.",
+            text("On the linear plant the σ of Algorithm 3 is {more:.1f} % above the Kalman filter's, and its error is {worse:.1f} % "
+                 "larger.",
                  more=100 * more, worse=100 * worse))
     return LineFigure("algorithm", text("σ of: {name}", name=signal.name), t, (
         Curve(text("Kalman filter"), scale * right, "plant"),

@@ -41,7 +41,7 @@ def _small(o: Outcome[Study]) -> Verdict:
         return _no(text("{said}; the EKF's should lie between 0.6 and 1.5.", said=said))
     if m["nees_kf"] < 3:
         return _no(text("{said}; the KF's should exceed 3, or nothing is shown.", said=said))
-    return Verdict(True, text("{said}: bent springs, an honest EKF.", said=said))
+    return Verdict(True, text("{said}: the springs are nonlinear, and the EKF is consistent.", said=said))
 
 
 def _deceived(o: Outcome[Study]) -> Verdict:
@@ -82,7 +82,7 @@ DRAG = Typed("-c^3*v^2*exp(-k*h)", ("c", "k", "h", "v"), slips=(
     ("c*v^2*exp(-k*h)", text("That is the last entry alone; the determinant has the two others of the triangle as factors."))))
 BOUND_FORMULA = Typed("P*R/(R+4*N*P*(m^2+P))", ("m", "P", "R", "N"), slips=(
     ("P*R/(R+4*N*P*m^2)", text("That is the tangent at m; the bound takes the mean of x² over all truths, m² + P.")),
-    ("R/(4*N*(m^2+P))", text("What is known beforehand is information too: 1/P."))))
+    ("R/(4*N*(m^2+P))", text("The prior knowledge is information too: 1/P."))))
 
 TASKS = (
     Task("linear", _linear, {"case": PLATFORM, "hardening": 0.0, "weakening": 0.0}),

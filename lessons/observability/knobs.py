@@ -39,8 +39,7 @@ KNOBS = (
     Number("angle", r"\varphi", text("sensor direction"), "°", low=-90.0, high=90.0, default=0.0, step=0.1,
            when=("plant", (NOTES,)), hint=text("C = [cos φ, sin φ]: at 0° it is the notes' [1 0].")),
     Number("gap", r"\varepsilon", text("gap between the modes"), low=1e-8, high=1.0, default=0.5, scale="log",
-           when=("plant", (PAIR,)), hint=text("A = diag(−1, −1−ε), C = [1 1]: with ε = 0 the modes cannot be told "
-                                              "apart.")),
+           when=("plant", (PAIR,)), hint=text("A = diag(−1, −1−ε), C = [1 1]: with ε = 0 the sensor cannot distinguish the modes.")),
     Number("count", "n", text("number of modes"), low=2, high=20, default=20, scale="integer",
            when=("plant", (MANY_MASSES,)), hint=text("A = diag(−1, …, −n), and one sensor that adds all states up.")),
     _rows("rows_deck", (DECK_CASE,), 6),

@@ -25,7 +25,7 @@ def _one_sensor(outcome: Outcome[Study]) -> Verdict:
         return Verdict(False, text("This task is about the deck; choose it as the plant."))
     count = sum(design[f"{k}_on"] for k in SENSOR_KNOBS)
     if count != 1:
-        return Verdict(False, text("Sensors on: {count}; the task wants exactly one.", count=count))
+        return Verdict(False, text("Sensors on: {count}; switch on exactly one.", count=count))
     if outcome.metrics["hidden"] > 0:
         return Verdict(False, text("{hidden:.0f} of 6 states leave no trace in this sensor.",
                                    hidden=outcome.metrics["hidden"]))
@@ -46,8 +46,8 @@ def _two_sensors(outcome: Outcome[Study]) -> Verdict:
         return Verdict(False, text("This task is about the deck; choose it as the plant."))
     count = sum(design[f"{k}_on"] for k in SENSOR_KNOBS)
     if count != 2 or design["noise"] < MIN_NOISE:
-        return Verdict(False, text("Sensors on: {count}, with the noise {noise:.3g}; the task wants two, and a noise of {least:g} or "
-                                   "more.", count=count, noise=design["noise"], least=MIN_NOISE))
+        return Verdict(False, text("Sensors on: {count}, with the noise {noise:.3g}; use two, and a noise of {least:g} or more.",
+                                   count=count, noise=design["noise"], least=MIN_NOISE))
     found = text("Known to a tenth are {known:.0f} of 6 directions, and the ellipsoid's longest half axis is {longest:.4f}",
                  known=m["known"], longest=m["longest"])
     if not HALF_AXIS_BAND[0] <= m["longest"] <= HALF_AXIS_BAND[1]:
@@ -66,8 +66,8 @@ def _wrong_sentence(outcome: Outcome[Study]) -> Verdict:
                                    "them does."))
     d = found.weakest.distance
     if d > BLIND_DISTANCE:
-        return Verdict(False, text("The sentence is right. Now turn the sensor until it all but fails: the "
-                                   "nearest mode is still {d:.2g} from hidden.",
+        return Verdict(False, text("The sentence is right. Now turn the sensor until it almost fails: the nearest mode is still "
+                                   "{d:.2g} from hidden.",
                                    d=d))
     return Verdict(True, text("At {angle:.4g}° a mode is {d:.1g} from hidden and the Gramian's least eigenvalue is {least:.1g}.",
                               angle=design["angle"], d=d, least=outcome.metrics["least_energy"]))
@@ -77,7 +77,7 @@ def _on_paper(outcome: Outcome[Study]) -> Verdict:
     m = outcome.metrics
     rank, n, d = int(m["rank"]), int(m["states"]), m["weakest"]
     if rank < n:
-        return Verdict(False, text("rank(O) = {rank} of {n}; the task wants full rank at this tolerance.",
+        return Verdict(False, text("rank(O) = {rank} of {n}; full rank is needed at this tolerance.",
                                    rank=rank, n=n))
     if m["hidden"] > 0 or not 0.9 * PAPER_RANK_DISTANCE <= d <= 1.1 * PAPER_RANK_DISTANCE:
         return Verdict(False, text("Full rank, and the weakest mode is {d:.2g} from hidden; bring it to {paper:g} within 10 %.",
@@ -89,14 +89,14 @@ def _low_rank(outcome: Outcome[Study]) -> Verdict:
     m = outcome.metrics
     rank, n, d = int(m["rank"]), int(m["states"]), m["weakest"]
     if m["hidden"] > 0 or d < 0.4:
-        return Verdict(False, text("The weakest mode is {d:.2g} from hidden; the task wants every mode beyond 0.4.",
+        return Verdict(False, text("The weakest mode is {d:.2g} from hidden; every mode must be beyond 0.4.",
                                    d=d))
     tolerance = outcome.design["tolerance"]
     if tolerance > MIN_TOLERANCE:
         return Verdict(False, text("A tolerance of {tolerance:.2g} cuts the rank by choice, not by rounding; take {fine:.0g} or less.",
                                    tolerance=tolerance, fine=MIN_TOLERANCE))
     if 2 * rank >= n:
-        return Verdict(False, text("rank(O) = {rank} of {n}; the task wants less than half of n.", rank=rank, n=n))
+        return Verdict(False, text("rank(O) = {rank} of {n}; it must be less than half of n.", rank=rank, n=n))
     return Verdict(True, text("rank(O) = {rank} of {n}, yet every mode is at least {d:.2g} from hidden: the "
                               "number was rounding.",
                               rank=rank, n=n, d=d))

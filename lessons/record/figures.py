@@ -7,7 +7,7 @@ import numpy as np
 from observer_lab.course.figures.records import Curve, LineFigure, PlaneFigure, Point, TableFigure, thin_samples
 from observer_lab.course.lazy import FigureSet, tab_figures
 from observer_lab.course.lesson import Outcome
-from observer_lab.text import Text, text
+from observer_lab.text import Text, format_number, text
 
 from .study import WHITE, Study
 
@@ -157,7 +157,7 @@ def _numbers(outcome: Outcome[Study]) -> TableFigure:
         (text("rows of the record"), f"{record.rows}", ""), (text("rows for the fit"), f"{study.first}", ""),
         (text("step"), f"{record.dt:.3g} s", ""),
         (text("steps of past and of future"), f"{found.subspace.horizon}", ""),
-        ("R", f"{found.fitted.R[0, 0]:.3g}", f"{truth.R[0, 0]:.3g}" if truth else ""),
+        ("R", format_number(found.fitted.R[0, 0], ".3g"), format_number(truth.R[0, 0], ".3g") if truth else ""),
     ]
     true = study.true_poles
     for k, (pole, deviation) in enumerate(zip(found.subspace.poles, found.subspace.deviations, strict=True)):

@@ -57,8 +57,8 @@ def _error(outcome: Outcome[Story]) -> LineFigure:
                if outcome.metrics["slowest_loop"] >= 0 else
                claim(text("With the true plant e_u settles to an amplitude of {steady:.2g}; on the model it dies out.", steady=steady),
                      late, below=1.2 * steady + 1e-9, otherwise=text(
-                         "With the true plant e_u will settle to an amplitude of {steady:.2g}, but at the end of this "
-                         "run the start still shows: up to {late:.2g}.", steady=steady, late=late)))
+                         "With the true plant e_u tends to an amplitude of {steady:.2g}. At the end of this run the start still shows: "
+                         "up to {late:.2g}.", steady=steady, late=late)))
     return LineFigure("e_u", text("error of the input, û − Kx in the paper's sign"), t,
                       (Curve(text("true plant"), _edge(story.true.e_u[:, 0]), "error"),
                        Curve(text("model"), _edge(story.model.e_u[:, 0]), "reference", "dash", 1.6)),
@@ -184,8 +184,8 @@ def _found(outcome: Outcome[Story]) -> TableFigure:
         rows.append((shown, str(found.observer.order), poles, f"{found.value:.6g}", tried))
     caption = (text("Not run yet: press the button “Run algorithm RLO”.")
                if search is None or not search.found else
-               text("✗ with the share of K that an observer of that order misses at best, over all poles in the region; then the "
-                    "order is raised."))
+               text("✗ with the share of K that every observer of that order misses, whatever its poles in the region; then the order "
+                    "is raised."))
     return TableFigure("found", text("algorithm RLO inside the region"), columns, tuple(rows),
                        caption=caption, tab=J_TAB)
 
@@ -224,7 +224,7 @@ def _sweep(outcome: Outcome[Story]) -> PlaneFigure:
 
 # --- the paper -------------------------------------------------------------------------------------------------------
 def _row(M: np.ndarray) -> str:
-    return "; ".join(" ".join(f"{v:.4g}" if abs(v) > 1e-12 else "0" for v in row) for row in M).replace("-", "−")
+    return "; ".join(" ".join(format_number(v, ".4g") if abs(v) > 1e-12 else "0" for v in row) for row in M).replace("-", "−")
 
 
 def _numbers(outcome: Outcome[Story]) -> TableFigure:
@@ -243,7 +243,7 @@ def _numbers(outcome: Outcome[Story]) -> TableFigure:
 def _share(value: float | None) -> Text | str:
     if value is None:
         return text("does not fit")
-    return "0" if value < 1e-12 else f"{value:.2g}"
+    return "0" if value < 1e-12 else format_number(value, ".2g")
 
 
 def _slips(outcome: Outcome[Story]) -> TableFigure:

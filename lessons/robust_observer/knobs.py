@@ -52,7 +52,7 @@ KNOBS = (
           re_high=RE_HIGH, im_high=IM_HIGH, role="estimate", when=("example", (EXAMPLE_TWO, EXAMPLE_THREE)),
           hint=text("Drag s₁ and s₂; they must differ, and may be a pair.")),
     Number("free", "M'", text("free number M′"), low=-100.0, high=100.0, default=0.0, step=1.0, when=("example", (EXAMPLE_THREE,)),
-           hint=text("What the conditions leave open: M = M′, and N = (K − M′C)T⁻¹ follows.")),
+           hint=text("The freedom that the conditions leave: M = M′, and N = (K − M′C)T⁻¹ follows.")),
     _delta("a1", r"\delta_a^1", (EXAMPLE_ONE, EXAMPLE_THREE), text("δ of a₂₁"), 0.5, 0.1),
     _delta("a2", r"\delta_a^2", (EXAMPLE_ONE, EXAMPLE_THREE), text("δ of a₂₂"), 0.5, -0.4),
     _delta("c", r"\delta_c", (EXAMPLE_ONE, EXAMPLE_THREE), text("δ of the sensor"), 0.1, 0.05),

@@ -63,15 +63,16 @@ def _parts(o: FunctionalObserver) -> tuple[str, ...]:
     """The three sums of J."""
     w, nothing = o.wrong, np.zeros
     T, L, M = nothing(o.T.shape), nothing(o.L.shape), nothing(o.M.shape)
-    return tuple(f"{criterion(*rows, w, norm=o.norm):.4g}" for rows in ((o.T, L, M), (T, o.L, M), (T, L, o.M)))
+    return tuple(format_number(criterion(*rows, w, norm=o.norm), ".4g") for rows in ((o.T, L, M), (T, o.L, M), (T, L, o.M)))
 
 
 def _compared(outcome: Outcome[Story], story: Story) -> TableFigure:
     """The chosen observer beside that of RLO."""
     def column(o: FunctionalObserver, run: Run) -> tuple[Text | str, ...]:
         within = text("yes") if inside(o.poles, outcome.design) else text("no")
-        return (str(o.order), pole_words(list(o.poles)), within, f"{o.J:.5g}", *_parts(o), f"{o.condition:.3g}", f"{o.output_residual:.1e}",
-                f"{run.late(run.e):.3g}",
+        return (str(o.order), pole_words(list(o.poles)), within, format_number(o.J, ".5g"),
+                *_parts(o), format_number(o.condition, ".3g"), f"{o.output_residual:.1e}",
+                format_number(run.late(run.e), ".3g"),
                 format_number(run.poles.real.max(), ".3g"))
     ours = column(story.observer, story.true)
     found = story.found
@@ -86,7 +87,7 @@ def _compared(outcome: Outcome[Story], story: Story) -> TableFigure:
     if found is None:
         said = text("RLO has not run yet: press the button “Run algorithm RLO”.")
     elif found.observer.order != story.observer.order:
-        said = text("The orders differ; J of observers of different order is to be compared with care.")
+        said = text("The orders differ; compare J of observers of different order with care.")
     else:
         ratio = story.observer.J / max(found.value, 1e-300)
         said = text("The chosen J is {ratio:.3g} times that of RLO.", ratio=ratio)
@@ -98,7 +99,8 @@ def _attempts(story: Story) -> TableFigure:
     """What RLO tried on its way."""
     rows: tuple[tuple[Text | str, ...], ...] = ((NO_VALUE, NO_VALUE, NO_VALUE, NO_VALUE),)
     if story.found is not None:
-        rows = tuple((str(a.order), "✓" if a.feasible else "✗", f"{a.gap:.2g}", f"{a.J:.5g}" if np.isfinite(a.J) else NO_VALUE)
+        rows = tuple((str(a.order), "✓" if a.feasible else "✗", format_number(a.gap, ".2g"),
+                      format_number(a.J, ".5g") if np.isfinite(a.J) else NO_VALUE)
                      for a in story.found.attempts)
     said = (text("Algorithm RLO raises the order until the conditions can be met; it has not run yet.") if story.found is None else
             text("Share of K that is missed at best: where it is not zero the order is raised."))

@@ -68,8 +68,7 @@ def observer_of(here: Here, design: Design) -> FunctionalObserver:
 
 
 def _none(order: int) -> KnobError:
-    return KnobError(text("With these poles no observer of order {order} gives what is wanted to 1e-9; raise the "
-                          "order or move the poles.",
+    return KnobError(text("With these poles no observer of order {order} gives the function to 10⁻⁹; raise the order or move the poles.",
                           order=order))
 
 

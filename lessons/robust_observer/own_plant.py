@@ -83,8 +83,8 @@ def fitted(model: Model) -> Here:
     units = scaled(model)
     highest = plant.n - seen_by(units)
     if highest < 1:
-        raise KnobError(text("The outputs of this plant give its whole state at once, so u = −Kx needs no "
-                             "observer; leave out an output, or take a plant with more states."))
+        raise KnobError(text("The outputs of this plant give its whole state, so u = −Kx needs no observer. Leave out an output, or "
+                             "use a plant with more states."))
     K = np.zeros((plant.m, plant.n)) if model.controller is None else model.controller.gain
     wanted = tuple((f"u{i + 1}", text("input {name}: its row of K", name=signal_name(plant, name)))
                    for i, name in enumerate(plant.input_names) if np.any(K[i]))
@@ -96,8 +96,8 @@ def fitted(model: Model) -> Here:
     starts = [(order, poles) for order, poles, condition in found if poles and condition <= limit]
     starts = starts[:MAX_LOW_ORDERS] + starts[MAX_LOW_ORDERS:][-1:]
     if not starts:
-        raise KnobError(text("No observer of order 1 to {highest} is within the reach of double precision for "
-                             "this plant: its polynomials spread over too many powers of ten.",
+        raise KnobError(text("Double precision finds no observer of order 1 to {highest} for this plant: its polynomials spread over "
+                             "too many powers of ten.",
                              highest=highest))
     return Here(model, wanted, tuple(starts), every_entry(plant), highest, units)
 

@@ -109,7 +109,7 @@ TASKS = (
     Task("one-observer", _one_observer, {"example": EXAMPLE_TWO, "w12": 1.2, "carried": True},
          Typed("a + w*b", ("a", "b", "w"), (("a", text("That is the old start; W moves the first entry too.")),))),
     Task("remark-3", _remark, {"example": EXAMPLE_TWO, "remark": "similar"}, Typed("n/r", ("n", "r"), (
-        ("n*r", text("With that, N′T′ is r² N T; the product is to stay.")),))),
+        ("n*r", text("With that, N′T′ is r² N T; the product must not change.")),))),
     Task("sizes", _sizes, {"example": EXAMPLE_TWO, "line": "LC", "columns": "mp"},
          Typed("m + p - r", ("m", "p", "r"))),
     Task("no-say", _no_say, {"example": EXAMPLE_THREE, "free": 25.0}, Typed("-50 - 30*s", ("s",), (

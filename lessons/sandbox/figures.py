@@ -89,7 +89,7 @@ def modes_table(found: Structure) -> TableFigure:
     assert isinstance(found.seen, Observability) and isinstance(found.reached, Controllability)
     pairs = [(a, b) for a, b in _paired(found.seen.modes, found.reached.modes) if a.pole.imag >= -1e-12 * abs(a.pole)]
     pairs.sort(key=lambda pair: min(p.margin if p.visible else -1.0 for p in pair))
-    rows = tuple((pole_words([complex(a.pole.real, abs(a.pole.imag))]), text("settles") if a.stable else
+    rows = tuple((pole_words([complex(a.pole.real, abs(a.pole.imag))]), text("decays") if a.stable else
                   text("does not settle"), _bar(a), _bar(b)) for a, b in pairs[:MOST_MODES])
     left = len(pairs) - len(rows)
     more = text("The {left} others are farther from hidden.", left=left) if left > 0 else NO_WORDS

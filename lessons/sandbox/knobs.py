@@ -21,11 +21,11 @@ def knobs(model: Model) -> tuple[Knob, ...]:
         Number("u_max", r"u_{\max}", text("limit"), model.input_unit, low=0.02 * model.u_max, high=20 * model.u_max,
                default=model.u_max, scale="log", when=("limited", (True,)),
                hint=text("The largest input that is given, either way.")),
-        Choice("fed", "", text("the observer is told"), default=COMMANDED,
+        Choice("fed", "", text("input of the observer"), default=COMMANDED,
                options=((COMMANDED, text("the commanded input")), (APPLIED, text(
                    "the applied input"))),
                when=("limited", (True,)),
-               hint=text("What the controller asked for, or what was really given.")),
+               hint=text("The commanded input, or the applied input.")),
         Switch("noisy", "", text("noise in the run"), hint=text(
             "Draw both noises in the run that is shown.")),
         Number("sensor", r"\sigma", text("sensor noise, share of the outputs"), low=1e-3,
@@ -33,7 +33,7 @@ def knobs(model: Model) -> tuple[Knob, ...]:
                hint=text("Beside a process noise of a tenth of the natural input.")),
         Number("belief", r"b", text("believed / true process noise"),
                low=1e-3, high=1e3, default=1.0, scale="log",
-               hint=text("What the Kalman filter of the tab Noise believes; below 1 it trusts its model too much.")),
+               hint=text("The process noise that the Kalman filter of the tab Noise assumes; below 1 it trusts its model too much.")),
         Number("tolerance", r"\tau", text("tolerance of the rank"), low=1e-16, high=1.0, default=1e-12, scale="log",
                hint=text("Singular values at or below τ times the largest count as zero.")),
         *run_knobs(model.horizon),

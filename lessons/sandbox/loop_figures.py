@@ -19,7 +19,7 @@ from observer_lab.course.figures.records import (
 from observer_lab.engine import Plant, chi2_band
 from observer_lab.engine.feedback import ClosedLoop
 from observer_lab.plants.signal_names import signal_name
-from observer_lab.text import NO_WORDS, Text, joined, same, text, text_in
+from observer_lab.text import NO_WORDS, Text, format_number, joined, same, text, text_in
 
 from ..toolkit.latex import tiny
 from ..toolkit.shares import apart
@@ -69,8 +69,8 @@ def spectrum(loop: ClosedLoop, dt: float) -> PlaneFigure:
     return PlaneFigure(
         "spectrum", text("spectrum of the whole loop"), circle, points, "Re z" if dt else "Re s", "Im z" if dt else "Im s",
         (low, high), (-size, size), equal=bool(dt), unstable=not dt, tab=LOOP_TAB, caption=text(
-            "Crosses: eig(A − BK), eig(A − LC). Circles: the {count} poles of the loop. Green dots: the "
-            "compensator's own. What lies farther out is drawn at the edge. {said}",
+            "Crosses: eig(A − BK), eig(A − LC). Circles: the {count} poles of the loop. Green dots: the compensator's own. Points "
+            "farther out are drawn at the edge. {said}",
             count=len(loop.poles), said=said))
 
 
@@ -81,8 +81,8 @@ def blocks(loop: ClosedLoop, plant: Plant, meter: float) -> MatrixFigure:
     return MatrixFigure("blocks", text("the loop in (x, e) coordinates"), loop.A_xe, names, names, (n,),
                         tab=LOOP_TAB, caption=claim(
                             text("White is zero: the error drives the state, never the other way round."), meter, below=ALONE,
-                            otherwise=text("White is zero in this matrix, which knows of no limit; in the run, what the plant was not "
-                                           "given drives the error.")))
+                            otherwise=text("White is zero in this matrix, which has no limit in it; in the run, the clipped part of "
+                                           "the input drives the error.")))
 
 
 def certificate_table(rows: tuple[tuple[Text, float], ...] | Refusal) -> TableFigure:
@@ -164,7 +164,7 @@ def gain_figure(found: Trial | Refusal) -> LineFigure:
     if isinstance(found, Refusal):
         return empty_time("gain", title, NOISE_TAB, why(found))
     late = np.flatnonzero(found.distance > 0.01)
-    after, left = f"{found.t[min(late[-1] + 1, len(found.t) - 1)]:.3g}" if len(late) else "0", 100 * float(found.distance[-1])
+    after, left = format_number(found.t[min(late[-1] + 1, len(found.t) - 1)], ".3g") if len(late) else "0", 100 * float(found.distance[-1])
     return LineFigure("gain", title, found.t, (Curve(text("relative distance"), np.maximum(found.distance, 1e-12), "error"),),
                       "‖M − M∞‖ / ‖M∞‖", log_y=True, window=(1e-8, 1.0), tab=NOISE_TAB,
                       caption=text("Within 1 % after {after} s; no reading has any part in this.", after=after) if left <= 1 else
@@ -195,8 +195,8 @@ def margin_table(found: Margins | Refusal, plant: Plant) -> TableFigure:
     heads = (text("input"), text("gain between"), text("phase"), text("disk α"))
     if isinstance(found, Refusal):
         return TableFigure("margins", title, heads, ((same("—"),) * 4,), why(found), ROBUST_TAB)
-    rows = tuple((signal_name(plant, c.name), f"{c.gain[0]:.2g} … " + ("∞" if np.isinf(c.gain[1]) else f"{c.gain[1]:.3g}"),
-                  f"{np.degrees(c.phase):.0f}°", f"{c.disk.alpha:.3g}") for c in found.channels)
+    rows = tuple((signal_name(plant, c.name), f"{c.gain[0]:.2g} … " + ("∞" if np.isinf(c.gain[1]) else format_number(c.gain[1], ".3g")),
+                  f"{np.degrees(c.phase):.0f}°", format_number(c.disk.alpha, ".3g")) for c in found.channels)
     return TableFigure("margins", title, heads, rows, tab=ROBUST_TAB, caption=text(
         "All inputs at once: disk margin α = {together:.3g}, so gains may change by a factor of {together2:.2g} "
         "up or down together.",

@@ -128,7 +128,7 @@ def _slowest(poles: np.ndarray, dt: float) -> float:
 def _live(rows: tuple[tuple[Text, bool | None, Text], ...]) -> Text:
     no = [name for name, holds, _ in rows if holds is False]
     if not no:
-        return text("No analysis that applies here says no.")
+        return text("All applicable checks pass.")
     return text("Answered with no: {names}.", names=listed(no))
 
 
@@ -195,7 +195,7 @@ def _loop(loop: ClosedLoop, meter: float, limited: bool) -> tuple[Row, ...]:
         (text("loop stable"), loop.stable, text("{count} poles", count=len(loop.poles))),
         (text("separation of the poles"), error < UNION_RTOL, text(
             "off the union by {error}", error=tiny(error))),
-        (text("error lives by itself"), meter < UNION_RTOL, said),
+        (text("error dynamics autonomous"), meter < UNION_RTOL, said),
         (text("compensator stable by itself"), loop.compensator_stable,
          text("{count} poles of its own", count=len(loop.compensator_poles))),
     )

@@ -37,8 +37,8 @@ def _wrong_belief(outcome: Outcome[Study]) -> Verdict:
     p = trial.test.dof
     said = text("On average NIS is {expected:.3g} with {p} expected", expected=trial.expected, p=p)
     if outcome.design["belief"] > 0.1 or not 1 <= trial.expected / (FOUND_OUT * p) <= 1.05:
-        return Verdict(False, text("{said}; the filter must believe a tenth of the noise or less, and NIS be "
-                                   "1.5 times that within 5 %.",
+        return Verdict(False, text("{said}; the filter must assume a tenth of the noise or less, and NIS must be 1.5 times that within "
+                                   "5 %.",
                                    said=said))
     return Verdict(True, text("{said}: the innovations give it away.", said=said))
 

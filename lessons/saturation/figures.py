@@ -19,7 +19,7 @@ from .study import ERROR_LAW_RTOL, NOT_COMPUTED, START_GRID_DEG, Starts, Study, 
 APPLIED_FORCE, ASKED_FORCE, LIMIT = text("applied"), text("asked for"), text("limit")
 EDGES = MappingProxyType({"state0": 49.0, "state1": 1.95, "error": 90.0, "input": 24.5})  # values beyond are drawn at the edge
 CATEGORIES = (
-    (text("comes home"), "plant"),
+    (text("recovers"), "plant"),
     (text("does not"), "disturbance"),
     (text("no controller could"), "muted"),
 )
@@ -47,7 +47,7 @@ def _angle_words(outcome: Outcome[Study]) -> Text:
     stopped, ideal = outcome.study.stopped, bool(outcome.metrics["known_comes_home"])
     end = (text("Fallen after {stopped:.2f} s; the run stops there and the curves are held.", stopped=stopped) if stopped is not None else
            text("Caught.") if outcome.metrics["comes_home"] else text("Not caught yet."))
-    known = (text("With x known, the same start comes home.") if ideal else
+    known = (text("With x known, the same start recovers.") if ideal else
              text("Even with x known, this start is lost."))
     return joined(end, known)
 
@@ -59,16 +59,16 @@ def _position_words(outcome: Outcome[Study]) -> Text:
 
 def _error_words(outcome: Outcome[Study]) -> Text:
     meter, clipped = outcome.metrics["separation_meter"], outcome.metrics["clipped_for"]
-    kept = (text("The force is clipped, and the error keeps its promise.") if clipped > 0 else
-            text("Nothing is clipped, so the error keeps its promise."))
-    return claim(kept, meter, below=ERROR_LAW_RTOL, otherwise=text("The error leaves its promise; separation meter {meter}.",
+    kept = (text("The force is clipped, and the error still follows ė = (A − LC)e.") if clipped > 0 else
+            text("Nothing is clipped, so the error follows ė = (A − LC)e."))
+    return claim(kept, meter, below=ERROR_LAW_RTOL, otherwise=text("The error departs from ė = (A − LC)e; separation meter {meter}.",
                                                           meter=amount(meter)))
 
 
 def starts_figure(starts: Starts | None, limit: float, angle: float, error: float, kicked: bool) -> MapFigure:
     """The map with the present start marked; what is not known for this design stays blank."""
     values = np.full((len(START_GRID_DEG), len(START_GRID_DEG)), NOT_COMPUTED) if starts is None else starts.values
-    return MapFigure("starts", text("starts that come home"), START_GRID_DEG, START_GRID_DEG, values, CATEGORIES,
+    return MapFigure("starts", text("starts that recover"), START_GRID_DEG, START_GRID_DEG, values, CATEGORIES,
                      "θ(0) [°]", "θ(0) − θ̂(0) [°]", (angle, error), _caption(starts, limit, kicked),
                      text("Map"))
 
@@ -79,7 +79,7 @@ def _caption(starts: Starts | None, limit: float, kicked: bool) -> Text:
     if starts.rough:
         return text("A rough map while you drag, from every third start; let go for the whole.")
     share, part = 100 * starts.home, 100 * starts.done
-    known = (text("{share:.1f} % of these starts come home.", share=share) if starts.done == 1 else
+    known = (text("{share:.1f} % of these starts recover.", share=share) if starts.done == 1 else
              text("{part:.0f} % of the map is known; blank starts have not been run.", part=part))
     edge = (text("Beyond {limit:.1f}° no controller could.", limit=limit)
             if limit < START_GRID_DEG[-1] else NO_WORDS)

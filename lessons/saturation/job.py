@@ -78,8 +78,7 @@ def survey(scenario: Scenario, known: Starts | None) -> Iterator[tuple[float, St
 def find_starts(outcome: Outcome[Study]) -> Iterator[tuple[float, Starts | None]]:
     """The map of the design's gains, limit and feed, pass by pass; it goes on from what the outcome shows of it."""
     if max(slowest(outcome, name) for name in ("controller", "observer")) >= 0:
-        raise KnobError(text("A pole is not in the left half plane, so no start comes home; drag it to the left "
-                             "first."))
+        raise KnobError(text("A pole is not in the left half plane, so no start recovers; drag it to the left first."))
     scenario = map_scenario(scenario_of(outcome.design, outcome.gains["K"], outcome.gains["L"]))
     before = outcome.study.starts
     for fraction, starts in survey(scenario, None if before is None or before.rough else before):
@@ -124,5 +123,5 @@ def pick(outcome: Outcome[Study], x: float, y: float) -> Mapping[str, float]:
     return {"angle0": float(START_GRID_DEG[nearest(x)]), "error0": float(START_GRID_DEG[nearest(y)]), "kick": -1.0}
 
 
-JOB = Job(text("Map the starts that come home"), find_starts, key=depends, shown=with_starts, figure="starts", follows=True,
+JOB = Job(text("Map the starts that recover"), find_starts, key=depends, shown=with_starts, figure="starts", follows=True,
           rough=rough_starts)

@@ -14,15 +14,15 @@ MODEL = MODELS["cart-pendulum"]
 HORIZON = 8.0  # s
 COMMANDED, APPLIED = "commanded", "applied"
 KNOBS = (
-    Choice("fed", "", text("the observer is told"), default=COMMANDED,
+    Choice("fed", "", text("input of the observer"), default=COMMANDED,
            options=((COMMANDED, text("the commanded force")), (APPLIED, text("the applied force"))),
-           hint=text("What the controller asked for, or what the motor really gave.")),
+           hint=text("The commanded force, or the applied force.")),
     Number("u_max", r"u_{\max}", text("force limit"), "N", low=1.0, high=10.0, default=4.0, step=0.1,
            hint=text("The motor gives at most this much, either way.")),
     Number("angle0", r"\theta(0)", text("true angle at the start"), "°", low=-20.0, high=20.0, default=6.0,
            step=0.5, hint=text("Where the pole really leans when the run begins; the cart is at rest.")),
     Number("error0", r"e_\theta(0)", text("error of its estimate"), "°", low=-20.0, high=20.0,
-           default=4.0, step=0.5, hint=text("The observer believes θ(0) minus this error.")),
+           default=4.0, step=0.5, hint=text("The observer starts from θ(0) minus this error.")),
     *(replace(knob, when=None) for knob in pole_knobs(MODEL)),
     *run_knobs(HORIZON),
 )

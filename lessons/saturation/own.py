@@ -46,9 +46,9 @@ class OwnStudy:
 def own_knobs(model: Model) -> tuple[Knob, ...]:
     """The lesson's knobs in the plant's own measures."""
     return (
-        Choice("fed", "", text("the observer is told"), default=COMMANDED,
+        Choice("fed", "", text("input of the observer"), default=COMMANDED,
                options=((COMMANDED, text("the commanded input")), (APPLIED, text("the applied input"))),
-               hint=text("What the controller asked for, or what was really given.")),
+               hint=text("The commanded input, or the applied input.")),
         Number("u_max", r"u_{\max}", text("limit of every input"), model.input_unit, low=0.02 * model.u_max,
                high=20 * model.u_max, default=model.u_max, scale="log",
                hint=text("The largest input that is given, either way.")),
@@ -56,7 +56,7 @@ def own_knobs(model: Model) -> tuple[Knob, ...]:
                hint=text("How far off rest the plant starts.")),
         Number("error0", r"e(0)", text("error of its estimate, likewise"), low=-3.0, high=3.0,
                default=1.0, step=0.05,
-               hint=text("The observer believes the start minus this much of it.")),
+               hint=text("The observer starts from the true start minus this share of it.")),
         *(replace(knob, when=None) for knob in pole_knobs(model)),
         *run_knobs(model.horizon),
     )
@@ -97,10 +97,10 @@ def compute(model: Model, design: Design) -> Outcome[OwnStudy]:
                "clipped_for": model.dt * float(clipped.sum()), "clipped_rate": float(np.real(poles["clipped"]).max()),
                "largest_asked": float(np.abs(run.u_asked).max())}
     checks = (
-        Check("autonomous", text("the error lives by itself, ė = (A − LC)e"), meter < 1e-8, meter),
+        Check("autonomous", text("the error dynamics are autonomous, ė = (A − LC)e"), meter < 1e-8, meter),
         Check("windup", text("the compensator is stable while the input is clipped"),
               metrics["clipped_rate"] < 0, metrics["clipped_rate"]),
-        Check("home", text("this start comes home"), home(model, run), metrics["comes_home"]))
+        Check("home", text("this start recovers"), home(model, run), metrics["comes_home"]))
     formulas = (Formula("error", r"\dot e = (A-LC)\,e" if design["fed"] == APPLIED else
                         r"\dot e = (A-LC)\,e + B\,(\mathrm{sat}\,u - u)"),
                 Formula("K", gain_words("K", K)), Formula("L", gain_words(r"L^{\mathsf T}", L.T)))
@@ -110,11 +110,11 @@ def compute(model: Model, design: Design) -> Outcome[OwnStudy]:
 
 
 def _live(design: Design, m: Mapping[str, float]) -> Text:
-    end = text("This start comes home.") if m["comes_home"] else text("This start does not come home.")
+    end = text("This start recovers.") if m["comes_home"] else text("This start does not recover.")
     clipped = m["clipped_for"]
     limit = text("An input is clipped for {clipped:.3g} s.", clipped=clipped) if clipped > 0 else text("No input is ever clipped.")
     wall = (text("The error obeys A − LC all the same.") if m["separation_meter"] < 1e-8 and clipped > 0 else
-            text("So the error obeys A − LC, whatever the observer is told.") if m["separation_meter"] < 1e-8 else
+            text("So the error obeys A − LC, whichever input the observer gets.") if m["separation_meter"] < 1e-8 else
             text("Separation meter {separation_meter}.", separation_meter=amount(m["separation_meter"])))
     return joined(end, limit, wall)
 
@@ -137,9 +137,9 @@ def _map(outcome: Outcome[OwnStudy]) -> MapFigure:
     values = np.full((len(START_GRID), len(START_GRID)), NOT_COMPUTED) if story.values is None else story.values
     done = float(np.mean(values != NOT_COMPUTED))
     said = (text("Not computed for this design yet: press the button under the knobs.") if done == 0 else
-            text("{values:.1f} % of the starts known so far come home. The circle runs now; click another start.",
+            text("{values:.1f} % of the starts computed so far recover. The circle runs now; click another start.",
                  values=100 * np.mean(values == 0) / done))
-    return MapFigure("starts", text("starts that come home"), START_GRID, START_GRID, values, CATEGORIES[:2], "x(0)", "e(0)",
+    return MapFigure("starts", text("starts that recover"), START_GRID, START_GRID, values, CATEGORIES[:2], "x(0)", "e(0)",
                      (design["start"], design["error0"]), said, text("Map"))
 
 
@@ -161,8 +161,7 @@ def find_starts(model: Model, outcome: Outcome[OwnStudy]) -> Iterator[tuple[floa
     """The job: which starts come home, some rows of errors at a time; the loop is odd, so half of them are mirrored."""
     worst = max(float(np.real(outcome.poles[name]).max()) for name in ("controller", "observer"))
     if worst >= 0:
-        raise KnobError(text("A pole is not in the left half plane, so no start comes home for good; drag it to "
-                             "the left if it can be moved."))
+        raise KnobError(text("A pole is not in the left half plane, so no start recovers; drag it to the left if it can be moved."))
     scenario = turned(model, scenario_of(model, outcome.design, outcome.gains["K"], outcome.gains["L"]))
     values, known = np.full((len(START_GRID), len(START_GRID)), NOT_COMPUTED), None
     up = np.flatnonzero(START_GRID >= 0)
@@ -196,6 +195,6 @@ def pick(outcome: Outcome[OwnStudy], x: float, y: float) -> Mapping[str, float]:
 def adapted(lesson: Lesson, model: Model) -> Lesson:
     """The lesson on a person's own plant, which fits whatever it is; the tasks speak of the pole and stay with it."""
     return replace(lesson, knobs=own_knobs(model), compute=partial(compute, model), figures=partial(figures, model), tasks=(),
-                   job=Job(text("Map the starts that come home"), partial(find_starts, model), depends, with_map, figure="starts",
+                   job=Job(text("Map the starts that recover"), partial(find_starts, model), depends, with_map, figure="starts",
                            follows=True),
                    pick=pick, derived=partial(derived_own, model))

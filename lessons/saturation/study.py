@@ -126,10 +126,10 @@ def compute(design: Design) -> Outcome[Study]:
     }
     story = Study(shown, autonomous_error(shown), known.x, stopped, None)
     checks = (
-        Check("autonomous", text("the error lives by itself, ė = (A − LC)e"), meter < ERROR_LAW_RTOL, meter),
+        Check("autonomous", text("the error dynamics are autonomous, ė = (A − LC)e"), meter < ERROR_LAW_RTOL, meter),
         Check("windup", text("the compensator is stable while the force is clipped"),
               metrics["clipped_rate"] < 0, metrics["clipped_rate"]),
-        Check("home", text("this start comes home"), comes_home(run), float(np.linalg.norm(run.x[-1]))),
+        Check("home", text("this start recovers"), comes_home(run), float(np.linalg.norm(run.x[-1]))),
     )
     boards = pole_boards(MODEL, design, poles["controller"], poles["observer"])
     return Outcome(design, {"K": K, "L": L}, poles, metrics, checks, seen, boards, stage(MODEL, shown),
@@ -161,12 +161,12 @@ def _formulas(design: Design, K: np.ndarray, L: np.ndarray, metrics: Mapping[str
 def _live(design: Design, metrics: Mapping[str, float], stopped: float | None) -> Text:
     meter, clipped = metrics["separation_meter"], metrics["clipped_for"]
     home = bool(metrics["comes_home"])
-    end = (text("The pole comes home.") if home else
-           text("The pole does not come home.") if stopped is None else
+    end = (text("The pole recovers.") if home else
+           text("The pole does not recover.") if stopped is None else
            text("The pole falls: past 45° at {stopped:.2f} s.", stopped=stopped))
     limit = text("The force is clipped for {clipped:.2f} s.", clipped=clipped) if clipped > 0 else text("The force is never clipped.")
     obeys = (text("The error obeys A − LC all the same.") if clipped > 0 else
-             text("So the error obeys A − LC, whatever the observer is told."))
+             text("So the error obeys A − LC, whichever input the observer gets."))
     wall = claim(obeys, meter, below=ERROR_LAW_RTOL, otherwise=text(
         "Separation meter {meter}: what the motor did not give drives the error.", meter=amount(meter)))
     return joined(end, limit, wall)

@@ -28,10 +28,9 @@ def _false_sentence(outcome: Outcome[Study]) -> Verdict:
         return Verdict(False, text("The force is clipped for {clipped:.2f} s; the counterexample asked for has 0.5 s within 10 %.",
                                    clipped=clipped))
     if not outcome.metrics["comes_home"]:
-        return Verdict(False, text("The pole does not come home; the force was clipped for {clipped_for:.2f} s.", clipped_for=clipped))
+        return Verdict(False, text("The pole does not recover; the force was clipped for {clipped_for:.2f} s.", clipped_for=clipped))
     if meter >= ERROR_LAW_RTOL:
-        return Verdict(False, text("Clipped for {clipped:.2f} s, but the meter reads {meter}; it must be below "
-                                   "1e-9.",
+        return Verdict(False, text("Clipped for {clipped:.2f} s, but the meter reads {meter}; it must be below 10⁻⁹.",
                                    clipped=clipped, meter=amount(meter)))
     return Verdict(True, text("Clipped for {clipped:.2f} s and the meter reads {meter:.0e}: the sentence is false "
                               "as it stands.",
@@ -49,7 +48,7 @@ def _lost_by_belief(outcome: Outcome[Study]) -> Verdict:
     if not m["known_comes_home"]:
         return Verdict(False, text("This start is lost even with x known; lean the pole less."))
     if m["comes_home"]:
-        return Verdict(False, text("This start comes home; make the first belief worse."))
+        return Verdict(False, text("This start recovers; make the first belief worse."))
     return Verdict(True, text("The meter reads {separation_meter:.0e}, x known would save the pole, the estimate "
                               "does not.",
                               separation_meter=m["separation_meter"]))
@@ -66,7 +65,7 @@ def _better_observer(outcome: Outcome[Study]) -> Verdict:
         return Verdict(False, text("The pole is lost after {stopped_at:.2f} s; the observer's slowest pole is at "
                                    "{worst:.3g}.",
                                    stopped_at=m["stopped_at"], worst=worst))
-    return Verdict(True, text("It comes home with {u_max:g} N; only the observer has changed.", u_max=d["u_max"]))
+    return Verdict(True, text("It recovers with {u_max:g} N; only the observer has changed.", u_max=d["u_max"]))
 
 
 def _never_clipped(outcome: Outcome[Study]) -> Verdict:
@@ -75,11 +74,11 @@ def _never_clipped(outcome: Outcome[Study]) -> Verdict:
     if d["fed"] != COMMANDED or d["angle0"] != 6.0 or d["error0"] != 4.0 or d["kick"] >= 0 or d["u_max"] != 4.0:
         return Verdict(False, text("Leave the commanded force, 6°, 4° and 4 N as the lesson has them, without a kick."))
     if not m["comes_home"] or run is None:
-        return Verdict(False, text("The pole does not come home; the force was clipped for {clipped_for:.2f} s.",
+        return Verdict(False, text("The pole does not recover; the force was clipped for {clipped_for:.2f} s.",
                                    clipped_for=m["clipped_for"]))
     asked, path = m["largest_asked"], float(np.max(np.abs(run.x[:, 0])))
     if not FORCE[0] <= asked <= FORCE[1]:
-        return Verdict(False, text("It comes home and asks for {asked:.3g} N at most; it should be {low:g} to {high:g} N.", asked=asked,
+        return Verdict(False, text("It recovers and asks for {asked:.3g} N at most; it should be {low:g} to {high:g} N.", asked=asked,
                                    low=FORCE[0], high=FORCE[1]))
     if path > TRACK:
         return Verdict(False, text("It asks for {asked:.3g} N, but the cart moves by {path:.3g} m; at most {most:g} m.", asked=asked,
@@ -96,9 +95,9 @@ def _near_the_ceiling(outcome: Outcome[Study]) -> Verdict:
     if d["u_max"] > HARDLY:
         return Verdict(False, text("{u_max:g} N is more than the task allows; at most {most:g} N.", u_max=d["u_max"], most=HARDLY))
     if not m["comes_home"]:
-        return Verdict(False, text("The pole does not come home with {u_max:g} N, whose ceiling is {ceiling:.3g}°.", u_max=d["u_max"],
+        return Verdict(False, text("The pole does not recover with {u_max:g} N, whose ceiling is {ceiling:.3g}°.", u_max=d["u_max"],
                                    ceiling=m["ceiling"]))
-    return Verdict(True, text("It comes home with {u_max:g} N, whose ceiling is {ceiling:.3g}°; clipped for {clipped_for:.2f} s.",
+    return Verdict(True, text("It recovers with {u_max:g} N, whose ceiling is {ceiling:.3g}°; clipped for {clipped_for:.2f} s.",
                               u_max=d["u_max"], ceiling=m["ceiling"], clipped_for=m["clipped_for"]))
 
 

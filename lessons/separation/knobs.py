@@ -17,10 +17,10 @@ MODEL = replace(MODELS["deck"], body=replace(MODELS["deck"].body, gain=MOTION_GA
 KNOBS = (
     *method_knobs(),
     *pole_knobs(MODEL),
-    Number("stiffness_error", r"\delta_k", text("stiffness believed wrong by"), "%", low=-30.0, high=30.0,
+    Number("stiffness_error", r"\delta_k", text("stiffness error in the model"), "%", low=-30.0, high=30.0,
            default=0.0, step=1.0, hint=text("The observer's model has springs this much stiffer than the plant's.")),
     Number("delay", r"\tau", text("input delay"), "ms", low=0.0, high=60.0, default=0.0, step=6.0,
-           hint=text("The force arrives later than the observer is told.")),
+           hint=text("The force acts later than the observer assumes.")),
     Switch("limited", "", text("limit the coils"),
            hint=text("Clip every coil; the observer is still told the force that was asked for.")),
     Number("u_max", r"u_{\max}", text("coil limit"), "N", low=0.2, high=4.0, default=0.5, step=0.1,

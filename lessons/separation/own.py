@@ -29,10 +29,9 @@ def own_knobs(model: Model) -> tuple[Knob, ...]:
         *method_knobs(),
         *pole_knobs(model),
         Number("mismatch", r"\delta", text("the plant is faster than its model by"), "%", low=-30.0, high=30.0,
-               default=0.0, step=1.0, hint=text("A and B of what really moves are this much larger than what is "
-                                                "believed.")),
+               default=0.0, step=1.0, hint=text("A and B of the real plant are this much larger than those of the model.")),
         Number("delay", r"\tau", text("input delay, steps of {dt:.3g} s", dt=model.dt), low=0, high=20,
-               default=0, scale="integer", hint=text("The input arrives later than the observer is told.")),
+               default=0, scale="integer", hint=text("The input acts later than the observer assumes.")),
         Switch("limited", "", text("limit the inputs"),
                hint=text("Clip every input; the observer is still told what was asked for.")),
         Number("u_max", r"u_{\max}", text("limit"), model.input_unit, low=0.05 * model.u_max, high=20 * model.u_max,

@@ -129,7 +129,8 @@ def _formulas(K: np.ndarray, L: np.ndarray, right: bool) -> tuple[Formula, ...]:
     loop = (r"\frac{d}{dt}\begin{bmatrix} x \\ e \end{bmatrix} = \begin{bmatrix} A-BK & BK \\ " + below +
             r" \end{bmatrix} \begin{bmatrix} x \\ e \end{bmatrix}")
     return (
-        Formula("loop", loop, NO_WORDS if right else text("ΔA = A − Â and ΔB = B − B̂: what the plant has and the observer does not know.")),
+        Formula("loop", loop, NO_WORDS if right else text("ΔA = A − Â and ΔB = B − B̂: the part of the plant that the observer's model "
+                                                          "lacks.")),
         Formula("K", gain_words("K", K)),
         Formula("L", gain_words(r"L^{\mathsf T}", L.T)),
     )
@@ -143,7 +144,7 @@ def _live(study: Study, meter: float) -> Text:
                count=len(loop.poles), union_error=100 * loop.union_error)
     union = study.left_out() if not study.whole else claim(one, loop.union_error, below=1e-6, otherwise=two)
     wall = claim(text("Separation meter: 0."), meter, below=1e-8, otherwise=text(
-        "Separation meter: {meter:.2g}; the error no longer lives by itself.", meter=meter))
+        "Separation meter: {meter:.2g}; the error dynamics are no longer autonomous.", meter=meter))
     first = claim(text("The loop is unstable."), float(np.max(loop.poles.real)), above=0.0)
     stable = claim(text("The compensator by itself is unstable."), float(np.max(loop.compensator_poles.real)), above=0.0)
     return joined(first, union, wall, stable)

@@ -38,7 +38,7 @@ def equal(outcome: Outcome[Study]) -> tuple[TableFigure, ...]:
 def _row(found: Equal, i: int) -> tuple[Text | str, ...]:
     dial = float(found.dials[i])
     if np.isnan(dial):
-        return text("does not get there"), "–"
+        return text("cannot reach this effort"), "–"
     made = text("gain × {dial:.3g}", dial=dial) if ORDER[i + 1] == SISO else text("V × {times:.3g}", times=1 / dial)
     return made, cells(found.rms[i], True, ".3g")
 
@@ -46,10 +46,11 @@ def _row(found: Equal, i: int) -> tuple[Text | str, ...]:
 def _said(found: Equal, m: Study) -> Text:
     limit, lqe, siso = m.world.hardware.limit, *(ORDER.index(id) - 1 for id in (LQE, SISO))
     head = (
-        text("{split} The coil told most gets {force:.3g} mN RMS from each.", split=CELLS_CAPTION, force=1e3 * found.wanted)
+        text("{split} The coil with the largest command gets {force:.3g} mN RMS from each.", split=CELLS_CAPTION, force=1e3 * found.wanted)
         if np.isfinite(found.dials).all()
         else text(
-            "{split} The coil told most gets {force:.3g} mN RMS from each that gets there.", split=CELLS_CAPTION, force=1e3 * found.wanted
+            "{split} The coil with the largest command gets {force:.3g} mN RMS from each that reaches this effort.",
+            split=CELLS_CAPTION, force=1e3 * found.wanted
         )
     )
     clipped = text("A coil that may give {limit:.3g} mN would be clipped often; that is left out.", limit=1e3 * limit)
@@ -58,11 +59,11 @@ def _said(found: Equal, m: Study) -> Text:
     if np.isnan(lead).any():
         return joined(head, text("The SISO loops cannot be made to spend that, with any gain."), over)
     least, most = float(lead.min()), float(lead.max())
-    apart = text("At this effort nobody leads in every channel: by RMS velocity the full LQG is {first:+.1f}, {second:+.1f} and "
+    apart = text("At this effort no controller leads in every channel. By RMS velocity the full LQG is {first:+.1f}, {second:+.1f} and "
                  "{third:+.1f} dB ahead of the SISO loops.", first=lead[0], second=lead[1], third=lead[2])
-    ahead = text("At this effort the full LQG moves less than the SISO loops or ties with them in every channel: by RMS velocity it is "
+    ahead = text("At this effort the full LQG leads the SISO loops or ties with them in every channel. By RMS velocity it is "
                  "{first:+.1f}, {second:+.1f} and {third:+.1f} dB ahead.", first=lead[0], second=lead[1], third=lead[2])
-    behind = text("At this effort the SISO loops move less than the full LQG or tie with it in every channel: by RMS velocity it is "
+    behind = text("At this effort the SISO loops lead the full LQG or tie with it in every channel. By RMS velocity it is "
                   "{first:+.1f}, {second:+.1f} and {third:+.1f} dB ahead of them.", first=lead[0], second=lead[1], third=lead[2])
     level = claim(text("At this effort full LQG and SISO loops tie in every channel, within {tied:.1g} dB.", tied=TIED),
                   max(abs(least), abs(most)), below=TIED, otherwise=ahead if least > -TIED else behind if most < TIED else apart)

@@ -135,7 +135,7 @@ def _gain(outcome: Outcome[Study]) -> LineFigure:
     if apart is not None:
         said.append(text("Settled, its loop differs from the steady LQE's by at most {apart:.2f} dB.", apart=apart))
     if m.trials is not None and m.trials.learning is not None:
-        first, last = (" / ".join(f"{100 * v:.2g}" for v in m.trials.learning[k]) for k in (0, -1))
+        first, last = (" / ".join(format_number(100 * v, ".2g") for v in m.trials.learning[k]) for k in (0, -1))
         count = len(m.trials.learning)
         said.append(text("On one seed (vertical/rotation/horizontal) the runs are {first} % apart in second 1, {last} % in second "
                          "{count}.", first=first, last=last, count=count))

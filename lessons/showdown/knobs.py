@@ -19,11 +19,11 @@ def _error(name: str, symbol: str, label: Text, unit: str, high: float, hint: Te
 KNOBS = (
     Choice("play", "", text("on the stage"), default=LQE,
            options=tuple(zip(ORDER, CONTROLLER_NAMES, strict=True)),
-           hint=text("The solid deck is under this controller, the ghost under none; both feel the same ground.")),
+           hint=text("The solid deck is under this controller, the ghost under none; the same ground moves both.")),
     Number("v", "V", text("believed noise V"), "(m/s)² s", low=1e-18, high=1e-7,
            default=1e-10, scale="log", hint=text("The intensity V in the design of all three LQGs.")),
     Number("sensor", "V_0", text("true noise V₀"), "(m/s)² s", low=1e-18, high=1e-7, default=1e-10,
-           scale="log", hint=text("What the sensors really add. No controller is told.")),
+           scale="log", hint=text("The true sensor noise. No controller has this value.")),
     Choice("pair", "", text("SISO loops"), default=OWN_PAIR,
            options=((OWN_PAIR, text("ours, made for 1 kHz")), (PUBLISHED_PAIR, text("the "
                                                                                                          "report's"))),
@@ -53,10 +53,10 @@ KNOBS = (
            hint=text("The zero of every sensor walks at random; this far in one second.")),
     Number("friction", "F_c", text("friction of each guide"), "mN", low=0.0, high=20.0, default=0.0, step=0.1,
            when=("ground", ("shaped",)), group=REAL,
-           hint=text("Where each spring meets the ground: this force against sliding, and up to it to stick. The tab Stage knows it; "
-                     "spectra, scores, test and trials do not.")),
+           hint=text("Where each spring meets the ground: this force against sliding, and up to it to stick. Only the tab Stage "
+                     "includes it; spectra, scores, test and trials do not.")),
     _error("stiffness", r"\varepsilon_k", text("stiffness error"), "%", 30.0,
-           text("The true springs are stiffer by this much than the designer believes.")),
+           text("The true springs are stiffer by this much than those of the design model.")),
     _error("damping", r"\varepsilon_c", text("damping error"), "%", 90.0,
            text("The true dashpots differ by this much.")),
     _error("placement", r"\varepsilon_s", text("sensor placement error"), "mm", 60.0,

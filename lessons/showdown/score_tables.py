@@ -6,7 +6,7 @@ import numpy as np
 
 from observer_lab.course.figures.records import TableFigure
 from observer_lab.course.lesson import Outcome
-from observer_lab.text import Text, listed, text, text_in
+from observer_lab.text import Text, format_number, listed, text, text_in
 
 from .controllers import CONTROLLER_NAMES, DECOUPLED, LQE, ORDER, SHORT_NAMES
 from .friction import friction_of
@@ -34,7 +34,7 @@ def cells(values: np.ndarray, stable: bool, form: str = ".1f") -> Text | str:
     """The three channels in one cell."""
     if not stable:
         return text("unstable")
-    return CELL_SEPARATOR.join(f"{v:{form}}".replace("-", "−") for v in values)
+    return CELL_SEPARATOR.join(format_number(v, form) for v in values)
 
 
 def _suppression(outcome: Outcome[Study]) -> TableFigure:
@@ -62,8 +62,9 @@ def best_words(gains: np.ndarray) -> Text:
 
 def _sizes(outcome: Outcome[Study]) -> TableFigure:
     m = outcome.study
-    rows = tuple((CONTROLLER_NAMES[i], *(text("unstable") if not m.spectra[i].stable else f"{m.rms[i, j]:.3g}" for j in range(3)),
-                  "–" if not m.spectra[i].stable else f"{1e3 * m.forces[i].max():.3g}") for i in range(5))
+    rows = tuple((CONTROLLER_NAMES[i], *(text("unstable") if not m.spectra[i].stable
+                                         else format_number(m.rms[i, j], ".3g") for j in range(3)),
+                  "–" if not m.spectra[i].stable else format_number(1e3 * m.forces[i].max(), ".3g")) for i in range(5))
     return TableFigure("sizes", text("RMS velocity in µm/s from 0.1 Hz up, RMS command in mN"),
                        (text("controller"), *HEADS, text("coil")), rows, tab=SCORE_TAB,
                        caption=text("Here what a controller adds above the resonances counts too."))
@@ -78,9 +79,10 @@ def times(outcome: Outcome[Study]) -> TableFigure:
         if measured is None:
             rows.append((SHORT_NAMES[i], text("unstable"), "–", "–", "–"))
             continue
-        recovered = CELL_SEPARATOR.join(">12" if part.recovery is None else f"{part.recovery:.2g}" for part in measured)
+        recovered = CELL_SEPARATOR.join(">12" if part.recovery is None else format_number(part.recovery, ".2g") for part in measured)
         over = CELL_SEPARATOR.join(f"{100 * part.overshoot:.0f}" for part in measured)
-        rows.append((SHORT_NAMES[i], recovered, over, f"{1e3 * measured[0].peak:.3g}", f"{1e6 * measured[0].energy:.4g}"))
+        rows.append((SHORT_NAMES[i], recovered, over, format_number(1e3 * measured[0].peak, ".3g"),
+                     format_number(1e6 * measured[0].energy, ".4g")))
     return TableFigure("times", text("the test in time"),
                        (text("controller"), text("recovery [s]"), text("overshoot "
                                                                                                         "[%]"),
@@ -117,7 +119,7 @@ def _trials(outcome: Outcome[Study]) -> TableFigure:
         keep = ~tried.diverged
         rms = 1e6 * np.sqrt(np.mean(tried.rms[keep, :3] ** 2, axis=0)) if keep.any() else np.zeros(3)
         rows.append((SHORT_NAMES[i], cells(m.rms[i], True, ".3g"), cells(rms, bool(keep.any()), ".3g"),
-                     f"{100 * float(tried.clipped.mean()):.2g}"))
+                     format_number(100 * float(tried.clipped.mean()), ".2g")))
     done = m.trials is not None and any(one is not None for one in m.trials.noise)
     said = (text("24 runs of 32 s each, with clipping and rounding as they are. {split}", split=CELLS_CAPTION) if done else NOT_YET)
     return TableFigure("trials", text("RMS velocity in µm/s: predicted, and from Monte-Carlo"),

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from observer_lab.course.exercises.typed_answers import Typed
 from observer_lab.course.lesson import Outcome, Task, Verdict, typed_task
-from observer_lab.text import text
+from observer_lab.text import format_number, text
 
 from .controllers import DT, ORDER, SISO
 from .simulation import loop_of
@@ -28,7 +28,7 @@ def _band(outcome: Outcome[Study], player: str) -> list[float]:
 
 
 def _words(values: list[float]) -> str:
-    return " / ".join(f"{v:.1f}" for v in values).replace("-", "−")
+    return " / ".join(format_number(v, ".1f") for v in values)
 
 
 def _twenty(outcome: Outcome[Study]) -> Verdict:
@@ -38,8 +38,7 @@ def _twenty(outcome: Outcome[Study]) -> Verdict:
                                    "is white.",
                                    sensor=d["sensor"]))
     if any(d[error] for error in MODEL_ERRORS):
-        return Verdict(False, text("The plant must be what its designer believes: leave the errors of stiffness, damping "
-                                   "and placement at 0."))
+        return Verdict(False, text("The plant must equal the design model: leave the errors of stiffness, damping and placement at 0."))
     if not m["lqe_stable"] or min(got) < WANTED_SUPPRESSION_DB:
         return Verdict(False, text("Vertical, rotation, horizontal: {got} dB; {wanted:g} dB are wanted in each.",
                                    got=_words(got), wanted=WANTED_SUPPRESSION_DB))
@@ -101,10 +100,10 @@ def _coarse(outcome: Outcome[Study]) -> Verdict:
         return Verdict(False, text("Let the converter read in steps of {step:g} µm/s, and leave the sensors at V₀ = 10⁻¹⁰.", step=COARSE))
     off = d["v"] / _noise(outcome) - 1
     if off < -INTENSITY_RTOL:
-        return Verdict(False, text("The filters believe V = {v:.3g}: too little, the vertical RMS velocity is {rms:.2f} µm/s.",
+        return Verdict(False, text("The filters assume V = {v:.3g}, too little: the vertical RMS velocity is {rms:.2f} µm/s.",
                                    v=d["v"], rms=rms))
     if off > INTENSITY_RTOL:
-        return Verdict(False, text("The filters believe V = {v:.3g}: too much, the vertical RMS velocity is {rms:.2f} µm/s.",
+        return Verdict(False, text("The filters assume V = {v:.3g}, too much: the vertical RMS velocity is {rms:.2f} µm/s.",
                                    v=d["v"], rms=rms))
     return Verdict(True, text("The vertical RMS velocity is {rms:.2f} µm/s.", rms=rms))
 
@@ -114,8 +113,7 @@ def _yardsticks(outcome: Outcome[Study]) -> Verdict:
     if d["sensor"] < TRUE_SENSOR * (1 - 1e-9) or d["ground"] != "white":
         return Verdict(False, text("Keep the sensors at V₀ = 10⁻¹⁰ or noisier and the ground white."))
     if any(d[error] for error in MODEL_ERRORS):
-        return Verdict(False, text("The plant must be what its designer believes: leave the errors of stiffness, damping "
-                                   "and placement at 0."))
+        return Verdict(False, text("The plant must equal the design model: leave the errors of stiffness, damping and placement at 0."))
     if not m["lqe_stable"]:
         return Verdict(False, text("The full LQG is unstable here."))
     got, force = m["lqe_vertical_band_db"], 1e3 * m["lqe_force_rms"]

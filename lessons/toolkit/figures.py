@@ -20,7 +20,7 @@ INPUTS = MappingProxyType({"force": text("force"), "force 1": text("force 1"), "
                            "voltage": text_in("signal", "voltage")})
 
 
-BEYOND = text("What lies beyond the scale is drawn at its edge.")
+BEYOND = text("Points beyond the scale are drawn at its edge.")
 
 
 def state_figures(model: Model, run: Run, count: int = 3) -> tuple[LineFigure, ...]:

@@ -51,9 +51,9 @@ def method_knobs() -> tuple[Choice, Number, Number, Number, Number]:
         weight("r", r"\alpha_R", text("input weight α_R"), 1.0,
                text("R = α_R I: how much force costs. Only α_Q/α_R matters for K.")),
         weight("w", r"\alpha_W", text("process intensity α_W"), 1e2,
-               text("W = α_W I on the inputs: how far the model is to be distrusted.")),
+               text("W = α_W I on the inputs: a larger value trusts the model less.")),
         weight("v", r"\alpha_V", text("sensor intensity α_V"), 1e-2,
-               text("V = α_V I: how far the sensors are to be distrusted. Only α_W/α_V matters for L.")),
+               text("V = α_V I: a larger value trusts the sensors less. Only α_W/α_V matters for L.")),
     )
 
 

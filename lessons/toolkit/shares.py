@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from observer_lab.text import Text, same, text
+from observer_lab.text import Text, format_number, same, text
 
 
 def percent(share: float) -> Text:
@@ -12,7 +12,7 @@ def percent(share: float) -> Text:
         return text("less than 0.1")
     if 99.9 < value < 100 - 1e-9:
         return text("more than 99.9")
-    return same(f"{value:.3g}")
+    return same(format_number(value, ".3g"))
 
 
 MAX_PERCENT = 1000.0  # beyond it a multiple is said

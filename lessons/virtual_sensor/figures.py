@@ -36,9 +36,9 @@ def figures(outcome: Outcome[Study]) -> tuple[Figure, ...]:
 
 def _core(outcome: Outcome[Study], run: Run, copy: Run) -> LineFigure:
     m = outcome.metrics
-    after = text("The observer knows the core within 1 K after {after:.2f} s.", after=m["known_after"])
+    after = text("The observer's error in the core is below 1 K after {after:.2f} s.", after=m["known_after"])
     soon = text("The core error is below 1 K from {after:.2f} s to the end of this run, but it grows.", after=m["known_after"])
-    known = (text("The observer does not know the core within 1 K at the end.") if m["known_after"] > HORIZON else
+    known = (text("At the end the observer's error in the core is still above 1 K.") if m["known_after"] > HORIZON else
              claim(_noisy(m) if m["core_sigma"] > 0 else after, m["slowest_observer"], below=0.0, otherwise=soon))
     copied = text("In the last tenth of the run the copy is off by up to {off:.2g} K.", off=m["copy_core_error"])
     return LineFigure("core", text("core temperature (nobody can measure it)"), run.t, (
@@ -49,8 +49,8 @@ def _core(outcome: Outcome[Study], run: Run, copy: Run) -> LineFigure:
 
 def _noisy(m: Mapping[str, float]) -> Text:
     """With noise one record tells a time by chance: the standard deviation says how large the error stays."""
-    return text("Sensor noise alone gives the core error a standard deviation of {sigma:.2g} K. In this record the error stays below 1 K "
-                "from {after:.2f} s to the end.", sigma=m["core_sigma"], after=m["known_after"])
+    return text("Sensor noise alone gives the core error a standard deviation of {sigma:.2g} K. In this record it stays below 1 K from "
+                "{after:.2f} s to the end.", sigma=m["core_sigma"], after=m["known_after"])
 
 
 def _case(outcome: Outcome[Study], run: Run, copy: Run) -> LineFigure:
@@ -81,7 +81,7 @@ def _errors(outcome: Outcome[Study], run: Run, copy: Run) -> LineFigure:
 def _innovation(outcome: Outcome[Study], run: Run) -> LineFigure:
     heard = (run.y - run.yhat)[:, 0]
     tail = _at_most(float(np.max(np.abs(heard[-max(len(heard) // 10, 1):]))))
-    return LineFigure("innovation", text("what the observer hears: y − ŷ"), run.t,
+    return LineFigure("innovation", text("innovation y − ŷ"), run.t,
                       (Curve(same("y − ŷ"), heard, "error"),), "y − ŷ [K]", tab=ERROR_TAB, window=(-10.0, 20.0),
                       caption=text("Sensor minus prediction, {tail} in the last tenth of the run; L carries it "
                                    "into both states.",
@@ -98,7 +98,7 @@ def _locus(outcome: Outcome[Study], seen: Study) -> PlaneFigure:
             text("With these poles θ must lie between {least:.3f} and {most:.3f}.", least=max(least, 0.0), most=most)
             if most <= MOST_TRUST else
             text("This chip needs θ above {least:.3f}.", least=least) if least >= 0 else
-            text("This chip forgives θ = 0, slowly."))
+            text("On this chip the error decays even at θ = 0, slowly."))
     return PlaneFigure("locus", text("poles of A − θL₁C as trust grows"), curves, points,
                        "Re s", "Im s", (-5.0, 1.0), (-2.2, 2.2), unstable=True, tab=TRUST_TAB,
                        caption=text("Circles: θ = 0, the copy. Crosses: θ = {trust:g} now. {need}",

@@ -74,7 +74,7 @@ KNOBS = (
         high=50.0,
         default=0.0,
         step=1.0,
-        hint=text("What both models believe of the fan: positive, they think it cools worse than it does."),
+        hint=text("Error of both models in the fan's resistance; if positive, they underestimate the cooling."),
     ),
     Number(
         "power",

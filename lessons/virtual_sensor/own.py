@@ -54,11 +54,9 @@ def own_knobs(model: Model) -> tuple[Knob, ...]:
                default=0.0, step=0.05, hint=text("0: copy and observer start at rest; 1: exactly where the plant "
                                                  "is.")),
         Number("mismatch", r"\delta", text("the plant is faster than its model by"), "%", low=-50.0, high=50.0,
-               default=0.0, step=1.0, hint=text("A and B of what really moves are this much larger than what both "
-                                                "believe.")),
+               default=0.0, step=1.0, hint=text("A and B of the real plant are this much larger than those of both models.")),
         Number("push", "u", text("input, on and off"), model.input_unit, low=0.0, high=5 * model.u_max,
-               default=model.u_max, hint=text("The first input is on for one half of each period; all three are "
-                                              "told.")),
+               default=model.u_max, hint=text("The first input is on for one half of each period; plant, copy and observer all get it.")),
         Number("noise", r"\sigma", text("sensor noise"), "%", low=0.0, high=20.0, default=0.0, step=0.5,
                hint=text("Standard deviation of a sample, as a share of the outputs at the start.")),
         *run_knobs(model.horizon),
@@ -181,7 +179,7 @@ def _errors(outcome: Outcome[OwnStudy], run: Run) -> LineFigure:
 def _heard(model: Model, run: Run) -> LineFigure:
     heard = (run.y - run.yhat)[:, 0]
     name = signal_name(model.plant, model.plant.output_names[0])
-    return LineFigure("innovation", text("what the observer hears: y − ŷ"), run.t,
+    return LineFigure("innovation", text("innovation y − ŷ"), run.t,
                       (Curve(same("y − ŷ"), heard, "error"),), f"[{model.plant.unit(model.plant.output_names[0])}]", tab=ERROR_TAB,
                       caption=text("Sensor {name} minus its prediction; up to {heard:.2g} in the last tenth of "
                                    "the run.",
@@ -199,7 +197,7 @@ def _plane(model: Model, outcome: Outcome[OwnStudy]) -> PlaneFigure:
     shaky = np.flatnonzero(~stable)
     need = (text("All trusts tried, up to 2, make every mode stable.") if not len(shaky) else
             text("No trust tried, up to 2, makes every mode stable.") if len(shaky) == len(stable) else
-            text("Of the trusts tried, those from {trusts:.2g} to {trusts2:.2g} are not all stable.",
+            text("Some of the values of trust tried from {trusts:.2g} to {trusts2:.2g} are unstable.",
                  trusts=trusts[shaky[0]], trusts2=trusts[shaky[-1]]))
     high = max(window.re_high, 0.3 * -window.re_low)
     return PlaneFigure("locus", text("poles of A − θL₁C as trust grows"), (), tuple(points),

@@ -150,7 +150,7 @@ def _motions(outcome: Outcome[Study]) -> TableFigure:
         held = share(s, motion, order)
         word = text("yes") if held > 0.9 else text("no") if held < 0.1 else text("in part")
         mark = "▶\N{NO-BREAK SPACE}" if k == pair else ""
-        rows.append((mark + sigmas(k), motion.name, f"{motion.frequency:.3g}", f"{100 * motion.damping:.2f}",
+        rows.append((mark + sigmas(k), motion.name, format_number(motion.frequency, ".3g"), f"{100 * motion.damping:.2f}",
                      show(motion.strength), show(s.hankel[2 * k]), word))
     return TableFigure(
         "motions", text("five motions, ten states"),

@@ -25,7 +25,7 @@ KNOBS = (
     Number("order", "r", text("states kept"), low=1, high=STATE_COUNT, default=STATE_COUNT, scale="integer", group=MODEL,
            hint=text("Order of the balanced truncation. The ghost shows what that model can hold of the motion.")),
     Number("ground", "g", text("unit of the ground's motion"), "m", low=1e-4, high=1.0, default=1.0, scale="log", group=MODEL,
-           hint=text("What counts as one at the ground's inputs; the coils count newtons. The plant stays the same.")),
+           hint=text("The unit of the ground's inputs; that of the coils is the newton. The plant stays the same.")),
     Number("clock", "T", text("unit of time"), "s", low=1e-3, high=1.0, default=1.0, scale="log", group=RANK_FOLDER,
            hint=text("Velocities and A are counted per this unit. The plant stays the same.")),
     Number("tolerance", r"\tau", text("tolerance"), low=1e-18, high=0.1, default=1e-9, scale="log", group=RANK_FOLDER,

@@ -229,7 +229,7 @@ def test_the_price_of_recovery_is_as_the_solution_says() -> None:
 def test_a_run_that_leaves_every_scale_is_not_said_to_stay_within_the_picture():
     figure = LineFigure("state0", same("x"), np.arange(3.0), (Curve(same("true"), np.array([0.0, 5.0, 500.0])),), caption=same("Now."))
     held = within(figure, 40.0)
-    assert held.curves[0].y.max() == 40.0 and held.caption("en") == "Now. What lies beyond the scale is drawn at its edge."
+    assert held.curves[0].y.max() == 40.0 and held.caption("en") == "Now. Points beyond the scale are drawn at its edge."
     assert within(figure, 500.0) is figure
 
 

@@ -228,15 +228,15 @@ def _best(shown: Shown, words: Text) -> None:
 
 
 WITNESSES: Mapping[str, Witness] = {
-    "{split} The coil told most gets {force:.3g} mN RMS from each.": _same_effort(True),
-    "{split} The coil told most gets {force:.3g} mN RMS from each that gets there.": _same_effort(False),
+    "{split} The coil with the largest command gets {force:.3g} mN RMS from each.": _same_effort(True),
+    "{split} The coil with the largest command gets {force:.3g} mN RMS from each that reaches this effort.": _same_effort(False),
     "At this effort the full LQG moves less than the SISO loops in every channel, by {least:.1f} to {most:.1f} dB.": _ahead(1),
     "At this effort the SISO loops move less than the full LQG in every channel, by {least:.1f} to {most:.1f} dB.": _ahead(-1),
-    "At this effort nobody leads in every channel: by RMS velocity the full LQG is {first:+.1f}, {second:+.1f} and "
-    "{third:+.1f} dB ahead of the SISO loops.": _nobody,
-    "At this effort the full LQG moves less than the SISO loops or ties with them in every channel: by RMS velocity it is {first:+.1f}, "
+    "At this effort no controller leads in every channel. By RMS velocity the full LQG is {first:+.1f}, {second:+.1f} and {third:+.1f} "
+    "dB ahead of the SISO loops.": _nobody,
+    "At this effort the full LQG leads the SISO loops or ties with them in every channel. By RMS velocity it is {first:+.1f}, "
     "{second:+.1f} and {third:+.1f} dB ahead.": _or_tied(1),
-    "At this effort the SISO loops move less than the full LQG or tie with it in every channel: by RMS velocity it is {first:+.1f}, "
+    "At this effort the SISO loops lead the full LQG or tie with it in every channel. By RMS velocity it is {first:+.1f}, "
     "{second:+.1f} and {third:+.1f} dB ahead of them.": _or_tied(-1),
     "The SISO loops cannot be made to spend that, with any gain.": _with_no_gain,
     "A coil that may give {limit:.3g} mN would be clipped often; that is left out.": _clipped,

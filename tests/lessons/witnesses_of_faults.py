@@ -112,7 +112,7 @@ def _unseen(shown: Shown, words: Text) -> None:
 
 
 WITNESSES: Mapping[str, Witness] = {
-    "{who} is accused {delay:.2f} s after it failed, rightly.": _rightly,
+    "{who} is correctly identified {delay:.2f} s after it failed.": _rightly,
     "{fault} is seen beside {other} from {least:.3g} {unit} on, {times:.3g} times what it takes alone.": _beside,
     "{fault} is seen beside {other} from {least:.3g} {unit} on, no more than it takes alone ({alone:.3g} {unit}): two residuals have less "
     "noise than three.": _beside,

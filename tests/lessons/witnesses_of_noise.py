@@ -267,7 +267,7 @@ def _as_printed_in_algorithm_3(shown: Shown, words: Text) -> None:
 
 WITNESSES: Mapping[str, Witness] = {
     "NEES per state over {runs} runs (1 expected): {each}. The {who} is {words}.": _nees,
-    "On the plant made linear: Algorithm 3 believes a σ {more:.1f} % above the Kalman filter's and really errs {worse:.1f} % more.":
+    "On the linear plant the σ of Algorithm 3 is {more:.1f} % above the Kalman filter's, and its error is {worse:.1f} % larger.":
         _as_printed_in_algorithm_3,
     "As far as {runs} runs tell, no filter could err {left:.2g} % less than the {who}.": _near_the_bound,
     "A better filter than the {who} may exist: the bound lies at least {gap:.0f} % below its error.": _near_the_bound,

@@ -1,4 +1,4 @@
-"""Compress past and future of every row to one triangular factor for each block of rows."""
+"""Compress the past and future windows of a record to a triangular factor for each block of rows."""
 
 from __future__ import annotations
 
@@ -11,16 +11,17 @@ from ..systems.errors import EngineError
 
 __all__ = ["Factors", "factors_of", "segments_of", "triangle_of"]
 
-CHUNK = 20_000  # rows of windows that stand in memory at once
-BLOCKS = 20  # parts of the record that the spread of an estimate is found from
+CHUNK = 20_000  # rows of windows in memory at one time
+BLOCKS = 20  # parts of the record; leaving each out gives the spread of an estimate
 RANK = 1e-7  # of the largest diagonal entry: below it the inputs do not excite the plant
 
 
 @dataclass(frozen=True, eq=False)
 class Factors:
-    """Triangular factors R_b of the windows [u_f, z_p, y_f] of each block b of rows: the sum of R_bᵀ R_b is their Gram matrix.
+    """Triangular factors R_b of the windows of a record, one for each block b; the Gram matrix is the sum of R_bᵀ R_b.
 
-    `future` f and `past` l are numbers of steps; m, p those of inputs and outputs; `count` windows were complete.
+    A row of windows is [future inputs, past inputs and outputs, future outputs]. `past` and `future` are numbers of steps,
+    m and p the numbers of inputs and outputs, `count` the number of windows without a missing value.
     """
 
     blocks: tuple[np.ndarray, ...]
@@ -32,11 +33,14 @@ class Factors:
 
     @property
     def sizes(self) -> tuple[int, int, int]:
-        """Columns of future inputs, of the past, of future outputs."""
+        """Numbers of columns: future inputs, past inputs and outputs, future outputs."""
         return self.future * self.m, self.past * (self.m + self.p), self.future * self.p
 
     def whole(self) -> np.ndarray:
-        """The lower factor L of the whole record: L Lᵀ is the Gram matrix. Raises EngineError for inputs that do not excite."""
+        """Return the lower factor L of the whole record, with L Lᵀ its Gram matrix.
+
+        Raises EngineError if the inputs do not excite the plant.
+        """
         L = triangle_of(np.vstack(self.blocks)).T
         known = sum(self.sizes[:2])
         size = np.abs(np.diag(L))[:known]
@@ -46,7 +50,7 @@ class Factors:
         return L
 
     def left_out(self) -> list[np.ndarray]:
-        """The lower factors of the record without each of its blocks, from Gram matrices."""
+        """Return the lower factor of the record without block b, for each block b."""
         grams = np.array([R.T @ R for R in self.blocks])
         total = grams.sum(axis=0)
         tiny = 1e-14 * np.diag(np.diag(total))
@@ -54,20 +58,23 @@ class Factors:
 
 
 def triangle_of(rows: np.ndarray) -> np.ndarray:
-    """The upper factor R of a table: RᵀR is its Gram matrix."""
+    """Return the upper factor R of a table of rows, with RᵀR its Gram matrix."""
     R: np.ndarray = qr(rows, mode="r", check_finite=False)[0]
     return R[:rows.shape[1]]
 
 
 def segments_of(y: np.ndarray, shortest: int) -> list[tuple[int, int]]:
-    """First and last row (exclusive) of every stretch of y without a missing value that is at least so long."""
+    """Return (first, last + 1) of each stretch of rows of y that has no missing value and at least `shortest` rows."""
     seen = np.concatenate([[False], np.isfinite(y).all(axis=1), [False]])
     edges = np.flatnonzero(np.diff(seen.astype(int)))
     return [(int(a), int(b)) for a, b in edges.reshape(-1, 2) if b - a >= shortest]
 
 
 def factors_of(u: np.ndarray, y: np.ndarray, past: int, future: int) -> Factors:
-    """The factors of u (n_t, m), y (n_t, p), NaN in y where missing. Raises EngineError for a record that is too short."""
+    """Return the factors of inputs u (n_t, m) and outputs y (n_t, p); a missing output is NaN.
+
+    Raises EngineError if the record is too short.
+    """
     m, p = u.shape[1], y.shape[1]
     width = future * (m + p) + past * (m + p)
     starts = np.concatenate([np.arange(a, b - past - future + 1) for a, b in segments_of(y, past + future)] or [np.zeros(0, dtype=int)])
@@ -79,7 +86,7 @@ def factors_of(u: np.ndarray, y: np.ndarray, past: int, future: int) -> Factors:
 
 
 def _factor(u: np.ndarray, y: np.ndarray, starts: np.ndarray, past: int, future: int) -> np.ndarray:
-    """R of the windows that begin at these rows, chunk after chunk."""
+    """Return the factor R of the windows that begin at these rows, computed chunk by chunk."""
     R = np.zeros((0, future * (u.shape[1] + y.shape[1]) + past * (u.shape[1] + y.shape[1])))
     back, ahead = np.arange(past), past + np.arange(future)
     for chunk in np.array_split(starts, -(-len(starts) // CHUNK)):

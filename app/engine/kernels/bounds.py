@@ -1,4 +1,4 @@
-"""Compute slopes, the Cramér–Rao bound and squared errors along nonlinear runs."""
+"""Compute Jacobians, the Cramér–Rao bound and normalised squared errors along nonlinear runs."""
 
 from __future__ import annotations
 
@@ -12,7 +12,12 @@ __all__ = ["bound_steps", "slope_steps", "square_steps"]
 
 
 def slope_steps(f, h, step, parts, x, u, F, H):
-    """Slopes of the flow of tape f, F (k, n, n), and of tape h, H (k, p, n), at the states x (k, n) and inputs u (k, m)."""
+    """Compute the Jacobians of a nonlinear model at each state of a run; return the number of states done.
+
+    The tape f holds the right side of dx/dt = f(x, u), the tape h that of y = h(x). For each of the k states x (k, n)
+    and inputs u (k, m), write to F (k, n, n) the Jacobian of the state after `step`, integrated in `parts` parts,
+    and to H (k, p, n) the Jacobian of h.
+    """
     n, m, p = x.shape[1], u.shape[1], H.shape[1]
     first, lanes = n + m, 1 + n
     T = np.empty((first + max(len(f.steps), len(h.steps)), lanes))
@@ -37,9 +42,11 @@ def slope_steps(f, h, step, parts, x, u, F, H):
 
 
 def bound_steps(P, F, Q, varying, told, out):
-    """Fill out (k, n, n): P corrected by told[0], then by varying[k], through F[k] and by told[k + 1]; the number done.
+    """Compute the Cramér–Rao bound at every sample, out (k + 1, n, n); return the number of samples done.
 
-    A correction by C is (P⁻¹ + CᵀC)⁻¹, as by readings C x with noise I.
+    Each step corrects the bound by the readings, P⁺ = (P⁻¹ + CᵀC)⁻¹, and predicts it, F P⁺ Fᵀ + Q. A row of C is a reading
+    of x with noise variance 1. `told` (k + 1, n, n) holds the C of the readings at each sample. `varying` (k, n, n) holds the C
+    that stands for the spread of F[k] over the runs. It ends early where rounding has made a covariance indefinite.
     """
     n = len(P)
     one, after, X, Y, FT = np.empty((n, n)), np.empty((n, n)), np.empty((n, n)), np.empty((n, n)), np.empty((n, n))
@@ -61,7 +68,7 @@ def bound_steps(P, F, Q, varying, told, out):
 
 
 def corrected(P, C, one, out):
-    """out = (P⁻¹ + CᵀC)⁻¹ for C (n, n); False where rounding has spoilt P. `one` is the identity."""
+    """Write (P⁻¹ + CᵀC)⁻¹ for C (n, n) to `out`; return False if rounding has made P indefinite. `one` is the identity."""
     n = len(P)
     CT, across, S = np.empty((n, n)), np.empty((n, n)), np.empty((n, n))
     L, turned, M = np.empty((n, n)), np.empty((n, n)), np.empty((n, n))
@@ -76,7 +83,10 @@ def corrected(P, C, one, out):
 
 
 def square_steps(e, P, out):
-    """out (k,) = eᵀ P⁻¹ e of errors e (k, n) with covariances P (k, n, n), brought to unit variance; the number done."""
+    """Write eᵀ P⁻¹ e for errors e (k, n) and covariances P (k, n, n) to `out` (k,); return the number of samples done.
+
+    Each state is divided by its standard deviation first. It ends early at the first P that is not positive definite.
+    """
     n = e.shape[1]
     deviation, R, L, half = np.empty(n), np.empty((n, n)), np.empty((n, n)), np.empty(n)
     for k in range(len(e)):

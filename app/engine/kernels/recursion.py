@@ -1,4 +1,4 @@
-"""Step linear filters while their gain changes: Joseph's form, roots, means."""
+"""Step the covariances, square roots and means of linear filters whose gain changes with time."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ __all__ = ["Schedule", "Target", "joseph_steps", "mean_steps", "root_steps"]
 
 
 class Target(NamedTuple):
-    """Where a schedule ends early: P[k|k−1] within `near` of `goal`, asked every `look` steps; 0 never asks."""
+    """End a schedule early when every entry of P[k|k−1] is within `near` of `goal`; test every `look` steps, never if 0."""
 
     goal: np.ndarray
     near: np.ndarray
@@ -20,7 +20,7 @@ class Target(NamedTuple):
 
 
 class Schedule(NamedTuple):
-    """What a schedule is written to: P[k|k−1], P[k|k], S[k] and the gains M[k]."""
+    """Arrays for the results of each step: P[k|k−1], P[k|k], S[k] and the gain M[k]."""
 
     priors: np.ndarray
     posteriors: np.ndarray
@@ -29,11 +29,11 @@ class Schedule(NamedTuple):
 
 
 def joseph_steps(A, C, Q, R, P, seen, target, out):
-    """Fill the schedule `out` from P = P[0|−1] on; the number of steps done, −1 − k where S[k] is not positive.
+    """Fill the schedule `out` by Joseph's form, starting from P = P[0|−1].
 
-    P goes along: after the last step it is that of the next, so that a second call goes on.
-
-    seen (steps, p) says which measurements arrive, or has no rows.
+    Return the number of steps done, or −1 − k if S[k] is not positive definite. P is overwritten with the covariance
+    of the next step, so a second call continues. `seen` (steps, p) is true where a measurement arrives; without rows
+    all arrive.
     """
     priors, posteriors, S, gains = out.priors, out.posteriors, out.S, out.gains
     steps, n, p = len(priors), len(A), len(C)
@@ -83,7 +83,10 @@ def joseph_steps(A, C, Q, R, P, seen, target, out):
 
 
 def root_steps(A, C, Q_root, R, R_root, U, seen, target, out):
-    """As `joseph_steps`, but from a root U of P[0|−1] (n×n) in roots throughout; Q_root (n×n), R_root (p×p)."""
+    """Do the same as `joseph_steps` with square roots: U Uᵀ = P[0|−1].
+
+    Q_root (n×n) and R_root (p×p) are roots of Q and R. U is overwritten with the root of the next step.
+    """
     priors, posteriors, S, gains = out.priors, out.posteriors, out.S, out.gains
     steps, n, p = len(priors), len(A), len(C)
     heard, CU = np.empty(p, dtype=np.bool_), np.empty((p, n))
@@ -137,7 +140,7 @@ def root_steps(A, C, Q_root, R, R_root, U, seen, target, out):
 
 
 def stacked(R_root, CU, U, heard, wide):
-    """wide = the transpose of [R^½ C U; 0 U], with the rows of the measurements that arrive; how many do."""
+    """Write the transpose of [R^½ C U; 0 U] to `wide`, only with measurements that arrive; return their number."""
     p, n = CU.shape
     count = 0
     for i in range(p):
@@ -156,9 +159,10 @@ def stacked(R_root, CU, U, heard, wide):
 
 
 def mean_steps(A, C, gains, x, known, push, predicted, filtered, nu):
-    """Predicted means, means and innovations along the gains: ν = y − C x̂, x̂ + M ν, A x̂ + B u; the next x̂ in x.
+    """Step the means with given gains: ν = y − C x̂, then x̂ + M ν, then A x̂ + B u. Return the number of steps.
 
-    `known` = y − D u (steps, p), NaN where none arrived; `push` = B u (steps, n) or without rows.
+    `known` (steps, p) is y − D u, NaN where no measurement arrived; `push` (steps, n) is B u, or has no rows.
+    x is overwritten with the predicted mean of the next step.
     """
     steps, n, p = len(known), len(A), len(C)
     heard, after = np.empty(p), np.empty(n)
@@ -185,7 +189,7 @@ def mean_steps(A, C, gains, x, known, push, predicted, filtered, nu):
 
 
 def there(P, goal, near):
-    """Whether |P − goal| ≤ near everywhere."""
+    """Return whether every entry of P is within `near` of that of `goal`."""
     for i in range(len(P)):
         for j in range(len(P)):
             if not abs(P[i, j] - goal[i, j]) <= near[i, j]:

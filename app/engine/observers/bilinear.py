@@ -49,8 +49,8 @@ class BilinearPlant:
                                  name=name, shape=shape[0], shape2=shape[1], rows=matrix.shape[0],
                                  columns=matrix.shape[1])
         if C.shape[0] >= n:
-            raise EngineError("The number of outputs is {rows} and that of states {n}, so nothing is left to observe; leave out "
-                              "outputs, or take a plant with more states.",
+            raise EngineError("There are {rows} outputs and {n} states, so nothing is left to observe; leave out outputs, or use a "
+                              "plant with more states.",
                               rows=C.shape[0], n=n)
         if canonise(_even(C)).rank < C.shape[0]:
             raise EngineError("Rows of C depend on each other; leave out the outputs that repeat others.")

@@ -137,12 +137,11 @@ def rlo_steps(plant: Plant, K: object, *, wrong: Perturbations | None = None, no
             return
     missed = min((a.gap for a in attempts), default=np.inf)
     if missed < 1e-9:
-        raise EngineError("Observers of K x exist up to order {highest} in this region, but the condition number "
-                          "of [T; C] is beyond {worst_condition:g} in all that were tried; allow more or widen "
-                          "the region.",
+        raise EngineError("Observers of K x exist up to order {highest} in this region, but each tried has a condition number of [T; "
+                          "C] beyond {worst_condition:g}. Allow more or widen the region.",
                           highest=highest, worst_condition=worst_condition)
-    raise EngineError("No observer of K x up to order {highest} has its poles in this region (K is missed by "
-                      "{missed:.2g} at best); allow a higher order or a wider region.",
+    raise EngineError("No observer of K x up to order {highest} has its poles in this region. K is missed by at least {missed:.2g}; "
+                      "allow a higher order or a wider region.",
                       highest=highest, missed=missed)
 
 

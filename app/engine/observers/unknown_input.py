@@ -107,8 +107,8 @@ def decoupling(plant: Plant, E: object, *, weight: object | None = None) -> Deco
     rank = int(np.count_nonzero(np.linalg.svd(C / np.where(size > 0, size, 1.0) @ E, compute_uv=False) > RANK_RTOL))
     if rank < q:
         return Decoupling(rank, q, None, None, None, None, np.empty(0, dtype=complex),
-                          phrase("rank(CE) = {rank} is less than rank(E) = {q}: the unknown input does not reach the outputs "
-                                 "at once; measure nearer to where it enters.", rank=rank, q=q))
+                          phrase("rank(CE) = {rank} is less than rank(E) = {q}: the unknown input does not act directly on dy/dt. "
+                                 "Measure nearer to where it enters.", rank=rank, q=q))
     CE = C @ E
     V = symmetric(V) / own.outputs / own.outputs[:, None]
     if weight is None and own.outputs.max() > UNLIKE * own.outputs.min():
@@ -121,8 +121,8 @@ def decoupling(plant: Plant, E: object, *, weight: object | None = None) -> Deco
     H, T = H * own.states[:, None] / own.outputs, T * own.states[:, None] / own.states
     A1 = T @ plant.A
     reason = NO_REASON if not len(bad) else phrase(
-        "(A, E, C) has an invariant zero at {zero}, which is not stable: the unknown input can move the state along it "
-        "without any output noticing; measure something more.", zero=pole_text(bad[-1]))
+        "(A, E, C) has an invariant zero at {zero}, which is not stable. The unknown input can move the state without any effect on "
+        "the outputs; add a sensor.", zero=pole_text(bad[-1]))
     return Decoupling(rank, q, frozen(H), frozen(T), frozen(A1), zeros, bad, reason)
 
 

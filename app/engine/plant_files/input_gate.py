@@ -135,8 +135,8 @@ def parse(text: str) -> dict[str, Any]:
     except EngineError:
         raise
     except json.JSONDecodeError as problem:
-        raise EngineError("This is not readable JSON: look at line {line}, column {column} for a comma, a quotation mark or a "
-                          "bracket that is missing or too many.", line=problem.lineno, column=problem.colno) from problem
+        raise EngineError("This is not readable JSON: check line {line}, column {column} for a missing or extra comma, quotation mark "
+                          "or bracket.", line=problem.lineno, column=problem.colno) from problem
     except (ValueError, RecursionError) as problem:
         raise EngineError("This is not readable JSON: a number has too many digits or brackets stand in each other too deeply; "
                           "write them shorter.") from problem

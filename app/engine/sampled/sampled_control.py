@@ -103,8 +103,7 @@ def recursive_controller(estimator: LinearFilter, K: object, start: Belief, step
     if not estimator.dt:
         raise EngineError("The filter must say its period: make it with from_plant, or give dt.")
     if np.any(estimator.D):
-        raise EngineError("A filter whose outputs feel the input at once (D ≠ 0) cannot be closed through u = −K "
-                          "x̂[k|k].")
+        raise EngineError("A filter of a plant with direct feedthrough (D ≠ 0) cannot be closed through u = −K x̂[k|k].")
     if steps < 1:
         raise EngineError("The gain must be computed for at least one sample.")
     A, C, M = estimator.A, estimator.C, estimator.schedule(start, steps).gains

@@ -170,7 +170,7 @@ def sampled_loop(plant: Plant, controller: SampledController, controls: Sequence
     if plant.dt:
         raise EngineError("The plant must be continuous; the loop samples it exactly.")
     if np.any(np.asarray(plant.D)):
-        raise EngineError("A plant whose outputs feel an input at once (D ≠ 0) is not simulated here.")
+        raise EngineError("A plant with direct feedthrough (D ≠ 0) is not simulated here.")
     if controller.B.shape[2] != p or controller.C.shape[1] != m:
         raise ShapeError("The controller must take {p} outputs and drive {m} inputs; it takes {b_shape} and "
                          "drives {columns}.",

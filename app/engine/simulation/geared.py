@@ -81,8 +81,7 @@ def simulate_geared(scenario: Scenario, gear: Gear) -> GearedRun:
     """
     s, n = scenario, scenario.plant.n
     if s.discrete or s.lag or s.W is not None or s.V is not None or np.any(s.plant.D) or s.fed != "applied":
-        raise EngineError("A run over a gear is continuous, without delay, noise or direct path, and its observer is told the applied "
-                          "input.")
+        raise EngineError("A run over a gear is continuous, without delay, noise or direct path, and its observer gets the applied input.")
     if max(gear.angle, gear.speed) >= n or len(gear.load) != n:
         raise ShapeError("Angle, speed and load of the gear must fit the {n} states of the plant.", n=n)
     wide = _opened(s, gear)

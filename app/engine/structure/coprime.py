@@ -73,8 +73,8 @@ def coprime_factors(plant: Plant) -> CoprimeFactors:
     """
     hidden = observability(plant).unobservable
     if hidden:
-        raise EngineError("The plant has modes that leave no trace in y; functional observers are designed for "
-                          "observable plants, so measure more or take those modes out.")
+        raise EngineError("The plant has unobservable modes. Functional observers need an observable plant, so measure more or remove "
+                          "those modes.")
     scale = state_scale(plant.A, None, plant.C)
     A, C = (plant.A * scale / scale[:, None]).T, (plant.C * scale).T
     speed = _power_of_two(np.array(np.linalg.norm(A, 2)))  # powers of two: nothing is rounded

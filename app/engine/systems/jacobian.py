@@ -36,8 +36,8 @@ def values_of(f: Map, x: np.ndarray, u: np.ndarray, name: str, rows: int | None 
         if rows is None:
             raise ShapeError("The map must return a column for each of {n} states; its result has the shape "
                              "{values_shape}.", n=x.shape[1], values_shape=values.shape)
-        raise ShapeError("{name} must return {rows} rows and a column for each state; for {columns} states its "
-                         "result has the shape {values_shape}. each_column wraps a function of one state.",
+        raise ShapeError("{name} must return {rows} rows and a column for each state. For {columns} states its result has the shape "
+                         "{values_shape}; each_column wraps a function of one state.",
                          name=name, rows=rows, columns=x.shape[1], values_shape=values.shape)
     return values
 

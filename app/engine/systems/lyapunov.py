@@ -89,7 +89,7 @@ class _Triangular:
                 if added <= EPS**2 * np.vdot(R, R):
                     break
                 if not added < MAX_FACTOR**2:
-                    raise EngineError("Rounding hides whether the loop is stable, so its variances cannot be told; choose gentler "
+                    raise EngineError("Rounding hides whether the loop is stable, so its variances cannot be computed; choose smaller "
                                       "gains or other units.")
                 R = np.concatenate([R, more], axis=1)
                 if R.shape[1] > MAX_FACTOR_WIDTH * n:

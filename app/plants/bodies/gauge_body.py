@@ -54,9 +54,8 @@ def gauge_body(states: int, measured: Sequence[int]) -> Body:
 
     seen = ", ".join(str(i + 1) for i in sorted(lit))
     last = subscript(f"x{states}")
-    return Body(_parts(states, lit), pose, arrows, anchors, 1.0, text("Small gauges: the states x₁ … {last}, of "
-                                                                      "which {seen} are measured and lit; large "
-                                                                      "gauge: g and its ghost ĝ",
+    return Body(_parts(states, lit), pose, arrows, anchors, 1.0, text("Small gauges: the states x₁ … {last}; {seen} are measured and "
+                                                                      "lit; large gauge: g and its ghost ĝ",
                                                                       last=last, seen=seen))
 
 

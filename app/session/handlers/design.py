@@ -80,7 +80,7 @@ def _start(show: Presenter, plant: str) -> None:
 
 def _upload(show: Presenter, name: str, data: object) -> None:
     if not isinstance(data, bytes):
-        raise KnobError(text("What the browser sent is not a file; nothing was changed."))
+        raise KnobError(text("The browser did not send a file; nothing was changed."))
     plant = read_plant_file(name, data)
     try:
         _start(show, plant)

@@ -18,7 +18,7 @@ NO_ROOM = text("There is no room left for this design with its plant; remove one
 NAME_IT = text("Give the design a name first.")
 NO_SUCH = text("There is no kept design of that name any more.")
 SAVED_MESSAGE = text("Kept in this browser as {name}.")
-CLEARED = text("This browser keeps nothing of yours any more; the page starts anew.")
+CLEARED = text("This browser now keeps none of your data; the page starts again.")
 
 
 def obey(show: Presenter, command: Shelving) -> None:

@@ -31,7 +31,7 @@ LOOK_INTERVAL_S = 0.25  # s between two looks, while anybody works
 TOO_LONG = text("This takes more than {seconds:.0f} s and was broken off, so that others can go on; everything stays as it was.",
                 seconds=MAX_STEP_CPU_S)
 TOO_MUCH = text("This takes more memory than there is for one tab and was broken off; everything stays as it was.")
-TAB_ENDED = text("The computation cannot be broken off, so this tab has ended; the page opens anew with the last design that was shown.")
+TAB_ENDED = text("The computation cannot be broken off, so this tab has ended; the page reopens with the last design that was shown.")
 
 
 class StepTimeout(KnobError):

@@ -93,7 +93,7 @@ def check_state(data: object, lessons: Mapping[str, Lesson]) -> SavedState:
     except (OverflowError, RecursionError) as problem:
         raise KnobError(TOO_LARGE) from problem
     strange = [str(key)[:40] for key in data if key not in FIELDS | LESSON_FIELDS]
-    notes += [text("Left out, because this Observer Lab does not know it: {names}.", names=listed(map(same, strange[:5])))
+    notes += [text("Left out, because this Observer Lab has no such part: {names}.", names=listed(map(same, strange[:5])))
               ] if strange else []
     notes += [OTHER_DEFAULTS] if data.get("defaults", defaults_of(lesson)) != defaults_of(lesson) else []
     language, tab, step = data.get("language"), data.get("tab"), data.get("step")

@@ -266,3 +266,12 @@ def test_a_direct_path_of_the_input_is_counted_with():
     for name in KINDS:
         found = np.array([s.corrections[name].beliefs.mean[:, 1] for s in samples])
         np.testing.assert_allclose(found, means, rtol=1e-8, atol=1e-9, err_msg=name)
+
+
+@pytest.mark.parametrize("bad", [np.inf, np.nan, -1.0])
+def test_a_covariance_that_is_none_gives_no_number_and_spoils_no_other(bad: float) -> None:
+    P = np.stack([np.eye(3)] * 4)
+    P[1, 0, 0] = P[2, 0, 1] = P[2, 1, 0] = bad
+    P[2, 1, 1] = bad
+    squares = errors_squared(np.ones((4, 3)), P)
+    assert np.isnan(squares[1:3]).all() and np.allclose(squares[[0, 3]], 3.0)

@@ -115,8 +115,8 @@ def _varying(away: np.ndarray, middle: np.ndarray, Q: np.ndarray) -> np.ndarray:
     if not noisy.all():
         size = np.abs(axes.T) @ np.abs(middle / spread[:, None])
         if np.any(np.abs(turned[:, :, ~noisy]) > NOISE_FREE_SLOPE_RTOL * size[:, None, ~noisy]):
-            raise EngineError("Q is singular where the slopes of f differ from run to run: give every such state some noise, or take the "
-                              "noise for unknown.")
+            raise EngineError("Q is singular where the slopes of f differ between runs. Give every such state some noise, or treat the "
+                              "noise as unknown.")
     return _mean_square(turned[:, :, noisy] / np.sqrt(values[noisy])[:, None])
 
 

@@ -133,7 +133,7 @@ def _kept(beliefs: Beliefs, lost: np.ndarray, start: Beliefs) -> tuple[Beliefs, 
 
 @takes_runs(e=array("… n", missing=True, infinite=True), P=array("… n n", missing=True, infinite=True))
 def errors_squared(e: np.ndarray, P: np.ndarray) -> np.ndarray:
-    """eᵀ P⁻¹ e (…,) of errors e (…, n) with covariances P (…, n, n); NaN where P is not positive definite.
+    """eᵀ P⁻¹ e (…,) of errors e (…, n) with covariances P (…, n, n); NaN where P is not finite and positive definite.
 
     States are brought to unit variance first, so that units do not matter.
     """
@@ -153,7 +153,8 @@ def errors_squared(e: np.ndarray, P: np.ndarray) -> np.ndarray:
         half = np.linalg.solve(np.linalg.cholesky(correlation), scaled)
         return (half[..., 0]**2).sum(axis=-1)
     except np.linalg.LinAlgError:
-        values, vectors = np.linalg.eigh(correlation)
+        finite = np.isfinite(correlation).all(axis=(-1, -2))[..., None, None]
+        values, vectors = np.linalg.eigh(np.where(finite, correlation, -np.eye(e.shape[-1])))
         turned = (vectors.swapaxes(-1, -2) @ scaled)[..., 0]
         good = values[..., 0] > 0
         squares = (turned**2 / np.where(values > 0, values, 1.0)).sum(axis=-1)

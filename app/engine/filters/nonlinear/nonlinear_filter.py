@@ -155,8 +155,8 @@ class NonlinearFilter(ABC):
                 raise ShapeError("y must hold {p} numbers; it holds {y_size}.", p=self.p, y_size=y.size)
             _finite(expected, "h")
         elif y.shape != expected.shape:
-            raise ShapeError("y must be {rows}×{columns}, a row for each output of h and a column for each run; "
-                             "it is {y_shape}, and R is for {count} outputs.",
+            raise ShapeError("y must be {rows}×{columns}: a row for each output of h, a column for each run. It is {y_shape}, and R is "
+                             "for {count} outputs.",
                              rows=expected.shape[0], columns=expected.shape[1], y_shape=y.shape, count=self.p)
         if np.isinf(y).any():
             raise EngineError("A measurement is infinite; give NaN where none arrived.")
