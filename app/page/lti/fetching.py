@@ -20,7 +20,7 @@ BAD_GATEWAY = 502
 class _NoRedirect(urllib.request.HTTPRedirectHandler):
     """A platform's address is the operator's choice; it does not send us elsewhere."""
 
-    def redirect_request(self, *_: Any) -> None:
+    def redirect_request(self, req: Any, fp: Any, code: int, msg: str, headers: Any, newurl: str) -> None:
         """Nowhere."""
 
 
