@@ -43,7 +43,7 @@ def opened(tab: Tab) -> None:
     words = LESSONS[LESSON].words["en"]
     tab.choose_lesson(words.title, words.question)
     tab.predict("B")
-    tab.press("reveal")
+    tab.reveal()
 
     def stopped() -> float:
         if tab.button("‖ pause").count():

@@ -58,7 +58,8 @@ def test_a_still_ring_shows_once_where_to_press_or_drag(page: Page, server: str,
     expect(hand).to_have_count(0, timeout=PATIENCE)
     for step in (0, -1):  # away, and back to the scene
         page.locator(".ol-way button").nth(step).click()
-        page.wait_for_function("([id, away]) => (document.querySelector('.ol-card')?.dataset.scene !== id) === away", arg=[scene, step == 0])
+        page.wait_for_function("([id, there]) => (document.querySelector('.ol-card').dataset.scene === id) === there",
+                               arg=[scene, step < 0])
     expect(page.locator(f".ol-card[data-scene={scene}]")).to_be_visible(timeout=PATIENCE)
     assert hand.count() == 0
 
