@@ -61,9 +61,9 @@ def _said(found: Equal, m: Study) -> Text:
     least, most = float(lead.min()), float(lead.max())
     apart = text("At this effort no controller leads in every channel. By RMS velocity the full LQG is {first:+.1f}, {second:+.1f} and "
                  "{third:+.1f} dB ahead of the SISO loops.", first=lead[0], second=lead[1], third=lead[2])
-    ahead = text("At this effort the full LQG leads the SISO loops or ties with them in every channel. By RMS velocity it is "
+    ahead = text("The full LQG leads the SISO loops at this effort, or ties with them, in every channel. By RMS velocity it is "
                  "{first:+.1f}, {second:+.1f} and {third:+.1f} dB ahead.", first=lead[0], second=lead[1], third=lead[2])
-    behind = text("At this effort the SISO loops lead the full LQG or tie with it in every channel. By RMS velocity it is "
+    behind = text("The SISO loops lead the full LQG at this effort, or tie with it, in every channel. By RMS velocity it is "
                   "{first:+.1f}, {second:+.1f} and {third:+.1f} dB ahead of them.", first=lead[0], second=lead[1], third=lead[2])
     level = claim(text("At this effort full LQG and SISO loops tie in every channel, within {tied:.1g} dB.", tied=TIED),
                   max(abs(least), abs(most)), below=TIED, otherwise=ahead if least > -TIED else behind if most < TIED else apart)

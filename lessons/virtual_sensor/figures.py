@@ -49,7 +49,7 @@ def _core(outcome: Outcome[Study], run: Run, copy: Run) -> LineFigure:
 
 def _noisy(m: Mapping[str, float]) -> Text:
     """With noise one record tells a time by chance: the standard deviation says how large the error stays."""
-    return text("Sensor noise alone gives the core error a standard deviation of {sigma:.2g} K. In this record it stays below 1 K from "
+    return text("Sensor noise alone gives the core error a standard deviation of {sigma:.2g} K. Here it stays below 1 K from "
                 "{after:.2f} s to the end.", sigma=m["core_sigma"], after=m["known_after"])
 
 

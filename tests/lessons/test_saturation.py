@@ -296,7 +296,7 @@ def test_clipped_and_promise_are_said_of_a_force_that_was_clipped(fed: str, star
     caption = next(f for f in LESSON.figures(o) if f.id == "error").caption("en")
     assert ("all the same" in o.live("en")) == (clipped and fed == "applied")
     assert ("never clipped" in o.live("en")) == ("Nothing is clipped" in caption) == (not clipped)
-    assert ("is clipped, and the error keeps" in caption) == (clipped and fed == "applied")
+    assert ("is clipped, and the error still follows" in caption) == (clipped and fed == "applied")
 
 
 def test_a_start_lost_by_an_unstable_observer_is_not_lost_by_belief() -> None:

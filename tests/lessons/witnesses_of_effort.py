@@ -234,9 +234,9 @@ WITNESSES: Mapping[str, Witness] = {
     "At this effort the SISO loops move less than the full LQG in every channel, by {least:.1f} to {most:.1f} dB.": _ahead(-1),
     "At this effort no controller leads in every channel. By RMS velocity the full LQG is {first:+.1f}, {second:+.1f} and {third:+.1f} "
     "dB ahead of the SISO loops.": _nobody,
-    "At this effort the full LQG leads the SISO loops or ties with them in every channel. By RMS velocity it is {first:+.1f}, "
+    "The full LQG leads the SISO loops at this effort, or ties with them, in every channel. By RMS velocity it is {first:+.1f}, "
     "{second:+.1f} and {third:+.1f} dB ahead.": _or_tied(1),
-    "At this effort the SISO loops lead the full LQG or tie with it in every channel. By RMS velocity it is {first:+.1f}, "
+    "The SISO loops lead the full LQG at this effort, or tie with it, in every channel. By RMS velocity it is {first:+.1f}, "
     "{second:+.1f} and {third:+.1f} dB ahead of them.": _or_tied(-1),
     "The SISO loops cannot be made to spend that, with any gain.": _with_no_gain,
     "A coil that may give {limit:.3g} mN would be clipped often; that is left out.": _clipped,

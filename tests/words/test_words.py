@@ -77,6 +77,7 @@ def test_sentences_of_markdown_stand_at_their_lines() -> None:
 def test_a_sentence_ends_at_its_stop() -> None:
     assert sentences("The gain is 0.5 by D. G. Luenberger. Is it? “Yes.” It is {x}. $K$ grows.") == [
         "The gain is 0.5 by D. G. Luenberger.", "Is it?", "“Yes.”", "It is {x}.", "$K$ grows."]
+    assert sentences("The core is at 5 K. The force is 2 N. It rests.") == ["The core is at 5 K.", "The force is 2 N.", "It rests."]
 
 
 def test_figures_are_median_and_percentile() -> None:

@@ -41,7 +41,7 @@ def sentences(text: str) -> list[str]:
     """The sentences of a paragraph; an abbreviation, an initial or a number with its point ends none."""
     parts: list[str] = []
     for part in STOP.split(text.strip()):
-        if parts and (parts[-1].rpartition(" ")[2].rstrip(".").lstrip("(") in SHORT or re.search(r"(?:^| )[A-Z]\.$", parts[-1])):
+        if parts and (parts[-1].rpartition(" ")[2].rstrip(".").lstrip("(") in SHORT or re.search(r"(?:^|(?<![\d$]) )[A-Z]\.$", parts[-1])):
             parts[-1] += " " + part
         elif part:
             parts.append(part)
