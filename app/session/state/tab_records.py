@@ -9,7 +9,7 @@ from typing import Any  # the values of knobs are of any kind, as `Any` says
 from ...course.course_map import Progress
 from ...course.design import Design
 from ...course.error_window import ErrorWindow
-from ...course.lesson import Design, Verdict
+from ...course.lesson import Verdict
 from ...course.many_seeds import SeedErrors
 
 
