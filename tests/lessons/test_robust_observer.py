@@ -305,7 +305,7 @@ def test_a_transient_is_not_called_an_amplitude(s: float) -> None:
                                dt=0.01, dA=dA, dC=dC)
     settled = np.abs(long.e_u[-500:, 0]).max()
     assert o.study.steady == pytest.approx(settled, rel=0.01)
-    assert ("will settle" in caption) == (o.metrics["late_error"] >= 1.2 * settled) and f"{o.study.steady:.2g}" in caption
+    assert ("tends to an amplitude" in caption) == (o.metrics["late_error"] >= 1.2 * settled) and f"{o.study.steady:.2g}" in caption
 
 
 def test_two_roads_are_open_to_a_pair_only():
