@@ -178,7 +178,7 @@ def workers_of(url: str, word: str) -> list[dict[str, int]]:
 @pytest.mark.slow
 def test_two_workers_share_the_tabs_and_a_tab_whose_worker_dies_goes_on_at_the_other() -> None:
     """One address, printed once; figures and places are those of both; the word of the token reaches no log."""
-    word, knob = "the-word-of-this-test", "stiffness believed wrong by [%]"
+    word, knob = "the-word-of-this-test", "stiffness error in the model [%]"
     with started("--port", "0", "--workers", "2", "--max-sessions", "2", "--view", "lab", "--lesson", "separation", "--log-json", **{
             VARIABLE: word, "OBSERVER_LAB_KERNELS": "off"}) as (server, url):
         processes = [int(child) for child in Path(f"/proc/{server.pid}/task/{server.pid}/children").read_text().split()]
@@ -211,7 +211,7 @@ def test_two_workers_share_the_tabs_and_a_tab_whose_worker_dies_goes_on_at_the_o
 @pytest.mark.slow
 def test_a_worker_that_answers_lives_and_one_that_is_stopped_is_replaced() -> None:
     """An idle worker and a busy one outlive five time limits; the tab of one that does not answer goes on at the other."""
-    limit, word, knob = 5, "the-word-of-this-test", "stiffness believed wrong by [%]"
+    limit, word, knob = 5, "the-word-of-this-test", "stiffness error in the model [%]"
     with started("--port", "0", "--workers", "2", "--max-sessions", "2", "--view", "lab", "--lesson", "separation",
                  "--worker-timeout", str(limit), **{
             VARIABLE: word, "OBSERVER_LAB_KERNELS": "off"}) as (server, url):

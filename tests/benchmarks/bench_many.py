@@ -42,7 +42,7 @@ sys.path[:0] = [str(HERE), str(HERE / "tests" / "wire")]
 
 from client import PATIENCE, WirePage, unpack  # type: ignore[import-not-found]
 
-KNOB = "stiffness believed wrong by [%]"
+KNOB = "stiffness error in the model [%]"
 EVERY = 0.05  # s between two moves of a hand
 APART = 37  # values from where one hand begins to where the next does
 LATER = 2  # tabs that open while the others work

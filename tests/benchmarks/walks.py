@@ -9,7 +9,7 @@ from pathlib import Path
 from playwright.sync_api import Browser, Page
 
 HERE = Path(__file__).parents[2]
-KNOB = "stiffness believed wrong by [%]"
+KNOB = "stiffness error in the model [%]"
 PATIENCE = 120.0  # s
 
 

@@ -11,7 +11,7 @@ from observer_lab.lessons import LESSONS, OPENING
 from observer_lab.page.charts.print_sizes import Sizes
 from observer_lab.session.state.view import State
 
-SLIDER = "stiffness believed wrong by [%]"
+SLIDER = "stiffness error in the model [%]"
 RUN = "() => document.querySelector('.ol-parts').closest('.mantine-Paper-root').getBoundingClientRect().width"
 CLICK = "words => [...document.querySelectorAll('button')].find(b => b.textContent.trim() === words)?.click()"  # if it is there
 SIZE = "() => parseFloat(getComputedStyle(document.querySelector('.ol-question')).fontSize)"

@@ -9,7 +9,7 @@ from observer_lab.course.exercises.exam import seed_of
 from observer_lab.lessons import LESSONS
 from observer_lab.page.column.knob_widgets import label_of
 
-SLIDER = "stiffness believed wrong by [%]"
+SLIDER = "stiffness error in the model [%]"
 FOCUS = "() => (document.activeElement?.textContent || document.activeElement?.getAttribute('aria-label') || '').trim()"
 IS_THUMB = """label => {
   const held = document.activeElement;

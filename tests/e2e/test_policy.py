@@ -9,7 +9,7 @@ from playwright.sync_api import Browser
 from tab import Tab, eventually
 
 WORD = "the-word-of-this-test"
-SLIDER = "stiffness believed wrong by [%]"
+SLIDER = "stiffness error in the model [%]"
 BLOCKED = "() => { window.blocked = []; addEventListener('securitypolicyviolation', e => window.blocked.push(e.violatedDirective)) }"
 
 

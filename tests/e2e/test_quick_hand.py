@@ -14,7 +14,7 @@ from observer_lab.lessons import LESSONS
 from observer_lab.page.screen.server import LabServer
 from observer_lab.session.state import history
 
-SLIDER = "stiffness believed wrong by [%]"
+SLIDER = "stiffness error in the model [%]"
 SLOW = 0.3  # s that a draft takes: several steps of the hand come while one is computed
 STEPS = 16
 

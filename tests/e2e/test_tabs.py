@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 from tab import Tab, eventually
 
-SLIDER = "stiffness believed wrong by [%]"
+SLIDER = "stiffness error in the model [%]"
 
 
 def test_two_tabs_do_not_mix(new_tab: Callable[..., Tab]) -> None:

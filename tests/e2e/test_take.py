@@ -13,7 +13,7 @@ from observer_lab.lessons import LESSONS
 from observer_lab.page.words import phrases
 from observer_lab.session.state.token import read_token
 
-STIFFNESS = {"en": "stiffness believed wrong by [%]", "zh": "模型刚度误差 [%]"}
+STIFFNESS = {"en": "stiffness error in the model [%]", "zh": "模型刚度误差 [%]"}
 
 
 def open_link(browser: Browser, link: str) -> Tab:

@@ -9,7 +9,7 @@ from geometry import on_screen
 from playwright.sync_api import Browser
 from tab import Tab, eventually
 
-SLIDER = "stiffness believed wrong by [%]"
+SLIDER = "stiffness error in the model [%]"
 BESIDE, LEAST = 12.0, 24.0  # px: from the middle of a thumb to a finger that takes it, and of what can be pressed
 SMALL = f"""() => [...document.querySelectorAll('button, input:not([type=file]), [role=button]')].filter(each => {{
   const room = each.getBoundingClientRect();

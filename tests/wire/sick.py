@@ -9,7 +9,7 @@ from dataclasses import replace
 from observer_lab.course.lesson import Design, Lesson, Outcome
 from observer_lab.lessons import LESSONS
 
-KNOB, LABEL = "stiffness_error", "stiffness believed wrong by [%]"
+KNOB, LABEL = "stiffness_error", "stiffness error in the model [%]"
 RAISES, EXITS, LOOPS, HOARDS, BLOCKS = 10.0, 11.0, 12.0, 13.0, 14.0
 GOOD = LESSONS["separation"]
 RATE = 20_000  # bytes that it hoards in a thousandth of a second

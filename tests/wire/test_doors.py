@@ -21,7 +21,7 @@ from observer_lab.page.viser_private import viser_internals
 from observer_lab.page.words.phrases import FULL
 from observer_lab.session.session import Session
 
-STIFFNESS = "stiffness believed wrong by [%]"
+STIFFNESS = "stiffness error in the model [%]"
 Enter = Callable[..., WireTab]
 Newest = Callable[[], Session]
 SHARED = {"GuiUpdateMessage", "GuiButtonHoldMessage", "GuiFormSubmitMessage", "GuiFormDirtyMessage", "FileTransferStartUpload",

@@ -24,7 +24,7 @@ from observer_lab.page.access.addresses import listen
 from observer_lab.page.access.flood_guard import EARLY_BURST, MAX_FRAGMENTS, MESSAGE_BURST
 from observer_lab.page.screen.server import LabServer
 
-STIFFNESS = "stiffness believed wrong by [%]"
+STIFFNESS = "stiffness error in the model [%]"
 POLICY_VIOLATION = 1008
 MANY = int(2 * MESSAGE_BURST)
 

@@ -16,7 +16,7 @@ from observer_lab.lessons import LESSONS
 from observer_lab.page.screen.server import LabServer
 from observer_lab.session.session import Session
 
-STIFFNESS, METHOD, LIMITED = "stiffness believed wrong by [%]", "gains by", "limit the coils"
+STIFFNESS, METHOD, LIMITED = "stiffness error in the model [%]", "gains by", "limit the coils"
 Enter = Callable[..., WireTab]
 Newest = Callable[[], Session]
 START = LESSONS["separation"].start()

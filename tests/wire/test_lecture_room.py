@@ -375,7 +375,7 @@ def test_in_the_lab_followers_see_the_knobs_that_the_presenter_has_moved(enter: 
     ask(presenter, "mode:lab")
     question = html.escape(LESSONS["separation"].words["en"].question)
     follower.until(lambda: question in card(follower), "the lesson's question")
-    presenter.update("stiffness believed wrong by [%]", value=12.0)
+    presenter.update("stiffness error in the model [%]", value=12.0)
     follower.until(lambda: "<dd>12 %</dd>" in part(follower, '<dl class="ol-knobs"'), "the moved knob")
     server.sessions[max(server.sessions)].post(SetMode("guide"))
     follower.until(lambda: "data-scene=" in card(follower), "the path again")

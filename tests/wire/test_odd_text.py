@@ -13,7 +13,7 @@ from observer_lab.page.screen.server import LabServer
 from observer_lab.session.state.saved_state import VERSION
 from observer_lab.session.state.token import packed
 
-STIFFNESS = "stiffness believed wrong by [%]"
+STIFFNESS = "stiffness error in the model [%]"
 FIELDS = {"version": VERSION, "lesson": "separation", "knobs": {}}
 TOKENS = {name: packed(json.dumps(FIELDS | odd)) for name, odd in {
     "lesson": {"lesson": "\ud800"}, "knob": {"knobs": {"\udfff": "1"}}, "value": {"knobs": {"delay": "\ud800"}}, "field": {"\ud800": 1},

@@ -14,7 +14,7 @@ from observer_lab.course.lesson import Design, Lesson, Outcome
 from observer_lab.lessons import LESSONS
 from observer_lab.page.screen.server import LabServer
 
-STIFFNESS, LIMITED = "stiffness believed wrong by [%]", "limit the coils"
+STIFFNESS, LIMITED = "stiffness error in the model [%]", "limit the coils"
 SLOW = 0.2  # s that a draft takes: several values of a quick hand come while one is computed
 QUICK = 0.06  # s between two values of the hand: the page sends no faster
 

@@ -14,7 +14,7 @@ from observer_lab.page.screen.screen import Screen
 from observer_lab.page.screen.server import LabServer
 from observer_lab.session.session import Session
 
-STIFFNESS, DELAY = "stiffness believed wrong by [%]", "input delay [ms]"
+STIFFNESS, DELAY = "stiffness error in the model [%]", "input delay [ms]"
 Enter = Callable[..., WireTab]
 Newest = Callable[[], Session]
 
