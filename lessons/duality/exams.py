@@ -35,7 +35,7 @@ def _adjoint(lot: SeededDraws) -> ExamItem | None:
 
 def _locus(lot: SeededDraws) -> ExamItem:
     """s² = a ± j√(q/r): the LQR poles of p̈ = a p + u lie (a² + q/r)^¼ from the origin."""
-    a, q, r = float(lot.whole(1, 9)), float(lot.whole(2, 40)), float(lot.whole(1, 5))
+    a, q, r = float(lot.whole(2, 9)), float(lot.whole(2, 40)), float(lot.whole(2, 5))
     square = a * a + q / r
     return ExamItem({"a": a, "q": q, "r": r}, square**0.25, {"square": square})
 

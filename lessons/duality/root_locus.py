@@ -16,17 +16,23 @@ from observer_lab.text import Text, text
 from .dual_quantities import Setting
 
 LOCUS_TAB = text("Root locus")
-RATIOS = np.geomspace(1e-6, 1e6, 145)  # of the weights
+LOW, HIGH = 1e-6, 1e6  # the ratios of the weights
+SAMPLES, FEWEST = 1200, 97  # samples of the locus times states, so that its corners are sharp; and at least
 
 
-def locus(A: np.ndarray, B: np.ndarray, Q: np.ndarray, R: np.ndarray, ratios: np.ndarray) -> np.ndarray:
-    """The 2n roots of det(R/ρ + Bᵀ(−sI − Aᵀ)⁻¹ Q (sI − A)⁻¹B) = 0 for each ratio ρ (k, 2n), each branch in a column.
+def ratios(n: int) -> np.ndarray:
+    """The ratios at which the locus of n states is drawn."""
+    return np.geomspace(LOW, HIGH, max(FEWEST, SAMPLES // n))
+
+
+def locus(A: np.ndarray, B: np.ndarray, Q: np.ndarray, R: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """The 2n roots of det(R/ρ + Bᵀ(−sI − Aᵀ)⁻¹ Q (sI − A)⁻¹B) = 0 for each ratio ρ `at` (k,): (k, 2n), each branch in a column.
 
     They are the eigenvalues of the Hamiltonian matrix [A, −ρ B R⁻¹Bᵀ; −Q, −Aᵀ]. With each root s, −s is one; those on the left are the
     poles that LQR chooses for ρQ and R. Source: Kailath, Linear Systems (1980), section 3.4: the symmetric root locus.
     """
     push = B @ np.linalg.solve(R, B.T)
-    roots = np.array([np.linalg.eigvals(np.block([[A, -ratio * push], [-Q, -A.T]])) for ratio in ratios], dtype=complex)
+    roots = np.array([np.linalg.eigvals(np.block([[A, -ratio * push], [-Q, -A.T]])) for ratio in at], dtype=complex)
     for before, after in pairwise(roots):
         after[:] = after[linear_sum_assignment(np.abs(before[:, None] - after))[1]]
     return roots
@@ -35,7 +41,7 @@ def locus(A: np.ndarray, B: np.ndarray, Q: np.ndarray, R: np.ndarray, ratios: np
 @lru_cache(maxsize=16)
 def _branches(here: Setting, plant: Plant, filtering: bool) -> np.ndarray:
     given = (plant.A.T, plant.C.T, here.W, here.V) if filtering else (plant.A, plant.B, here.Q, here.R)
-    return locus(*given, RATIOS)
+    return locus(*given, ratios(plant.n))
 
 
 def locus_figures(here: Setting, design: Design) -> tuple[PlaneFigure, PlaneFigure]:
@@ -43,10 +49,10 @@ def locus_figures(here: Setting, design: Design) -> tuple[PlaneFigure, PlaneFigu
     q, r = design["q"], design["r"]
     w, v = (q, r) if design["mirror"] else (design["w"], design["v"])
     return (_figure(here, design, False, q / r, text("symmetric root locus of the LQR"),
-                    text("α_Q/α_R from 10⁻⁶ to 10⁶. Crosses: the LQR poles at the ratio {ratio:.3g} of now. Circles: their mirror images.",
+                    text("α_Q/α_R from 10⁻⁶ to 10⁶. Crosses: LQR poles at the present ratio {ratio:.3g}. Circles: their mirror images.",
                          ratio=q / r)),
             _figure(here, design, True, w / v, text("symmetric root locus of the LQE"),
-                    text("α_W/α_V from 10⁻⁶ to 10⁶. Crosses: the LQE poles at the ratio {ratio:.3g} of now. Circles: their mirror images.",
+                    text("α_W/α_V from 10⁻⁶ to 10⁶. Crosses: LQE poles at the present ratio {ratio:.3g}. Circles: their mirror images.",
                          ratio=w / v)))
 
 

@@ -11,7 +11,7 @@ from scipy.linalg import solve_continuous_are
 from observer_lab.lessons.duality.dual_quantities import filter_riccati, gap, observer_by_polynomial, output_energy, run_pair
 from observer_lab.lessons.duality.knobs import MODEL
 from observer_lab.lessons.duality.lesson import LESSON
-from observer_lab.lessons.duality.root_locus import RATIOS, locus
+from observer_lab.lessons.duality.root_locus import locus, ratios
 from observer_lab.lessons.duality.study import turned
 
 
@@ -148,7 +148,7 @@ def test_the_left_half_of_the_symmetric_root_locus_is_what_riccati_chooses(ratio
 
 
 def test_each_branch_of_the_locus_is_one_curve():
-    roots = locus(turned(0.0).A, turned(0.0).B, np.eye(2), np.eye(1), RATIOS)
+    roots = locus(turned(0.0).A, turned(0.0).B, np.eye(2), np.eye(1), ratios(2))
     steps = np.abs(np.diff(roots, axis=0)) / np.abs(roots[1:])
     assert steps.max() < 0.5, "no branch jumps to another"
     assert {tuple(np.sign(branch.real[[0, -1]])) for branch in roots.T} == {(-1.0, -1.0), (1.0, 1.0)}
