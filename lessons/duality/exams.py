@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from observer_lab.course.exercises.exam import Exam, ExamItem, SeededDraws, decimals
@@ -15,13 +13,6 @@ def _gain(lot: SeededDraws) -> ExamItem:
     p, q = (-float(v) for v in lot.some(range(2, 9), 2))
     first = -p - q - b
     return ExamItem({"b": b, "k": k, "p": p, "q": q, "first": first}, p * q - k - b * first)
-
-
-def _pole(lot: SeededDraws) -> ExamItem | None:
-    """Regulator and filter share the pole −√(a² + c² W/V)."""
-    a, c, W, V = float(lot.whole(-3, 4)), float(lot.whole(2, 4)), float(lot.whole(2, 20)), float(lot.whole(2, 8))
-    root = math.sqrt(a * a + c * c * W / V)
-    return ExamItem({"a": a, "c": c, "W": W, "V": V}, -root, {"P": V * (a + root) / (c * c)}) if abs(a) > 1 else None
 
 
 def _predictor(lot: SeededDraws) -> ExamItem:
@@ -42,9 +33,16 @@ def _adjoint(lot: SeededDraws) -> ExamItem | None:
                      "first": float(first)}, (inner - first * u) / v, {"inner": float(inner), "u": float(u), "v": float(v)})
 
 
+def _locus(lot: SeededDraws) -> ExamItem:
+    """s² = a ± j√(q/r): the LQR poles of p̈ = a p + u lie (a² + q/r)^¼ from the origin."""
+    a, q, r = float(lot.whole(2, 9)), float(lot.whole(2, 40)), float(lot.whole(2, 5))
+    square = a * a + q / r
+    return ExamItem({"a": a, "q": q, "r": r}, square**0.25, {"square": square})
+
+
 EXAMS = (
     Exam("gain", decimals(2), _gain),
-    Exam("pole", decimals(2), _pole),
+    Exam("locus", decimals(2), _locus),
     Exam("predictor", decimals(3), _predictor),
     Exam("adjoint", decimals(2), _adjoint),
 )

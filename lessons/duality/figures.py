@@ -13,6 +13,7 @@ from ..toolkit.figures import ERROR_TAB, TIME_TAB, error_figure, input_figure, s
 from ..toolkit.latex import pole_words
 from .dual_quantities import Setting, Twins, weights_of
 from .finite_horizon import HORIZON_TAB, horizon_figure
+from .root_locus import LOCUS_TAB, locus_figures
 
 TWINS_TAB, ELLIPSES_TAB = text("Twins"), text("Ellipses")
 MOST_ROWS = 12  # of a table
@@ -28,6 +29,7 @@ def all_figures(here: Setting, outcome: Outcome[Twins]) -> FigureSet:
         tab_figures(ERROR_TAB, lambda: (error_figure(run), input_figure(run, here.model))),
         tab_figures(TWINS_TAB, lambda: (_gain_table(outcome, twins), _riccati_table(here, outcome, twins),
                                  _pairing(twins, twins.pairing_gap))),
+        tab_figures(LOCUS_TAB, lambda: locus_figures(here, design)),
         tab_figures(HORIZON_TAB, lambda: (_horizon(here, design, twins),)),
         tab_figures(ELLIPSES_TAB, lambda: _ellipses(here, design["window"], twins, twins.mirror_gap)))
 

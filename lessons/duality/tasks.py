@@ -17,6 +17,7 @@ SLOWEST_CONTROLLER_POLE, SLOWEST_OBSERVER_POLE, POLE_TOLERANCE, MAX_GAIN_ENTRY =
     0.02,
     3.0,
 )  # slowest poles asked for, how nearly, and the largest entry of L
+MEETING_DISTANCE = 0.3  # of two poles that count as met
 
 
 def _published(outcome: Outcome[Twins]) -> Verdict:
@@ -81,6 +82,16 @@ def _threefold(outcome: Outcome[Twins]) -> Verdict:
                               controller=controller, observer=observer, largest=largest))
 
 
+def _meet(outcome: Outcome[Twins]) -> Verdict:
+    poles = outcome.poles["controller"]
+    if outcome.design["method"] != BY_WEIGHTS:
+        return Verdict(False, text("Let weights choose the gains, not poles."))
+    apart = float(abs(poles[0] - poles[1]))
+    if apart > MEETING_DISTANCE:
+        return Verdict(False, text("The LQR poles are {apart:.3g} apart; at most {most:g}.", apart=apart, most=MEETING_DISTANCE))
+    return Verdict(True, text("The LQR poles are {apart:.2g} apart, near {place:.3g}.", apart=apart, place=float(poles.real.mean())))
+
+
 READ_OFF = Typed("sqrt(2)*(W/V)^(1/4)", ("W", "V"), slips=(
     ("sqrt(W/V)", text("That is l₂: transposing a double integrator changes the order of its states.")),
     ("sqrt(2)*(V/W)^(1/4)", text("W takes the place of q, V that of r."))))
@@ -93,6 +104,7 @@ TASKS = (
     Task("published", _published, {"method": BY_POLES, "poles": (-1 + 0j, -1 + 0j), "sensor": 0.0}),
     Task("ratio", _ratio, {"method": BY_WEIGHTS, "mirror": False, "w": 40.0, "v": 10.0}),
     Task("mirror", _mirror_image, {"sensor": 90.0}, easy="the sensor belongs where the force acts, which is its stop"),
+    Task("meet", _meet, {"method": BY_WEIGHTS, "q": 7.62, "r": 1.0}),
     Task("threefold", _threefold, {"method": BY_WEIGHTS, "mirror": False, "q": 0.39, "w": 5.25}),
     typed_task("read-off", READ_OFF),
     typed_task("listen", LISTEN),

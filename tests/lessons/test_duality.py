@@ -11,6 +11,7 @@ from scipy.linalg import solve_continuous_are
 from observer_lab.lessons.duality.dual_quantities import filter_riccati, gap, observer_by_polynomial, output_energy, run_pair
 from observer_lab.lessons.duality.knobs import MODEL
 from observer_lab.lessons.duality.lesson import LESSON
+from observer_lab.lessons.duality.root_locus import locus, ratios
 from observer_lab.lessons.duality.study import turned
 
 
@@ -132,3 +133,22 @@ def test_the_riccati_equations_in_time_are_those_of_an_integrator_and_settle_on_
     if window == 12.0:
         np.testing.assert_allclose(found.S[0], solve_continuous_are(p.A, p.B, Q, R), rtol=1e-5)
         np.testing.assert_allclose(found.P[-1], o.study.P, rtol=1e-5)
+
+
+@pytest.mark.parametrize("ratio", [1e-4, 0.3, 7.0, 1e4])
+@pytest.mark.parametrize("filtering", [False, True])
+def test_the_left_half_of_the_symmetric_root_locus_is_what_riccati_chooses(ratio, filtering):
+    A, B, C = turned(30.0).A, turned(30.0).B, turned(30.0).C
+    A, B = (A.T, C.T) if filtering else (A, B)
+    roots = locus(A, B, np.eye(2), np.eye(1), np.array([ratio]))[0]
+    S = solve_continuous_are(A, B, ratio * np.eye(2), np.eye(1))
+    chosen = np.linalg.eigvals(A - B @ (B.T @ S))
+    np.testing.assert_allclose(np.sort_complex(roots[roots.real < 0]), np.sort_complex(chosen), rtol=1e-6)
+    np.testing.assert_allclose(np.sort_complex(roots), np.sort_complex(-roots), rtol=1e-7, atol=1e-9)
+
+
+def test_each_branch_of_the_locus_is_one_curve():
+    roots = locus(turned(0.0).A, turned(0.0).B, np.eye(2), np.eye(1), ratios(2))
+    steps = np.abs(np.diff(roots, axis=0)) / np.abs(roots[1:])
+    assert steps.max() < 0.5, "no branch jumps to another"
+    assert {tuple(np.sign(branch.real[[0, -1]])) for branch in roots.T} == {(-1.0, -1.0), (1.0, 1.0)}
