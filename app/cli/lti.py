@@ -9,7 +9,6 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from .inputs import read_text
 from .opening import Opening, ServeRequest
 from .options import CommandError, error_cause
 
@@ -67,6 +66,7 @@ def open_platforms(request: ServeRequest) -> OpenPlatforms | None:
     if any(find_spec(name) is None for name in NEEDED):
         raise CommandError(NOT_INSTALLED)
     from ..page.lti.settings import LtiFileError, read_settings
+    from .inputs import read_text
 
     beside = Path(request.lti).parent
     try:

@@ -51,7 +51,7 @@ def _multiplying(more: Mapping[str, np.ndarray], plant: Plant) -> np.ndarray | N
     if not found:
         return None
     if plant.dt:
-        raise EngineError("A bilinear plant must be in continuous time. Give dx/dt = A x + B u + u F x and leave out dt, or leave out F.")
+        raise EngineError("A bilinear plant must be in continuous time: give dx/dt = A x + B u + u F x without dt, or leave out F.")
     if "F" in found and plant.m > 1:
         raise EngineError("F multiplies one input, and this plant has {count}: give F1 to F{count}, one for each, or keep one column of B.",
                           count=plant.m)

@@ -104,7 +104,7 @@ def test_the_numbers_put_in_obey_their_equations_at_the_start_and_at_random_knob
 
 SMALL = '{"A": [[0, 1], [-2, -3]], "B": [[0], [1]], "C": [[1, 0]]}'
 ADAPTED = [lesson for lesson in LESSONS.values() if lesson.adapt is not None]
-THEIR_OWN = frozenset({"hidden-modes", "noise", "kalman"})  # lessons whose steps speak of one motion of their own plant
+THEIR_OWN = frozenset({"hidden-modes", "noise", "kalman", "weak-states"})  # lessons whose steps speak of one motion of their own plant
 
 
 @pytest.mark.parametrize("lesson", ADAPTED, ids=lambda lesson: lesson.id)

@@ -301,6 +301,6 @@ def test_what_the_offsets_of_sensors_do_is_what_a_long_run_shows():
         return float(np.linalg.norm(ends)), task.check(o)
     for pole, said in ((-30.0, "25.2"), (-2.0, "85.2"), (-8.4, "16.6")):
         long, verdict = off(pole)
-        assert f"{long:.1f}" == said and f"{long:.2f} long" in verdict.text("en") and verdict.solved == (pole == -8.4)
+        assert f"{long:.1f}" == said and f"norm {long:.2f}" in verdict.text("en") and verdict.solved == (pole == -8.4)
     assert [task.check(outcome(pole=[p])).solved for p in (-9.1, -9.0, -7.9, -7.8)] == [False, True, True, False]
     assert not task.check(outcome(pole=[-8.4], gain="rounded")).solved

@@ -60,7 +60,7 @@ def test_what_the_text_says_of_the_start() -> None:
     assert 1 / found.dials[siso] == pytest.approx(24, abs=0.5) and 1e3 * found.wanted == pytest.approx(16.4, abs=0.05)
     for at, (low, high) in enumerate([(24.9, 25.1), (2.54, 3.77)]):
         assert (found.rms[lqe, at], found.rms[siso, at]) == pytest.approx((low, high), abs=0.06)
-    assert found.dials[recursive] < 0.7 and "moves less than the SISO loops or ties with them in every channel" in said(outcome)
+    assert found.dials[recursive] < 0.7 and "leads the SISO loops at this effort, or ties with them, in every channel" in said(outcome)
     quiet, _ = compared(v=1e-12, sensor=1e-12, limited=True, limit=0.001)
     assert "moves less than the SISO loops in every channel" in said(quiet) and "clipped often" in said(quiet)
     assert "with any gain" in said(compared(pair="published")[0])

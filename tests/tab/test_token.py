@@ -171,7 +171,7 @@ def test_what_is_unknown_is_left_out_with_a_note() -> None:
     saved = check_state({**data, "wings": 2, "knobs": {**data["knobs"], "feathers": "3"}}, LESSONS)
     assert saved.design["delay"] == 18.0
     assert [note.id.partition(":")[0] for note in saved.notes] == [
-        "Left out, because lesson {id} has no such knob", "Left out, because this Observer Lab does not know it"]
+        "Left out, because lesson {id} has no such knob", "Left out, because this Observer Lab has no such part"]
     assert "feathers" in str(saved.notes[0]) and "wings" in str(saved.notes[1])
 
 

@@ -85,7 +85,7 @@ def test_an_unstable_pole_is_no_observer():
 
 
 @pytest.mark.parametrize(("change", "error", "word"), [
-    ({"C": np.eye(6)}, EngineError, "states 6"),
+    ({"C": np.eye(6)}, EngineError, "6 states"),
     ({"C": np.ones((2, 6))}, EngineError, "depend"),
     ({"K": np.eye(6)[:1]}, EngineError, "directly"),
     ({"K": np.zeros((1, 6))}, EngineError, "zero"),

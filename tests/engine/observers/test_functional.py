@@ -76,7 +76,7 @@ def test_factors_are_coprime_and_of_degree_n(seed, n, p, s):
 
 
 def test_hidden_modes_are_refused():
-    with pytest.raises(EngineError, match="no trace"):
+    with pytest.raises(EngineError, match="unobservable modes"):
         functional_observer(Plant(np.diag([-1.0, -2.0]), np.ones((2, 1)), [[1.0, 0.0]]), [[1, 1]], 1, poles=[-3])
 
 
