@@ -15,7 +15,10 @@ OPEN = "() => [...document.querySelectorAll('[role=button][aria-expanded=true]')
 BOX = """words => [...document.querySelectorAll('[role=button][aria-expanded]')].find(head => head.textContent === words)?.parentElement"""
 BELOW_TOP = f"""words => {{
   const box = ({BOX})(words);
-  return box ? Math.abs(box.getBoundingClientRect().top - box.closest('[data-scrollarea-viewport]').getBoundingClientRect().top) : 1e9;
+  if (!box) return 1e9;
+  const view = box.closest('[data-scrollarea-viewport]'), away = box.getBoundingClientRect().top - view.getBoundingClientRect().top;
+  const atEnd = view.scrollTop + view.clientHeight > view.scrollHeight - 2;  // the column is too short to bring it higher
+  return atEnd && away > 0 ? 0 : Math.abs(away);
 }}"""
 SLID = """() => {
   const row = document.querySelector('[data-dock-region=right] [role=tablist]');
