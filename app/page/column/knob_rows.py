@@ -8,6 +8,7 @@ from typing import Any
 import viser
 
 from ...course.knobs import Knob, Poles
+from ...course.many_seeds import TAB as SEEDS_TAB
 from ...session.commands.commands import DrawByHand, Edit, RunJob, SetKnobs
 from ...session.commands.room import RunSeeds
 from ...session.state.view import Picture
@@ -32,6 +33,7 @@ class KnobRows:
         self._more: viser.GuiFolderHandle | None = None
         self._bar: Any = None
         self._job: viser.GuiButtonHandle | None = None
+        self._cloud: viser.GuiFolderHandle | None = None  # of many seeds: below the knobs, which stay in sight
         self._seeds: viser.GuiHtmlHandle | None = None
         self._hand = ""
         rows = [knob for knob in self._lesson.knobs if not knob.hidden and not isinstance(knob, Poles)]
@@ -41,12 +43,12 @@ class KnobRows:
         with gui.add_folder(phrases.KNOBS(self._lang)):
             self._add_all(often, False)
             self._make_job()
-            self._make_seeds()
             if self._aside:
                 self._more = gui.add_folder((phrases.MORE_KNOBS if large else phrases.MORE)(self._lang), expand_by_default=False)
                 with self._more:
                     self._add_all(self._aside, True)
         self._make_poles()
+        self._make_seeds()
 
     @property
     def fields(self) -> dict[str, dict[str, object]]:
@@ -89,7 +91,9 @@ class KnobRows:
     def _make_seeds(self) -> None:
         if self._lesson.seeds is not None:
             self._hand = viser_internals.node_id(hidden_input(self._gui, self._heard))
-            self._seeds = self._gui.add_html("")
+            self._cloud = self._gui.add_folder(SEEDS_TAB(self._lang), expand_by_default=False)
+            with self._cloud:
+                self._seeds = self._gui.add_html("")
 
     def _heard(self, said: str) -> None:
         if said == RUN_SEEDS:
@@ -107,7 +111,10 @@ class KnobRows:
         for place, heading in self._groups.items():
             _reveal(heading, place in standing)
         if self._seeds is not None and (picture.resting or picture.many is None):
-            write_content(self._seeds, seeds_html(picture, self._hand))
+            written = seeds_html(picture, self._hand)
+            write_content(self._seeds, written)
+            if self._cloud is not None:
+                _reveal(self._cloud, bool(written))
         if self._more is not None:
             _reveal(self._more, any(self._lesson.shown(knob, picture.design) for knob in self._aside))
 
