@@ -26,7 +26,9 @@ def ratios(n: int) -> np.ndarray:
 
 
 def locus(A: np.ndarray, B: np.ndarray, Q: np.ndarray, R: np.ndarray, at: np.ndarray) -> np.ndarray:
-    """The 2n roots of det(R/ρ + Bᵀ(−sI − Aᵀ)⁻¹ Q (sI − A)⁻¹B) = 0 for each ratio ρ `at` (k,): (k, 2n), each branch in a column.
+    """The 2n roots of det(R/ρ + Bᵀ(−sI − Aᵀ)⁻¹ Q (sI − A)⁻¹B) = 0 for each ratio ρ in `at` (k,).
+
+    The result is (k, 2n), each branch in a column.
 
     They are the eigenvalues of the Hamiltonian matrix [A, −ρ B R⁻¹Bᵀ; −Q, −Aᵀ]. With each root s, −s is one; those on the left are the
     poles that LQR chooses for ρQ and R. Source: Kailath, Linear Systems (1980), section 3.4: the symmetric root locus.

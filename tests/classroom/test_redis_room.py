@@ -130,7 +130,7 @@ def test_an_address_with_a_password_is_in_no_sentence(tmp_path: Path) -> None:
         connect(good)
 
 
-@pytest.mark.parametrize("words", ["http://127.0.0.1/", "redis://", "redis://host/0?db=1", "redis://a b/0", "unix:///tmp/redis", ""])
+@pytest.mark.parametrize("words", ["http://127.0.0.1/", "redis://", "redis://host/0?db=1", "redis://a b/0", "unix:///redis", ""])
 def test_what_is_no_address_of_a_redis_server_is_refused(words: str) -> None:
     with pytest.raises(argparse.ArgumentTypeError) as refused:
         redis_address(words)

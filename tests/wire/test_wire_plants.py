@@ -12,7 +12,8 @@ from observer_lab.page.screen.server import LabServer
 from observer_lab.plants.examples import DATA, example
 from observer_lab.session.session import Session
 
-UPLOAD, MISMATCH, STIFFNESS = "Upload a plant (.json, .mat)", "the plant is faster than its model by [%]", "stiffness error in the model [%]"
+UPLOAD, MISMATCH = "Upload a plant (.json, .mat)", "the plant is faster than its model by [%]"
+STIFFNESS = "stiffness error in the model [%]"
 Enter = Callable[..., WireTab]
 Newest = Callable[[], Session]
 MOTOR = (DATA / "motor.json").read_bytes()
