@@ -116,7 +116,8 @@ def _stage(design: Design, s: Study, t: np.ndarray, spread: np.ndarray) -> Stage
 
 def _metrics(s: Study, k: int) -> dict[str, float]:
     M, last = s.watcher.steady.filter_gain, s.watcher.schedule.gains[-1]
-    sigmas = [1e3 * float(np.sqrt(P[VZ_INDEX, VZ_INDEX])) for P in s.covariances_at(k)]
+    _, *both = s.covariances_at(k)
+    sigma_prior, sigma_after = (1e3 * float(np.sqrt(P[VZ_INDEX, VZ_INDEX])) for P in both)
     return {
         "nis_mean": s.test.nis.mean, "nis_low": s.test.nis.mean_band[0], "nis_high": s.test.nis.mean_band[1],
         "nees_mean": s.settled.mean, "nees_low": s.settled.mean_band[0], "nees_high": s.settled.mean_band[1],
@@ -125,7 +126,7 @@ def _metrics(s: Study, k: int) -> dict[str, float]:
         "S_over_R": s.over_R[0], "seen_over_R": s.over_R[1],
         "short_gap": float(s.forms.short.max()), "joseph_gap": float(s.forms.joseph.max()),
         "short_least": s.forms.least_short, "joseph_least": s.forms.least_joseph,
-        "sigma_vz_last": sigmas[0], "sigma_vz_prior": sigmas[1], "sigma_vz": sigmas[2],
+        "sigma_vz_prior": sigma_prior, "sigma_vz": sigma_after,
     }
 
 
