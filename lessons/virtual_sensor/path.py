@@ -7,7 +7,7 @@ from observer_lab.course.scenes import Choose, Move, Press, Question, Scene, Sol
 DEFAULT_POLES = (-1.6 - 0.5j, -1.6 + 0.5j)
 PATH = (
     Scene("meet", Press("play"), minutes=1.0),
-    Scene("copy", set={"trust": 0.0}, minutes=1.0),
+    Scene("copy", Move(("guess_core",)), set={"trust": 0.0}, knobs=("guess_core",), minutes=1.0),
     Scene("predict", Choose(Question.FIRST), minutes=1.5),
     Scene("why", formulas=("observer",), minutes=1.5),
     Scene("trust", Move(("trust",)), knobs=("trust",), figures=("error",), minutes=2.0),
