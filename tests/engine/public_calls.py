@@ -27,7 +27,7 @@ ANSWERS = frozenset({
     "structure.Gramians", "structure.KalmanDecomposition", "structure.Mixing", "structure.Mode", "structure.Observability",
     "structure.StableSplit", "structure.Truncation", "design.Diophantine", "design.DiscreteFilter", "design.Optimal",
     "design.Placement", "design.StartingGain", "feedback.ChannelMargins", "feedback.ClosedLoop", "feedback.DiskMargin",
-    "feedback.LoopMargins", "feedback.Lqg", "feedback.MultiMargins", "feedback.NoisyLoop", "feedback.Recovered",
+    "feedback.IntegralAction", "feedback.LoopMargins", "feedback.Lqg", "feedback.MultiMargins", "feedback.NoisyLoop", "feedback.Recovered",
     "feedback.Sensitivity", "feedback.TransferFunction", "filters.Correction", "filters.Corrections", "filters.ErrorParts",
     "filters.FilterTrial", "filters.InnovationTest", "filters.Ladder", "filters.RootBelief", "filters.Sample", "filters.Schedule",
     "filters.SquaredError", "filters.Track", "filters.Whiteness", "filters.HorizonTrack",

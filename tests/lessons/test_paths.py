@@ -29,6 +29,7 @@ from observer_lab.course.scenes import (
     places_of,
 )
 from observer_lab.lessons import LESSONS
+from observer_lab.page.guide.scene_card import card_html
 from observer_lab.page.stage.pole_boards import BOARD_HEIGHT, BOARD_WIDTH
 from observer_lab.session.commands.commands import Kick, Play, SetKnobs
 from observer_lab.session.commands.guide import ChooseOption, GoToScene, TurnScene
@@ -202,6 +203,7 @@ def test_every_action_can_be_done_and_forth_and_back_shows_the_same(id: str) -> 
         assert walker.session.picture is not None
         states.append(dict(walker.session.picture.design.values))
         assert isinstance(scene.do, Read) or scene.id not in walker.done, f"{scene.id} is done before anything was done"
+        assert "[[" not in card_html(walker.session.picture, "hand"), f"{scene.id} shows a place without its number"
         walker.do()
         assert scene.id in walker.done, f"{scene.id} is not done"
         if k < len(path) - 1:

@@ -6,13 +6,18 @@ from typing import Any
 
 import numpy as np
 import pytest
+from witnesses import Shown
+from witnesses_of_effort import WITNESSES, moved
 
 from observer_lab.lessons.showdown.controllers import ORDER, Player
 from observer_lab.lessons.showdown.effort_tables import equal
 from observer_lab.lessons.showdown.equal_effort import Equal, equal_effort, met, retuned
 from observer_lab.lessons.showdown.lesson import LESSON
+from observer_lab.lessons.showdown.score_tables import best_words
 from observer_lab.lessons.showdown.simulation import loop_of
 from observer_lab.lessons.showdown.study import Trials
+
+BEST = WITNESSES["Best by area: {short} vertically, {short2} in rotation, {short3} horizontally."]
 
 
 def compared(**values: Any) -> tuple[Any, Equal]:
@@ -84,3 +89,21 @@ def test_no_controller_is_called_the_best_where_none_is_stable() -> None:
     assert not any(s.stable for s in outcome.study.spectra[1:])
     caption = next(f for f in LESSON.figures(outcome) if f.id == "suppression").caption("en")
     assert caption == "Unstable in this world: SISO, LQE, recursive, decoupled."
+
+
+def test_the_only_stable_controller_is_best_only_where_it_beats_the_open_loop() -> None:
+    """Only the recursive filter is stable here. Its rival is the deck alone, and not an LQG for a noise 10⁹ times as large."""
+    outcome = LESSON.compute(LESSON.apply(LESSON.start(), {
+        "v": 1.8828616e-17, "sensor": 1.08667e-12, "pair": "published", "ground": "shaped", "delay": 0.26, "adc": 466.296,
+        "drift": 8.363, "stiffness": -28.384, "damping": -27.954, "placement": -54.041}))
+    m = outcome.study
+    assert [id for id, s in zip(ORDER[1:], m.spectra[1:], strict=True) if s.stable] == ["recursive"]
+    table = next(f for f in LESSON.figures(outcome) if f.id == "suppression")
+    assert table.caption("en") == "Best by area: recursive vertically, none in rotation, none horizontally."
+    bare, alone = (moved(m.world, id, 1.0, outcome.design["v"], "published") for id in ("open", "recursive"))
+    assert bare is not None and alone is not None
+    np.testing.assert_allclose(m.band_db[ORDER.index("recursive")], 20 * np.log10(bare.band / alone.band), atol=0.1)
+    shown = Shown(LESSON, outcome, table)
+    BEST(shown, table.caption)
+    with pytest.raises(AssertionError, match="dB behind the best"):
+        BEST(shown, best_words(np.where([[False], [False], [True], [False]], np.ones((4, 3)), -np.inf)))

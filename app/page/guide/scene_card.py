@@ -87,7 +87,7 @@ def card_html(picture: Picture, hand: str) -> str:
     if isinstance(scene.do, Choose):
         parts.append(_options(picture, scene, hand))
     if words.do and scene.id not in picture.state.done:
-        parts.append(f'<p class="ol-todo">{_emphasised(render_markdown(words.do))}</p>')
+        parts.append(f'<p class="ol-todo">{_emphasised(render_markdown(with_minus(live_numbers(picture, words.do))))}</p>')
     return f'<section class="ol-card" data-scene="{scene.id}">{"".join(parts)}</section>'
 
 

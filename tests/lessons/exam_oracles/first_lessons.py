@@ -10,7 +10,7 @@ from scipy.linalg import expm, solve_continuous_are
 from scipy.optimize import brentq
 from scipy.signal import place_poles
 
-from .shared import INTEGRATOR, POSITION, Given, placed, spring
+from .shared import POSITION, Given, placed, spring
 
 
 # --- virtual-sensor ----------------------------------------------------------------------------------------------------
@@ -76,11 +76,13 @@ def energy(g: Given) -> float:
 
 
 # --- separation --------------------------------------------------------------------------------------------------------
-def trace(g: Given) -> float:
-    B = np.array([[0.0], [1.0]])
-    K = place_poles(INTEGRATOR, B, [g["c1"], g["c2"]]).gain_matrix
-    L = place_poles(INTEGRATOR.T, POSITION.T, [g["o1"], g["o2"]]).gain_matrix.T
-    return np.trace(np.block([[INTEGRATOR, -B @ K], [L @ POSITION, INTEGRATOR - B @ K - L @ POSITION]]))
+def offset(g: Given) -> float:
+    """Plant and observer side by side at rest, under the command and the push."""
+    a, r = np.array([[g["a"]]]), g["r"]
+    K, L = (place_poles(a, np.eye(1), [-g[pole]]).gain_matrix[0, 0] for pole in ("c", "o"))
+    N = 1 / float(np.linalg.solve([[K - g["a"]]], [1.0])[0])
+    M = np.array([[g["a"], -K], [L, g["a"] - K - L]])
+    return -np.linalg.solve(M, [N * r + g["d"], N * r])[0] - r
 
 
 def peak(g: Given) -> float:
@@ -170,7 +172,7 @@ ORACLES: dict[tuple[str, str], Callable[[Given], float]] = {
     ("observability", "blind"): blind,
     ("observability", "stroboscope"): stroboscope,
     ("observability", "energy"): energy,
-    ("separation", "trace"): trace,
+    ("separation", "offset"): offset,
     ("separation", "peak"): peak,
     ("separation", "own"): own,
     ("separation", "leak"): leak,
