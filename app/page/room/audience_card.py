@@ -99,4 +99,4 @@ def knobs_html(picture: Picture) -> str:
 def way_html(token: str, language: str) -> str:
     """The link to one's own copy of what is shown, and the button that asks for a slower lecture."""
     return (f'<div class="ol-way"><a class="ol-do" href="{OWN}#{token}">{html.escape(phrases.TRY_YOURSELF(language))}</a>'
-            f'<button type="button" class="ol-do ol-hand" data-room="slower">{html.escape(phrases.SLOWER_PLEASE(language))}</button></div>')
+            f'<button type="button" class="ol-do" data-room="slower">{html.escape(phrases.SLOWER_PLEASE(language))}</button></div>')

@@ -35,23 +35,23 @@ def answer_words(kind: Kind, answer: complex, language: str) -> str:
 
 def bars_html(votes: Sequence[Vote], language: str) -> str:
     """A histogram for each vote, from left to right in the order of their rounds."""
-    return f'<div class="ol-polls">{"".join(_histogram(vote, language) for vote in votes)}</div>'
+    return f'<div class="ol-polls">{"".join(_histogram(vote, language, len(votes)) for vote in votes)}</div>'
 
 
-def _histogram(vote: Vote, language: str) -> str:
+def _histogram(vote: Vote, language: str, beside: int) -> str:
     shown = vote.shown
     told = html.escape((phrases.VOTES.format(count=vote.total) if shown else phrases.FEW_VOTES.format(count=HIDDEN_BELOW))(language))
     name = html.escape(phrases.VOTE_ROUND.format(number=vote.round)(language))
-    rows = "" if shown is None else _rows(vote, shown, language)
+    rows = "" if shown is None else _rows(vote, shown, language, beside)
     return f'<figure class="ol-poll" data-vote="{vote.number}"><figcaption>{name} · {told}</figcaption>{rows}</figure>'
 
 
-def _rows(vote: Vote, counts: Sequence[int], language: str) -> str:
+def _rows(vote: Vote, counts: Sequence[int], language: str, beside: int) -> str:
     """A bar for each option or bin; of poles the plane with their cloud, and bars over their real parts."""
     if vote.asked is not None and vote.asked.grid is not None:
         edges, counts = histogram([pole.real for pole, count in vote.cloud for _ in range(count)])
-        return cloud_svg(vote, vote.asked.grid, language) + f'<p class="ol-note">{html.escape(phrases.REAL_PARTS(language))}</p>' + _bars(
-            _bins(edges, language), counts)
+        name = html.escape(phrases.REAL_PARTS(language))
+        return f'{cloud_svg(vote, vote.asked.grid, language, beside)}<p class="ol-note">{name}</p>{_bars(_bins(edges, language), counts)}'
     return _bars(_bins(vote.edges, language) if vote.kind == "number" else LETTERS, counts)
 
 

@@ -10,8 +10,8 @@
     const pole = placed[figure.dataset.vote], plane = read(figure);
     if (!pole) return;
     for (const cross of figure.querySelectorAll('.ol-cross')) {
-      const x = plane.left + (pole.re - plane.low) / (plane.high - plane.low) * plane.width;
-      const y = plane.up + (1 - Number(cross.dataset.sign) * pole.im / plane.top) / 2 * plane.height;
+      const x = (pole.re - plane.low) / (plane.high - plane.low) * plane.width;
+      const y = (1 - Number(cross.dataset.sign) * pole.im / plane.top) / 2 * plane.height;
       cross.setAttribute('transform', `translate(${x},${y})`);
       cross.setAttribute('visibility', cross.dataset.sign === '1' || pole.im ? 'visible' : 'hidden');
     }
@@ -30,10 +30,10 @@
     show(figure);
   };
   const follow = (svg, event) => {
-    const {low, high, top, left, up, width, height} = read(frame(svg)), at = svg.createSVGPoint();
+    const {low, high, top, width, height} = read(frame(svg)), at = svg.createSVGPoint();
     Object.assign(at, {x: event.clientX, y: event.clientY});
     const {x, y} = at.matrixTransform(svg.getScreenCTM().inverse());
-    place(frame(svg), low + (x - left) / width * (high - low), (1 - 2 * (y - up) / height) * top);
+    place(frame(svg), low + x / width * (high - low), (1 - 2 * y / height) * top);
   };
   const plane = event => frame(event.target) && event.target.closest('svg');
   document.addEventListener('pointerdown', event => {
