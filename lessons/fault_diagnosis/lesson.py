@@ -25,5 +25,5 @@ LESSON = Lesson(
     place=COURSE_PLACES["fault-diagnosis"],
     again=SecondPrediction(("window",), 0, {"bias": 1.5, "window": 100}, ("sensors", "isolation", "members", "cusum")),
     words=read_prose(Path(__file__).parent), key=("place", "bias", "drift", "loss", "rate"),
-    aside=("at", "place2", "bias2", "loss2", "at2", "force", "tone", "stiffer"), job=JOB, code=code,
+    aside=("statistic", "at", "place2", "bias2", "loss2", "at2", "force", "tone", "stiffer"), job=JOB, code=code,
     derived=derived, path=PATH)

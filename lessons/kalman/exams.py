@@ -7,11 +7,12 @@ import math
 from observer_lab.course.exercises.exam import Exam, ExamItem, SeededDraws, decimals
 
 
-def _step(lot: SeededDraws) -> ExamItem:
-    """One step of a scalar filter: p⁻ = a² p + Q, p⁺ = p⁻ R/(p⁻ + R)."""
-    a, p, Q, R = lot.part(5, 14), float(lot.whole(1, 6)), float(lot.whole(1, 5)), float(lot.whole(1, 8))
-    prior = a * a * p + Q
-    return ExamItem({"a": a, "p": p, "Q": Q, "R": R}, prior * R / (prior + R), {"prior": prior})
+def _sheet(lot: SeededDraws) -> ExamItem:
+    """From data sheet to variance: R = n²/(2T) + Δ²/12, Q = d² T/2, and one step of the filter."""
+    n, T, step, d, p = lot.part(1, 5), lot.one((0.01, 0.02, 0.05, 0.1)), lot.part(5, 30), lot.part(10, 60), lot.part(1, 20)
+    R, Q = n * n / (2 * T) + step * step / 12, d * d * T / 2
+    prior = p + Q
+    return ExamItem({"n": n, "step": step, "T": T, "d": d, "p": p}, prior * R / (prior + R), {"R": R, "Q": Q, "prior": prior})
 
 
 def _steady(lot: SeededDraws) -> ExamItem:
@@ -28,16 +29,17 @@ def _nis(lot: SeededDraws) -> ExamItem | None:
     return ExamItem({"xhat": xhat, "P": P, "c": c, "R": R, "y": y}, nu * nu / S, {"nu": nu, "S": S}) if 0.1 < nu * nu / S < 20 else None
 
 
-def _joseph(lot: SeededDraws) -> ExamItem | None:
-    """With a gain for another R: P⁺ = (1 − M)² P + M² R."""
-    P, R, believed = float(lot.whole(2, 9)), float(lot.whole(2, 12)), float(lot.whole(2, 12))
-    M = P / (P + believed)
-    return ExamItem({"P": P, "R": R, "believed": believed}, (1 - M) ** 2 * P + M * M * R, {"M": M}) if believed != R else None
+def _late(lot: SeededDraws) -> ExamItem:
+    """u = −a x̂(k|k−1) leaves a² p + Q, p² − (Q + (a² − 1) R) p − Q R = 0."""
+    a, Q, R = lot.part(11, 19), float(lot.whole(1, 6)), float(lot.whole(2, 9))
+    b = Q + (a * a - 1) * R
+    prior = (b + math.sqrt(b * b + 4 * Q * R)) / 2
+    return ExamItem({"a": a, "Q": Q, "R": R}, a * a * prior + Q, {"b": b, "prior": prior})
 
 
 EXAMS = (
-    Exam("step", decimals(2), _step),
+    Exam("sheet", decimals(3), _sheet),
     Exam("steady", decimals(3), _steady),
     Exam("nis", decimals(2), _nis),
-    Exam("joseph", decimals(2), _joseph),
+    Exam("late", decimals(2), _late),
 )

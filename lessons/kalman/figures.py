@@ -13,6 +13,7 @@ from observer_lab.text import Text, format_number, same, text, text_in
 
 from ..toolkit.figures import TIME_TAB
 from ..toolkit.shares import apart
+from .data_sheet import SHEET_TAB, estimators_figure, sheet_figure
 from .filters import COMPARED_STEPS, UNTESTED_SAMPLES
 from .knobs import CARRIED, DT
 from .noise_identification import FIT_TAB, fit_figure
@@ -40,6 +41,7 @@ def all_figures(outcome: Outcome[Study]) -> FigureSet:
         tab_figures(SPECTRUM_TAB, lambda: (_tracking(outcome), _colour(outcome))),
         tab_figures(REPORT_TAB, lambda: (report_figure(outcome),)),
         tab_figures(FIT_TAB, lambda: (fit_figure(outcome),)),
+        tab_figures(SHEET_TAB, lambda: (estimators_figure(outcome), sheet_figure(outcome))),
     )
 
 

@@ -31,6 +31,13 @@ def _belief(name: str, symbol: str, label: Text, default: float, high: float, hi
     return Number(name, symbol, label, low=0.01, high=high, default=default, scale="log", hint=hint)
 
 
+SHEET = text("Data sheet")
+
+
+def _sheet(name: str, symbol: str, label: Text, unit: str, low: float, high: float, default: float, hint: Text) -> Number:
+    return Number(name, symbol, label, unit, low=low, high=high, default=default, scale="log", group=SHEET, hint=hint)
+
+
 KNOBS = (
     Choice("noise", "", text("sensor noise"), default=WHITE,
            options=((WHITE, text("white")), (COLOURED, text("converter, taken for white")),
@@ -55,5 +62,13 @@ KNOBS = (
            hint=text("Joseph's form beside the short form, tab Gain.")),
     Choice("line", "", text("line of the report in doubt"), default=NONE, options=REPORT_LINES,
            hint=text("The tab Report shows what this filter says about it.")),
+    _sheet("density", "n", text("noise density of a sensor"), "mm/s/√Hz", 0.01, 10.0, 0.28,
+           text("One-sided. The tab Data sheet makes R of it.")),
+    _sheet("step", r"\Delta", text("quantisation step"), "mm/s", 0.01, 10.0, 0.1,
+           text("Smallest change that a reading shows.")),
+    _sheet("push", "d", text("density of a vertical force"), "N/√Hz", 0.001, 1.0, 0.025,
+           text("One-sided density of the unknown force. The tab Data sheet makes Q of it.")),
+    _sheet("period", "T", text("sampling period of the sheet"), "s", 0.001, 0.2, DT,
+           text("Only for the tab Data sheet; the run keeps its 0.04 s.")),
     *run_knobs(HORIZON),
 )

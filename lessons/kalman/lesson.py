@@ -35,5 +35,5 @@ LESSON = Lesson(
     place=COURSE_PLACES["kalman"],
     again=SecondPrediction(("q",), 0, {"q": 100.0}, ("nees", "nis", "tests"), numbers=True),
     words=read_prose(Path(__file__).parent), key=("q", "r", "p0"),
-    aside=("force", "arithmetic", "line"), job=JOB, seeds=run_seeds, adapt=_adapted, code=code,
+    aside=("force", "arithmetic", "line", "density", "step", "push", "period"), job=JOB, seeds=run_seeds, adapt=_adapted, code=code,
     derived=derived, path=PATH)

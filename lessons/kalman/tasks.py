@@ -6,7 +6,9 @@ from observer_lab.course.exercises.typed_answers import Typed
 from observer_lab.course.lesson import Outcome, Task, Verdict, typed_task
 from observer_lab.text import Text, text
 
-from .knobs import NEAR_R, NONE, WRONG_LINES
+from .data_sheet import MM
+from .filters import SENSOR_SIGMA
+from .knobs import DT, NEAR_R, NONE, WRONG_LINES
 from .study import Expected, Study, expected
 
 ENOUGH = 0.5  # share of the records that counts as found out
@@ -94,6 +96,23 @@ SECOND_SENSOR = Typed("P*r/(P*r+(P+r)*s)", ("P", "r", "s"), slips=(
     ("P/(P+s)", text("After the first reading the variance is no longer P.")),
     ("r/(r+s)", text("That forgets what was known before: P."))))
 
+SHEET_R, SHEET_ACCURACY = 0.2**2 / (2 * DT) + 1 / 12, 0.02  # mm²/s² of the sensor that the task describes; how well it is known
+
+
+def _sheet(o: Outcome[Study]) -> Verdict:
+    if o.design["noise"] != "white":
+        return Verdict(False, text("This task is about white sensor noise."))
+    believed = o.design["r"] * (MM * SENSOR_SIGMA) ** 2
+    found = text("The filter assumes R = {believed:.3g} mm²/s²", believed=believed)
+    if abs(believed / SHEET_R - 1) > SHEET_ACCURACY:
+        return Verdict(False, text("{found}; the data sheet gives another value.", found=found))
+    return Verdict(True, text("{found}, as the data sheet says.", found=found))
+
+
+LATE = Typed("a^2*M*p", ("a", "M", "p"), slips=(
+    ("M*p", text("That is what the reading takes away; the plant then multiplies the error by a.")),
+    ("a^2*(1-M)*p", text("That part remains with the current estimate, too."))))
+
 TASKS = (
     Task("tune", _tune, {"q": 1.0, "r": 1.0}),
     Task("decoy", _decoy, {"q": 20.0, "r": 0.47}),
@@ -101,4 +120,6 @@ TASKS = (
     Task("report", _report, {"q": 1.0, "r": 1.0, "line": NEAR_R}),
     Task("shy", _shy, {"q": 2.0, "r": 2.0}),
     typed_task("second-sensor", SECOND_SENSOR),
+    Task("sheet", _sheet, {"r": 0.583}),
+    typed_task("late", LATE),
 )

@@ -31,7 +31,7 @@ def build(cases: tuple[Case, ...]) -> Lesson:
         source="Platform report (003), chapter 5: equations (71)–(89), figures 13–16; J. C. Doyle (1978); Doyle and Stein (1979)",
         place=COURSE_PLACES["lqg"],
         again=SecondPrediction(("recovery",), 3, {"case": "doyle", "recovery": 4.0}, ("price", "cost", "loop-gain")),
-    words=read_prose(Path(__file__).parent), key=("case", "beta_r", "sigma", "gain"), aside=("cut", "filter", "rule"),
+    words=read_prose(Path(__file__).parent), key=("case", "beta_r", "sigma", "gain"), aside=("alpha_r", "sensor", "cut", "filter", "rule"),
         job=JOB, code=code)
 
 

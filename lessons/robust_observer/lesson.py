@@ -25,6 +25,6 @@ LESSON = Lesson("robust-observer", 15, KNOBS, compute, all_figures, answer=2, an
                 place=COURSE_PLACES["robust-observer"],
                 again=SecondPrediction(("c",), 0, {"c": 0.0}, ("e_u", "gain", "sweep")),
     words=read_prose(Path(__file__).parent), key=("example", "a1", "a2", "b1", "w12"),
-    aside=("norm", "alpha", "second", "beta", "gamma", "region_low", "region_high", "remark", "line", "columns"), kick=False,
+    aside=("norm", "alpha", "second", "beta", "gamma", "region_low", "region_high", "remark", "line", "columns", "carried"), kick=False,
                 job=JOB, adapt=adapted, code=code,
     derived=derived, path=PATH)

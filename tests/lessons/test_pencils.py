@@ -116,6 +116,14 @@ def second_sensor(v: Letters) -> float:
     return float((v["P"] * C.T @ np.linalg.inv(v["P"] * C @ C.T + R))[0, 1])
 
 
+def late(v: Letters) -> float:
+    """Var x under both estimates, from the covariance of (x, e⁻) that u = −a x̂ leaves; Q makes p and M those of a settled filter."""
+    a, M, p = v["a"], v["M"], v["p"]
+    R, Q = p * (1 - M) / M, p - a * a * (1 - M) * p
+    row = np.array([a * (1 - M), -a * M])
+    return a * a * p + Q - float(row @ np.diag([p, R]) @ row + Q)
+
+
 def weaker(v: Letters) -> float:
     def loop(m: float) -> float:
         return float(np.linalg.det([[v["a"], -m * v["K"]], [v["L"], v["a"] - v["K"] - v["L"]]]))
@@ -278,6 +286,7 @@ COMPUTED: Mapping[tuple[str, str], Callable[[Letters], float]] = {
     ("separation", "wrong-belief"): wrong_belief, ("duality", "read-off"): read_off, ("duality", "listen"): listen,
     ("hidden-modes", "unlike"): unlike, ("saturation", "last-start"): last_start,
     ("noise", "both-in-one-place"): both_in_one_place, ("noise", "offset"): offset, ("kalman", "second-sensor"): second_sensor,
+    ("kalman", "late"): late,
     ("lqg", "weaker"): weaker, ("weak-states", "one-lag"): one_lag,
     ("showdown", "too-late"): too_late, ("nonlinear", "square"): square, ("fault-diagnosis", "swallowed"): swallowed,
     ("network", "perfect-readings"): perfect_readings, ("sandbox", "deadbeat"): deadbeat,

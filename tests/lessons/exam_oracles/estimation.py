@@ -6,9 +6,10 @@ from collections.abc import Callable
 
 import control
 import numpy as np
-from scipy.linalg import expm
+from scipy.integrate import quad
+from scipy.linalg import expm, solve_discrete_lyapunov
 from scipy.optimize import brentq
-from scipy.stats import norm
+from scipy.stats import norm, uniform
 
 from .shared import INTEGRATOR, POSITION, Given
 
@@ -67,8 +68,13 @@ def samples(g: Given) -> float:
 
 
 # --- kalman ------------------------------------------------------------------------------------------------------------
-def step(g: Given) -> float:
-    return 1 / (1 / (g["a"] ** 2 * g["p"] + g["Q"]) + 1 / g["R"])
+def sheet(g: Given) -> float:
+    """R by the spectrum of an average over T and the spread of a rounded reading, Q by Van Loan's exponential of an integrator."""
+    averaged = quad(lambda f: g["n"] ** 2 * np.sinc(f * g["T"]) ** 2, 0.0, 400 / g["T"], limit=4000)[0]
+    averaged += g["n"] ** 2 / (2 * np.pi**2 * 400 * g["T"])  # beyond: sinc² is 1/(2 π² f² T²) on average
+    R = averaged + uniform(-g["step"] / 2, g["step"]).var()
+    Q = expm(np.array([[0.0, g["d"] ** 2 / 2], [0.0, 0.0]]) * g["T"])[0, 1]
+    return 1 / (1 / (g["p"] + Q) + 1 / R)
 
 
 def steady(g: Given) -> float:
@@ -81,11 +87,12 @@ def nis(g: Given) -> float:
     return float(2 * (sure.logpdf(g["c"] * g["xhat"]) - sure.logpdf(g["y"])))
 
 
-def joseph(g: Given) -> float:
-    """The variance of (1 − M) e − M v, by the covariance of both."""
-    M = g["P"] / (g["P"] + g["believed"])
-    row = np.array([1 - M, -M])
-    return float(row @ np.diag([g["P"], g["R"]]) @ row)
+def late(g: Given) -> float:
+    """The stationary covariance of (x, x̂) under the predictor gain of python-control."""
+    a, one = np.array([[g["a"]]]), np.eye(1)
+    L = control.dlqe(a, one, one, [[g["Q"]]], [[g["R"]]])[0][0, 0]  # x̂⁺ = a x̂ + u + L (y − x̂)
+    loop = np.array([[g["a"], -g["a"]], [L, -L]])
+    return float(solve_discrete_lyapunov(loop, np.diag([g["Q"], L * L * g["R"]]))[0, 0])
 
 
 # --- lqg ---------------------------------------------------------------------------------------------------------------
@@ -160,8 +167,8 @@ ORACLES: dict[tuple[str, str], Callable[[Given], float]] = {
     ("noise", "least"): least,
     ("kalman", "steady"): steady,
     ("kalman", "nis"): nis,
-    ("kalman", "joseph"): joseph,
-    ("kalman", "step"): step,
+    ("kalman", "late"): late,
+    ("kalman", "sheet"): sheet,
     ("lqg", "doyle"): doyle,
     ("lqg", "cost"): cost,
     ("lqg", "drop"): drop,

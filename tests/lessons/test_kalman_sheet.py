@@ -1,0 +1,113 @@
+"""Lesson 9: ellipsoids above the deck, prediction beside current estimate, and Q and R from a data sheet."""
+
+from __future__ import annotations
+
+import control
+import numpy as np
+import pytest
+from scipy.linalg import expm, solve_discrete_are, solve_discrete_lyapunov
+from scipy.spatial.transform import Rotation
+
+from observer_lab.lessons.kalman.data_sheet import sheet_of
+from observer_lab.lessons.kalman.filters import tuned, watcher
+from observer_lab.lessons.kalman.knobs import MODEL
+from observer_lab.lessons.kalman.lesson import LESSON
+
+
+def outcome(**changes):
+    return LESSON.compute(LESSON.apply(LESSON.start(), changes))
+
+
+# --- the ellipsoids above the deck -----------------------------------------------------------------------------------
+def drawn_ellipsoids(o) -> dict[str, np.ndarray]:
+    """Of each ellipsoid the matrix whose 1σ it is, in the units of the stage: R diag(half²) Rᵀ from what the stage is told."""
+    poses = o.stage.body.pose(o.stage.x[0].tolist(), o.stage.body.gain)
+    turned = {name: (Rotation.from_quat(np.roll(poses[name].wxyz, -1)).as_matrix(), np.square(poses[name].scale))
+              for name in ("last", "prediction", "estimate")}
+    return {name: R @ np.diag(half) @ R.T for name, (R, half) in turned.items()}
+
+
+@pytest.mark.parametrize("k", [1, 5, 20, 60])
+def test_the_ellipsoids_above_the_deck_are_the_covariances_of_the_velocities(k):
+    """One linear scale holds for all of them, so that growth and shrinkage can be compared by eye."""
+    kf, velocities = tuned(), np.ix_([3, 5, 4], [3, 5, 4])  # right, away, up
+    last = prior = posterior = watcher("white", 1.0, 1.0, 1.0).start.covariance
+    for sample in range(k + 1):
+        last, prior = posterior, posterior if sample == 0 else kf.A @ posterior @ kf.A.T + kf.Q
+        S = kf.C @ prior @ kf.C.T + kf.R
+        posterior = prior - prior @ kf.C.T @ np.linalg.inv(S) @ kf.C @ prior
+    size = np.sqrt(np.diag(prior[velocities]))
+    before, after = (drawn_ellipsoids(outcome(q=1.0, r=1.0, k=k, phase=phase)) for phase in ("predict", "update"))
+    factor = np.trace(before["prediction"]) / 3
+    for drawn, true in ((before["last"], last), (before["prediction"], prior), (after["prediction"], prior),
+                        (after["estimate"], posterior)):
+        assert np.allclose(drawn, factor * true[velocities] / np.outer(size, size), rtol=1e-6, atol=1e-6 * factor)
+
+
+def test_the_ellipsoid_grows_in_predict_and_shrinks_in_correct():
+    before, after = (drawn_ellipsoids(outcome(q=1.0, r=1.0, k=5, phase=phase)) for phase in ("predict", "update"))
+    assert np.linalg.det(before["last"]) < 0.5 * np.linalg.det(before["prediction"])
+    assert np.linalg.det(after["estimate"]) < 0.5 * np.linalg.det(after["prediction"])
+    assert np.linalg.det(before["estimate"]) < 1e-12 and np.linalg.det(after["last"]) < 1e-12
+
+
+# --- prediction and current estimate, data sheet ---------------------------------------------------------------------
+def cells(o, id: str) -> list[tuple[str, ...]]:
+    figure = next(f for f in LESSON.figures(o) if f.id == id)
+    return [tuple(cell if isinstance(cell, str) else cell("en") for cell in row) for row in figure.rows]
+
+
+@pytest.mark.parametrize("q, r", [(1.0, 1.0), (20.0, 0.47), (0.05, 1.73)])
+def test_the_table_compares_the_settled_prediction_and_current_estimate(q, r):
+    kf = tuned()
+    P = solve_discrete_are(kf.A.T, kf.C.T, q * kf.Q, r * kf.R)
+    L, _, _ = control.dlqe(kf.A, np.eye(6), kf.C, q * kf.Q, r * kf.R)
+    after = P - np.linalg.solve(kf.A, L) @ kf.C @ P
+    shown = [[float(cell) for cell in row[1:3]] for row in cells(outcome(q=q, r=r), "estimators")]
+    assert np.allclose(shown, 1e3 * np.sqrt(np.column_stack([np.diag(P), np.diag(after)])), rtol=6e-3)
+
+
+@pytest.mark.parametrize("density, step, push, period", [(0.28, 0.1, 0.025, 0.04), (0.2, 1.0, 0.3, 0.004), (5.0, 3.0, 0.01, 0.2)])
+def test_the_data_sheet_gives_r_and_q(density, step, push, period):
+    A, B = MODEL.plant.A, MODEL.plant.B
+    G = (B[:, :1] + B[:, 1:2]) / 2
+    blocks = expm(np.block([[-A, G @ G.T * push**2 / 2], [np.zeros((6, 6)), A.T]]) * period)  # Van Loan
+    Q, R = blocks[6:, 6:].T @ blocks[:6, 6:], density**2 / (2 * period) + step**2 / 12
+    P = solve_discrete_are(expm(A * period).T, MODEL.plant.C.T, (Q + Q.T) / 2, 1e-6 * R * np.eye(4))
+    value = {name: float(number) for name, number, _ in cells(outcome(density=density, step=step, push=push, period=period), "sheet")
+             if "·" not in number}
+    assert value["R of one reading"] == pytest.approx(R, rel=6e-3)
+    assert value["r, for sensors of this sheet: R / true R"] == pytest.approx(R, rel=6e-3)  # the true one is 1 mm²/s²
+    found = sheet_of(density, step, push, period)
+    assert np.allclose(found.Q, Q, atol=1e-9 * np.abs(Q).max())
+    assert value["σ of v_z before a reading"] == pytest.approx(1e3 * np.sqrt(P[4, 4]), rel=6e-3)
+
+
+def test_the_gain_for_correlated_noises_is_the_best_one():
+    """L = (A P Cᵀ + N) S⁻¹, N the covariance of w and v of a sample: any other gain leaves a larger settled covariance."""
+    rng = np.random.default_rng(3)
+    A, C = np.array([[0.9, 0.4], [-0.2, 1.1]]), np.array([[1.0, 0.5]])
+    root = rng.standard_normal((3, 3))
+    Q, N, R = (root @ root.T)[:2, :2], (root @ root.T)[:2, 2:], (root @ root.T)[2:, 2:]
+    P = solve_discrete_are(A.T, C.T, Q, R, s=N)
+    L = (A @ P @ C.T + N) @ np.linalg.inv(C @ P @ C.T + R)
+
+    def settled(gain):
+        mixed = np.hstack([np.eye(2), -gain])
+        return solve_discrete_lyapunov(A - gain @ C, mixed @ root @ root.T @ mixed.T)
+    assert np.allclose(settled(L), P)
+    for _ in range(20):
+        other = settled(L + 0.05 * rng.standard_normal((2, 1)))
+        assert np.linalg.eigvalsh(other - P).min() > -1e-12 and np.trace(other - P) > 0
+    assert np.trace(settled(A @ P @ C.T @ np.linalg.inv(C @ P @ C.T + R)) - P) > 1e-3  # the gain that forgets N
+
+
+def test_without_detectability_the_covariance_grows_and_with_stabilizability_the_start_is_forgotten():
+    A, Q = np.diag([1.1, 0.5]), np.eye(2)
+    for C, seen in ((np.array([[0.0, 1.0]]), False), (np.array([[1.0, 0.0]]), True)):
+        ends = []
+        for P in (np.zeros((2, 2)), 1e3 * np.eye(2)):
+            for _ in range(200):
+                P = A @ (P - P @ C.T @ C @ P / (C @ P @ C.T + 1)) @ A.T + Q
+            ends.append(P)
+        assert np.allclose(*ends, rtol=1e-6) == seen and (np.trace(ends[0]) < 1e3) == seen
