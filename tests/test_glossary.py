@@ -24,7 +24,7 @@ from observer_lab.page.words.prose import mathml, render_markdown
 
 EN, ZH = glossaries()["en"], glossaries()["zh"]
 AWAITED = {  # standard terms that the rewriting of the lessons brings in
-    "transmissibility", "reference input", "feedback gain", "fixed mode", "reduced-order observer", "under-confident",
+    "reference input", "feedback gain", "fixed mode", "reduced-order observer", "under-confident",
     "symmetric root locus", "recovery map", "mean time between false alarms"}
 FIELD_WORDS = (  # beyond a first course, or of our own: each that a lesson uses has an entry
     "virtual sensor", "observer", "Luenberger", "estimate", "estimation error", "observer gain", "feedback gain", "state feedback",
@@ -39,7 +39,7 @@ FIELD_WORDS = (  # beyond a first course, or of our own: each that a lesson uses
     "disk margin", "delay margin", "loop transfer recovery", "sensitivity function", "saturation", "windup", "anti-windup",
     "commanded force", "applied force", "recovery map", "region of attraction", "sampling period", "packet loss", "fault",
     "threshold", "false alarm", "mean time between false alarms", "CUSUM", "fault isolation", "bank of observers", "backlash",
-    "load torque", "encoder", "quantisation", "Coulomb friction", "decoupling", "SISO", "transmissibility", "rms", "decibel",
+    "load torque", "encoder", "quantisation", "Coulomb friction", "decoupling", "SISO", "transmissibility", "geophone", "rms", "decibel",
     "spectral radius", "unit circle", "singular value", "bilinear", "equal effort", "integral action", "pole placement")
 PAGE = "# An observer\n\nAn observer has an **observer gain**. See `observer`, [an observer](a \"observer\") and $observer$.\n"
 

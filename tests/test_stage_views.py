@@ -16,7 +16,7 @@ from observer_lab.course.lesson import Board, Lesson
 from observer_lab.course.scenes import Scene, entry_values
 from observer_lab.lessons import LESSONS
 from observer_lab.page.stage.body_extent import body_corners, reach
-from observer_lab.page.stage.pole_boards import BOARD_FOOT, BOARD_HEIGHT, BOARD_PLACES, BOARD_WIDTH
+from observer_lab.page.stage.pole_boards import BOARD_FOOT, BOARD_HEIGHT, BOARD_PLACES, BOARD_WIDTH, board_contains
 from observer_lab.page.stage.viewpoint import SIGHT, Viewpoint, letters
 
 CANVASES = {"laptop": (929, 768), "small laptop": (870, 720), "wall": (1306, 1080)}  # px of the guide's stage
@@ -117,6 +117,13 @@ def test_all_that_stands_on_the_stage_is_in_sight_above_the_row_of_the_run_and_f
         wide, tall = (high - low) / 2 / (across / up, 1.0)
         assert max(wide, tall) >= LEAST_FILLED, f"a small picture: {wide:.2f} of the width, {tall:.2f} of the height"
     holds_for_all(itertools.product(scenes_on_stage(), CANVASES), law, name)
+
+
+def test_a_scene_begins_with_its_poles_on_its_boards() -> None:
+    def law(case: OnStage) -> None:
+        outside = [(board.id, pole) for board in case.boards for pole in (*board.poles, *board.fixed) if not board_contains(board, pole)]
+        assert outside == []
+    holds_for_all([(case,) for case in scenes_on_stage() if case.boards], law, lambda case: f"{case.lesson.id} {case.scene.id}")
 
 
 def test_letters_on_a_board_are_more_than_eleven_pixels_of_a_laptop_in_guide_and_lab() -> None:

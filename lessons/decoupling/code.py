@@ -24,6 +24,7 @@ from .loops import (
     lower_of,
     platform_of,
 )
+from .sensors import knee_of, reading, sensors_of
 from .study import Study
 
 NOT_IN_SCRIPT = "The least J by search, the rightmost pole with pitch open, and the residual of the placement"
@@ -37,6 +38,7 @@ def code(outcome: Outcome[Study]) -> Code:
     d, m, s = outcome.design, outcome.metrics, outcome.study
     lower = lower_of(d)
     plant, built = coils(platform_of(lower)), s.controllers
+    sensors = reading(sensors_of(d))
     given: list[GivenValue] = []
     for name, controller in (("v", built.vertical), ("t", built.rotation), ("h", built.horizontal)):
         c = NO_PLANT if controller is None else controller
@@ -90,6 +92,10 @@ def code(outcome: Outcome[Study]) -> Code:
             GivenValue("band", (d["f_low"], d["f_high"]), "Hz, of J"),
             GivenValue("samples", INDEX_FREQUENCIES),
             *given,
+            GivenValue("A_s", sensors.A, "from the true channels to what the sensors read"),
+            GivenValue("B_s", sensors.B),
+            GivenValue("C_s", sensors.C),
+            GivenValue("D_s", np.asarray(sensors.D)),
             GivenValue("numerator", numerator, "of P_h on a rigid deck, highest power first"),
             GivenValue("denominator", denominator),
             GivenValue(
@@ -99,6 +105,7 @@ def code(outcome: Outcome[Study]) -> Code:
             ),
             GivenValue("falling", d["ground"] == FALLING, "the ground falls as 1/f^2, or is white"),
             GivenValue("sensor", d["noise"], "m/s/sqrt(Hz), of each sensor"),
+            GivenValue("knee", knee_of(d), "Hz: its density rises as 1 + knee/f"),
             GivenValue("frequency", s.spectra.f, "Hz"),
             GivenValue("peaks", BAND_HZ, "Hz between which peaks are looked for"),
             GivenValue("slowest", AXIS_POLE_RAD_S, "1/s: poles nearer to zero are drift"),

@@ -16,10 +16,13 @@ def _diophantine(lot: SeededDraws) -> ExamItem:
     return ExamItem({"a": a, "c": c, "k": k}, (c * c + a * e) / k, {"e": e})
 
 
-def _coils(lot: SeededDraws) -> ExamItem:
-    """u_l + u_r = F, l (u_r − u_l) = M."""
-    l, F, M = lot.part(2, 8), float(lot.whole(-12, 12)), lot.part(2, 30)
-    return ExamItem({"l": l, "F": F, "M": M}, F / 2 + M / (2 * l))
+def _geophone(lot: SeededDraws) -> ExamItem | None:
+    """(m s² + k)(s² + 2ζω s + ω²) + g s³ has the roots ±jω at g = 2ζ(k/ω − m ω)."""
+    m, k = float(lot.whole(5, 20)), float(lot.whole(20, 120) * 10)
+    corner, zeta = float(lot.one((0.05, 0.08, 0.1, 0.15, 0.2, 0.25, 0.3))), float(lot.one((0.6, 0.65, 0.7, 0.75, 0.8)))
+    omega = 2 * math.pi * corner
+    g = 2 * zeta * (k / omega - m * omega)
+    return ExamItem({"m": m, "k": k, "corner": corner, "zeta": zeta}, g, {"omega": omega}) if g > 50 else None
 
 
 def _mixing(lot: SeededDraws) -> ExamItem | None:
@@ -31,17 +34,16 @@ def _mixing(lot: SeededDraws) -> ExamItem | None:
     return ExamItem({"G": np.array([[g11, g12], [g21, g22]])}, g22 - g21 * g12 / g11, left)
 
 
-def _damping(lot: SeededDraws) -> ExamItem | None:
-    """(d + g)/(2 √(m k)) = ζ."""
-    m, k, d = float(lot.whole(5, 20)), float(lot.whole(5, 60) * 10), float(lot.whole(2, 20))
-    zeta = lot.one((0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8))
-    g = 2 * zeta * math.sqrt(m * k) - d
-    return ExamItem({"m": m, "k": k, "d": d, "zeta": zeta}, g) if g > 2 else None
+def _tilt(lot: SeededDraws) -> ExamItem:
+    """ω² x = g θ."""
+    x, theta = float(lot.whole(2, 60)), float(lot.part(2, 90))
+    omega = math.sqrt(9.81 * theta / x)
+    return ExamItem({"x": x, "theta": theta}, omega / (2 * math.pi), {"omega": omega})
 
 
 EXAMS = (
     Exam("diophantine", significant(3), _diophantine),
-    Exam("coils", decimals(2), _coils),
+    Exam("geophone", significant(3), _geophone),
     Exam("mixing", decimals(2), _mixing),
-    Exam("damping", significant(3), _damping),
+    Exam("tilt", significant(3), _tilt),
 )

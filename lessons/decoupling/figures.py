@@ -41,6 +41,8 @@ from .loops import (
 )
 from .margins import Margin, margins
 from .report_levels import REPORT_TAB, report_figures
+from .sensor_figures import SENSOR_TAB, TRANSMISSIBILITY_TAB, sensing, transmissibilities
+from .sensors import knee_of, rise, sensors_of
 from .study import Study
 
 SPECTRA_TAB, CHANNEL_TAB = text("Spectra"), text("Channels")
@@ -48,11 +50,8 @@ LOOP_TAB, TIME_TAB, FORCE_TAB = text("Controllers"), text("Time"), text("Forces"
 NANO = 1e9
 MIN_DENSITY, MAX_DENSITY = 1e-9, 1e7  # nm/s/√Hz
 BARE, CLOSED, SENSOR_LABEL = text("no control"), text("closed"), text("sensor noise")
-VERTICAL_LABEL, ROTATION_LABEL, HORIZONTAL_LABEL = (
-    text_in("channel", "vertical"),
-    text_in("channel", "rotation"),
-    text_in("channel", "horizontal"),
-)
+VERTICAL_LABEL, ROTATION_LABEL = text_in("channel", "vertical"), text_in("channel", "rotation")
+HORIZONTAL_LABEL = text_in("channel", "horizontal")
 SUPPRESSION_CLASSES = ((text("down 10 dB or more"), "force"), (text("down 3 to 10 dB"), "second"),
         (text("down less"), "plant"), (text("up"), "muted"), (text("least"), "error"))
 PRINTED_DB = MappingProxyType({"vertical": text("90 to 100"), "rotation": text("20 to 30"), "horizontal": text("40")})
@@ -61,7 +60,7 @@ RE_LOW, RE_HIGH, IM_HIGH = -20.0, 5.0, 20.0
 
 
 def figures(outcome: Outcome[Study]) -> FigureSet:
-    """Spectra, channels, controllers, time, forces, the report's levels: at most three in a tab."""
+    """Spectra, channels, controllers, time, forces, transmissibility, sensors, the report's levels: at most three in a tab."""
     three = ((0, "vertical", VERTICAL_LABEL), (2, "horizontal", HORIZONTAL_LABEL), (1, "rotation", ROTATION_LABEL))
     return FigureSet(
         tab_figures(SPECTRA_TAB, lambda: [_spectrum(outcome, *channel) for channel in three]),
@@ -70,6 +69,7 @@ def figures(outcome: Outcome[Study]) -> FigureSet:
         tab_figures(LOOP_TAB, lambda: (_magnitudes(outcome), _poles(outcome), _facts(outcome))),
         tab_figures(TIME_TAB, lambda: [_velocity(outcome, *channel) for channel in three]),
         tab_figures(FORCE_TAB, lambda: (_force_spectrum(outcome), _forces(outcome))),
+        tab_figures(TRANSMISSIBILITY_TAB, lambda: transmissibilities(outcome)), tab_figures(SENSOR_TAB, lambda: sensing(outcome)),
         tab_figures(REPORT_TAB, lambda: report_figures(outcome)),
     )
 
@@ -80,7 +80,7 @@ def _nano(density: np.ndarray) -> np.ndarray:
 
 def _spectrum(outcome: Outcome[Study], i: int, name: str, title: Text) -> LineFigure:
     s, gain = outcome.study.spectra, float(outcome.study.down[i])
-    noise = np.full(len(s.f), outcome.design["noise"] ** 2 / 2)
+    noise = outcome.design["noise"] ** 2 / 2 * rise(knee_of(outcome.design), s.f)
     caption = (text("The loop is unstable: what is drawn is no spectrum.")
                if outcome.metrics["rightmost"] >= 0 else
                text("Peak in 0.1–10 Hz as without control; the report prints {printed} dB.", printed=PRINTED_DB[name])
@@ -239,7 +239,7 @@ def _margins(outcome: Outcome[Study]) -> tuple[Margin | None, ...]:
     if outcome.metrics["rightmost"] >= 0:
         return (None, None, None)
     s = outcome.study
-    return margins(s.controllers, s.mixed.S, lower_of(outcome.design), outcome.poles["loop"])
+    return margins(s.controllers, s.mixed.S, lower_of(outcome.design), outcome.poles["loop"], sensors_of(outcome.design))
 
 
 def _bears(margin: Margin) -> str:

@@ -22,6 +22,7 @@ from .loops import (
     SHAPED_LOOP,
     WHITE,
 )
+from .sensors import GEOPHONE, IDEAL
 from .study import CONTROL_HIGH, CONTROL_IM, CONTROL_LOW, OBSERVER_HIGH, OBSERVER_IM, OBSERVER_LOW
 
 MIXING = text("Mixing and its band")
@@ -78,5 +79,14 @@ KNOBS = (
            hint=text("White as in the report's design, or falling, which meets two of its three peaks without control.")),
     Number("noise", r"\sigma_v", text("sensor noise"), "m/s/√Hz", low=1e-12, high=1e-6, default=1e-9, scale="log",
            group=WORLD, hint=text("One-sided amplitude density of each of the four sensors.")),
+    Choice("sensors", "", text("sensors"), default=IDEAL, group=WORLD,
+           options=((IDEAL, text("read any velocity")), (GEOPHONE, text("geophones"))),
+           hint=text("A geophone reads velocity above its corner frequency only.")),
+    Number("corner", "f_c", text("corner of the geophones"), "Hz", low=0.01, high=2.0, default=0.1, scale="log", group=WORLD,
+           when=("sensors", (GEOPHONE,)), hint=text("Natural frequency of the mass inside. Below it the reading falls as f².")),
+    Number("knee", "f_n", text("noise rises below"), "Hz", low=0.0, high=10.0, default=0.0, step=0.1, group=WORLD,
+           when=("sensors", (GEOPHONE,)), hint=text("Density of the sensor noise times 1 + f_n/f; 0: white.")),
+    Switch("tilt", "", text("horizontal geophones react to tilt"), group=WORLD, when=("sensors", (GEOPHONE,)),
+           hint=text("A tilt θ looks like the acceleration g θ.")),
     *run_knobs(HORIZON),
 )

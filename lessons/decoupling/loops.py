@@ -22,6 +22,8 @@ from observer_lab.plants.platform.channels import T_y, in_channels
 from observer_lab.plants.platform.lqg_weights import coils, ground
 from observer_lab.text import text
 
+from .sensors import IDEAL_SENSORS, Sensors, behind_sensors, rise
+
 PUBLISHED_LOOP, SHAPED_LOOP, BY_POLES, BY_GAIN, OPEN_LOOP = "published", "shaped", "poles", "gain", "open"
 NO_MIX, OWN_MIX, BEST_MIX = "none", "own", "best"
 WHITE, FALLING = "white", "falling"
@@ -153,9 +155,13 @@ def shape_of(design: Design) -> LoopShape:
                      2 * np.pi * design["roll_off"])
 
 
-def close(controller: Plant, noise: float = 0.0, lower: float = 0.0) -> NoisyLoop:
-    """The loop with unit ground and sensors of one-sided density noise², in m/s/√Hz."""
-    return noisy_loop(coils(platform_of(lower)), controller, GROUND_MATRIX, 1.0, V=noise**2 / 2)
+def close(controller: Plant, noise: float = 0.0, lower: float = 0.0, sensors: Sensors = IDEAL_SENSORS) -> NoisyLoop:
+    """The loop with unit ground and readings of one-sided density noise², in m/s/√Hz; its outputs are the true velocities."""
+    true = coils(platform_of(lower))
+    read = behind_sensors(true, sensors)
+    more = np.zeros((read.n - true.n, GROUND_MATRIX.shape[1]))
+    loop = noisy_loop(read, controller, np.vstack([GROUND_MATRIX, more]), 1.0, V=noise**2 / 2)
+    return loop.watching(true.C) if read.n > true.n else loop
 
 
 def rightmost(loop: NoisyLoop, controller: Plant) -> tuple[float, float]:
@@ -191,8 +197,8 @@ def bare_gains() -> np.ndarray:
 
 
 @lru_cache(maxsize=16)
-def spectra(loop: NoisyLoop, kind: str) -> Spectra:
-    """Densities over a sweep that has every resonance of platform and loop on it."""
+def spectra(loop: NoisyLoop, kind: str, knee: float = 0.0) -> Spectra:
+    """Densities over a sweep that has every resonance of platform and loop on it; the sensors' noise rises below `knee` Hz."""
     slow = loop.poles[(loop.poles.imag > 0) & (np.abs(np.real(loop.poles)) < 0.05 * np.abs(loop.poles))]
     extra = np.abs(slow) / (2 * np.pi)
     extra = extra[(extra > SWEEP[0]) & (extra < SWEEP[-1])][:12]
@@ -200,6 +206,7 @@ def spectra(loop: NoisyLoop, kind: str) -> Spectra:
     driven = ground_density(f, kind)
     rows = np.vstack([loop.outputs(T_y[:3]), loop.inputs()])
     moved, sensed = loop.parts(f, rows, ground=driven)
+    sensed = sensed * rise(knee, f)[:, None]
     gains = bare_gains()
     if len(f) > len(SWEEP):
         gains = np.empty((len(f), 3, 2))

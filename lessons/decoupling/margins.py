@@ -9,6 +9,7 @@ import numpy as np
 from observer_lab.engine import Plant, frequency_response
 
 from .loops import Controllers, three
+from .sensors import IDEAL_SENSORS, Sensors, reading_response
 
 WIDE_BAND_RAD_S = np.geomspace(1e-2, 1e6, 400)  # rad/s
 RESONANCE_FACTORS = np.array([0.9, 0.97, 0.99, 0.997, 1.0, 1.003, 1.01, 1.03, 1.1])  # times each of the loop's own frequencies
@@ -22,11 +23,12 @@ class Margin:
     delay: float
 
 
-def margins(built: Controllers, S: np.ndarray, lower: float, poles: np.ndarray) -> tuple[Margin | None, ...]:
+def margins(built: Controllers, S: np.ndarray, lower: float, poles: np.ndarray,
+            sensors: Sensors = IDEAL_SENSORS) -> tuple[Margin | None, ...]:
     """Of the vertical, the rotation and the horizontal loop, cut at v with the others closed; None for one that is open.
 
-    S_ii = [(I − P K)⁻¹]_ii with P the mixed channels and K = diag(C_v, C_θ, C_h), signs included; 1 + ℓ = 1/S_ii. On a grid that
-    has every frequency of the loop's poles on it; the loop must be stable but for drift.
+    S_ii = [(I − P K)⁻¹]_ii with P the mixed channels as the sensors read them and K = diag(C_v, C_θ, C_h), signs included;
+    1 + ℓ = 1/S_ii. On a grid that has every frequency of the loop's poles on it; the loop must be stable but for drift.
     """
     own = np.abs(np.concatenate([poles, np.imag(poles)]))
     omega = np.unique(
@@ -35,7 +37,7 @@ def margins(built: Controllers, S: np.ndarray, lower: float, poles: np.ndarray) 
         )
     )
     plant = three(lower)
-    P = frequency_response(plant.A, plant.B @ S, plant.C, np.zeros((3, 3)), omega)
+    P = reading_response(sensors, omega) @ frequency_response(plant.A, plant.B @ S, plant.C, np.zeros((3, 3)), omega)
     K = np.stack([_response(c, omega) for c in (built.vertical, built.rotation, built.horizontal)], axis=1)
     inverse = np.linalg.inv(np.eye(3) - K[:, :, None] * P)  # (I − K P)⁻¹: cut at the channels' inputs
     return tuple(None if c is None else _margin(omega, inverse[:, i, i])

@@ -16,7 +16,10 @@ PATH = (
     Scene("band", Move(("f_low",)), knobs=("f_low",), figures=("index", *ROTATION), minutes=3.0, core=False),
     Scene("poles", Move(("control_poles", "observer_poles")), boards=("control", "observer"), formulas=("E",), minutes=4.0, core=False,
           set={"f_low": 0.1, "mix": "none", "horizontal": "poles"}),
+    Scene("sensors", Move(("corner",)), knobs=("corner",), figures=("transmissibility-vertical", "sensor-noise"), minutes=3.0, core=False,
+          set={"f_low": 0.1, "mix": "none", "horizontal": "open", "vertical": "shaped", "gain_v": 400.0, "sensors": "geophone"}),
     Scene("task", Solve("constant"), knobs=("gain_v",), figures=("spectrum-vertical",), minutes=2.5,
-          set={"f_low": 0.1, "mix": "none", "horizontal": "published", "vertical": "shaped"}),
+          set={"f_low": 0.1, "mix": "none", "horizontal": "published", "vertical": "shaped", "gain_v": 2000.0, "sensors": "ideal",
+               "corner": 0.1}),
     Scene("remember", Read(), figures=ROTATION, minutes=1.0),
 )

@@ -17,7 +17,7 @@ from observer_lab.engine.structure import mixing_matrix
 from observer_lab.plants.bodies.body import with_longer_arrows
 from observer_lab.plants.platform import model
 from observer_lab.plants.platform import siso_loops as siso
-from observer_lab.plants.platform.channels import HORIZONTAL
+from observer_lab.plants.platform.channels import HORIZONTAL, T_y
 from observer_lab.text import Text, format_number, joined, text
 
 from ..toolkit.latex import number
@@ -37,10 +37,13 @@ from .loops import (
     spectra,
     suppression,
 )
+from .sensors import knee_of, sensors_of
 
 CONTROL_LOW, CONTROL_HIGH, CONTROL_IM = -40.0, 5.0, 25.0
 OBSERVER_LOW, OBSERVER_HIGH, OBSERVER_IM = -80.0, 5.0, 60.0
-BESIDE = ("mix", "a", "b", "f_low", "f_high", "ground", "seed", "kick")  # of a design: what changes nothing in a loop whose S is given
+# of a design: what changes nothing in a loop whose S is given
+BESIDE = ("mix", "a", "b", "f_low", "f_high", "ground", "knee", "seed", "kick")
+AMPLIFICATIONS = ("amplification_vertical", "amplification_horizontal")  # largest transmissibility; none for an unstable loop
 FORCE_ARROWS = 100.0  # times that coil forces are drawn larger: millinewtons here
 BODY = replace(with_longer_arrows(MODEL.body, FORCE_ARROWS, 3), gain=4000.0, caption=text("Solid: with control. "
                                                                                           "Ghost: the same "
@@ -63,7 +66,12 @@ class Study:
     @cached_property
     def spectra(self) -> Spectra:
         """With control and without."""
-        return spectra(self.loop, self.design["ground"])
+        return spectra(self.loop, self.design["ground"], knee_of(self.design))
+
+    @cached_property
+    def transmissibility(self) -> np.ndarray:
+        """|deck/ground| over the frequencies of `spectra`, vertical and horizontal (n_f, 2); none for an unstable loop."""
+        return transmissibility(self.loop, self.spectra.f)
 
     @cached_property
     def down(self) -> np.ndarray:
@@ -87,11 +95,17 @@ def compute(design: Design) -> Outcome[Study]:
                    LazySequence(lambda: _formulas(mix, built)), LazyValue(lambda: _live(metrics)), study)
 
 
+def transmissibility(loop: NoisyLoop, f: np.ndarray) -> np.ndarray:
+    """|z/z_g| and |x/x_g| in the sensors' line, from true velocities: (n_f, 2), `f` in Hz."""
+    H = np.abs(loop.response(f, loop.outputs(T_y[[0, 2]])))
+    return H[:, [0, 1], [0, 1]] / (2 * np.pi * f[:, None])
+
+
 @lru_cache(maxsize=16)
 def _closed(design: Design, a: float, b: float) -> tuple[Controllers, NoisyLoop, float, float]:
     """The controllers of a design under a mixing, their loop, its rightmost pole and its drift."""
     built = controllers(design, mixing_matrix(a, b, size=3, channels=(1, 2)))
-    loop = close(built.whole, design["noise"], lower_of(design))
+    loop = close(built.whole, design["noise"], lower_of(design), sensors_of(design))
     return built, loop, *rightmost(loop, built.whole)
 
 
@@ -104,12 +118,13 @@ def zeros_of(a: float, b: float, lower: float) -> np.ndarray:
 
 def _metrics(known: Mapping[str, float], design: Design, study: Study) -> dict[str, float]:
     without, mix, built = known["rightmost"], study.mixed, study.controllers
+    most = dict(zip(AMPLIFICATIONS, study.transmissibility.max(axis=0).tolist(), strict=True)) if known["rightmost"] < 0 else {}
     down = {name: float(v) for name, v in zip(("vertical", "rotation", "horizontal"), study.down, strict=True)}
     if design["pitch"]:
         apart = siso.from_channels(built.vertical, None, built.horizontal, mixing=mix.S)
-        without = rightmost(close(apart, lower=lower_of(design)), apart)[0]
+        without = rightmost(close(apart, lower=lower_of(design), sensors=sensors_of(design)), apart)[0]
     return {
-        **down, **known, "rightmost_pitch_open": without, "J": min(mix.J, 1e9), "J_plain": mix.best.plain_J,
+        **down, **known, **most, "rightmost_pitch_open": without, "J": min(mix.J, 1e9), "J_plain": mix.best.plain_J,
         "J_best": mix.best.J, "a": mix.a, "b": mix.b, "a_best": mix.best.a, "b_best": mix.best.b,
         "placement_residual": built.placed.residual if built.placed else 0.0,
     }

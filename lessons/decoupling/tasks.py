@@ -6,15 +6,19 @@ from types import MappingProxyType
 
 from observer_lab.course.exercises.typed_answers import Typed
 from observer_lab.course.lesson import Outcome, Task, Verdict, typed_task
-from observer_lab.text import text
+from observer_lab.text import Text, text
 
-from .loops import BEST_MIX, BY_POLES, NO_MIX, SHAPED_LOOP, WHITE
+from .loops import BEST_MIX, BY_GAIN, BY_POLES, NO_MIX, OPEN_LOOP, SHAPED_LOOP, WHITE, close, lower_of, rightmost
+from .sensors import GEOPHONE, Sensors
 from .study import Study
 
 AS_WELL = (93.0, 94.0)  # dB: the published C_v gives 93.5
 TENFOLD = 10.0
 FAR_ABOVE = 500.0  # Hz: a roll-off from there on is not felt at 10 Hz
 CLAIMED = 0.5  # rad/s
+MAX_UNAMPLIFIED, MAX_GAIN = 1.001, 88.0  # times the ground's motion; N s/m, a tenth more than the 79.6 that are needed
+LEAST_CORNER, LEAST_VERTICAL, MAX_AMPLIFICATION = 0.1, 48.0, 2.0  # Hz, dB, times the ground's motion
+LEAST_DRIFT = 0.1  # rad/s: growth by e in ten seconds
 MIN_BANDWIDTH, LEAST_ROTATION, LEAST_HORIZONTAL = 1.0, 25.0, 15.0
 
 
@@ -85,12 +89,64 @@ def _close(outcome: Outcome[Study]) -> Verdict:
     return Verdict(True, text("{both}, with all three loops closed and stable.", both=both))
 
 
+def _pure_gain(outcome: Outcome[Study]) -> Text | None:
+    """What keeps the vertical loop from being a stable pure gain, None if it is one."""
+    d, m = outcome.design, outcome.metrics
+    if d["vertical"] != SHAPED_LOOP or d["lag"] > 0 or d["lead"] > 0 or d["roll_off"] < FAR_ABOVE:
+        return text("Shape the vertical loop as a pure gain, without lag, lead or early roll-off.")
+    if m["rightmost"] >= 0:
+        return text("The loop is unstable: rightmost pole {rightmost:+.3g} rad/s.", rightmost=m["rightmost"])
+    return None
+
+
+def _isolate(outcome: Outcome[Study]) -> Verdict:
+    m, d = outcome.metrics, outcome.design
+    if (hint := _pure_gain(outcome)) is not None:
+        return Verdict(False, hint)
+    most = m["amplification_vertical"]
+    if most > MAX_UNAMPLIFIED:
+        return Verdict(False, text("The vertical transmissibility reaches {most:.4g}.", most=most))
+    if d["gain_v"] > MAX_GAIN:
+        return Verdict(False, text("{gain:.4g} N s/m is more than needed; at most {most:g} are allowed.", gain=d["gain_v"], most=MAX_GAIN))
+    return Verdict(True, text("With {gain:.4g} N s/m the transmissibility reaches {most:.4g} at most.", gain=d["gain_v"], most=most))
+
+
+def _geophone(outcome: Outcome[Study]) -> Verdict:
+    m, d = outcome.metrics, outcome.design
+    if d["sensors"] != GEOPHONE or d["corner"] < LEAST_CORNER * (1 - 1e-9):
+        return Verdict(False, text("Use geophones with a corner at 0.1 Hz or above."))
+    if d["ground"] != WHITE:
+        return Verdict(False, text("Take the white ground."))
+    if (hint := _pure_gain(outcome)) is not None:
+        return Verdict(False, hint)
+    most, down = m["amplification_vertical"], m["vertical"]
+    if most > MAX_AMPLIFICATION or down < LEAST_VERTICAL:
+        return Verdict(False, text("The peak falls by {down:.1f} dB and the transmissibility reaches {most:.3g}; asked are at least "
+                                   "{least:g} dB and at most {limit:g}.", down=down, most=most, least=LEAST_VERTICAL,
+                                   limit=MAX_AMPLIFICATION))
+    return Verdict(True, text("The peak falls by {down:.1f} dB, and the transmissibility reaches {most:.3g} at most.",
+                              down=down, most=most))
+
+
+def _tilt(outcome: Outcome[Study]) -> Verdict:
+    m, d, s = outcome.metrics, outcome.design, outcome.study
+    if d["sensors"] != GEOPHONE or not d["tilt"]:
+        return Verdict(False, text("Use geophones that react to tilt."))
+    if d["vertical"] != OPEN_LOOP or d["horizontal"] != BY_GAIN or d["pitch"]:
+        return Verdict(False, text("Close the horizontal loop alone, by a pure gain."))
+    level = Sensors(d["corner"])
+    without, right = rightmost(close(s.controllers.whole, lower=lower_of(d), sensors=level), s.controllers.whole)[0], m["rightmost"]
+    if without >= 0:
+        return Verdict(False, text("Without tilt this loop is unstable too; that proves nothing."))
+    if right < LEAST_DRIFT:
+        return Verdict(False, text("With tilt the rightmost pole lies at {right:+.3g} rad/s; +0.1 or more is asked.", right=right))
+    return Verdict(True, text("Without tilt {without:.2g} rad/s, with tilt {right:+.2g} rad/s: tilt alone makes this loop unstable.",
+                              without=without, right=right))
+
+
 NEAR_THE_ZEROS = (-0.3 + 7.42j, -0.3 - 7.42j)
 
 
-DAMPER = Typed("sqrt(1+k*m/g^2)", ("k", "m", "g"), slips=(
-    ("sqrt(k*m)/g", text("That is the coil on the deck's own velocity; a damper between deck and ground lets the ground push too.")),
-    ("1+sqrt(k*m)/g", text("Spring and damper push a quarter of a period apart: add the squares."))))
 ZERO_FREQUENCY = Typed("sqrt(k/(J+m*h^2))", ("J", "m", "h", "k"), slips=(
     ("sqrt(k/J)", text("That is the pitch about the centre of mass; while the line stands still the deck turns about the line.")),
     ("k/(J+m*h^2)", text("That is its square."))))
@@ -102,6 +158,10 @@ TASKS = (
     Task("close-pitch", _close, MappingProxyType({
         "horizontal": BY_POLES, "pitch": True, "bandwidth": 5.0, "control_poles": (-20 + 15j, -20 - 15j, *NEAR_THE_ZEROS),
         "observer_poles": (-60 + 45j, -60 - 45j, *NEAR_THE_ZEROS)})),
-    typed_task("damper", DAMPER),
+    Task("isolate", _isolate, MappingProxyType({"vertical": SHAPED_LOOP, "gain_v": 80.0})),
+    Task("geophone", _geophone, MappingProxyType({"vertical": SHAPED_LOOP, "gain_v": 350.0, "horizontal": OPEN_LOOP,
+                                                  "sensors": GEOPHONE})),
+    Task("tilt", _tilt, MappingProxyType({"vertical": OPEN_LOOP, "horizontal": BY_GAIN, "gain_h": 500.0, "lower": -5.0,
+                                          "sensors": GEOPHONE, "tilt": True})),
     typed_task("zero", ZERO_FREQUENCY),
 )

@@ -6,49 +6,46 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from observer_lab.course.figures.records import LOG_AXIS_FLOOR, Curve, Dash, LineFigure, over_frequency
+from observer_lab.course.figures.records import LOG_AXIS_FLOOR, Curve, LineFigure, over_frequency
 from observer_lab.course.lazy import FigureSet, tab_figures
 from observer_lab.course.lesson import Outcome
 from observer_lab.engine.sampled import ResponseMeasures
 from observer_lab.text import Text, format_number, joined, listed, same, text, text_in
 
 from .controllers import CONTROLLER_NAMES, ORDER, SHORT_NAMES, gain_gap
+from .curve_styles import CURVE_STYLES, width
 from .effort_tables import EFFORT_TAB, equal
+from .report_levels import REPORT_TAB, report_tables
 from .score_tables import SCORE_TAB, TRIAL_TAB, friction, scored, times, tried
 from .simulation import loop_of
 from .study import Study
+from .transmissibility import TRANSMISSIBILITY_TAB, transmissibilities
 
 CHANNEL_TAB, SENSOR_TAB, INPUT_TAB = text("Channels"), text("Sensors"), text("Inputs")
 TIME_TAB, RUN_TAB = text("Test"), text("Stage")
 CHANNEL_LABELS = (("vertical", text_in("channel", "vertical"), "µm/s"), ("rotation", text("rotation, (VL − VR)/2"), "µm/s"),
             ("horizontal", text_in("channel", "horizontal"), "µm/s"))
-CURVE_STYLES: tuple[tuple[str, Dash], ...] = (
-    ("muted", "solid"), ("disturbance", "solid"), ("plant", "solid"), ("reference", "dash"), ("error", "dash"),
-)
 
 
 def figures(outcome: Outcome[Study]) -> FigureSet:
     """Everything on the right of the stage."""
     return FigureSet(
         tab_figures(CHANNEL_TAB, lambda: [_channel(outcome, j) for j in range(3)]),
+        tab_figures(TRANSMISSIBILITY_TAB, lambda: transmissibilities(outcome)),
         tab_figures(SENSOR_TAB, lambda: [_sensor(outcome, j) for j in range(3)]),
         tab_figures(INPUT_TAB, lambda: (_input(outcome, 0), _input(outcome, 2), _gain(outcome))),
         tab_figures(TIME_TAB, lambda: [_test(outcome, j) for j in range(3)]),
         tab_figures(RUN_TAB, lambda: (_stage_velocity(outcome), _stage_force(outcome), friction(outcome, RUN_TAB))),
         tab_figures(SCORE_TAB, lambda: scored(outcome)), tab_figures(SCORE_TAB, lambda: (times(outcome),), "late"),
         tab_figures(TRIAL_TAB, lambda: tried(outcome)),
-        tab_figures(EFFORT_TAB, lambda: equal(outcome)))
+        tab_figures(EFFORT_TAB, lambda: equal(outcome)), tab_figures(REPORT_TAB, lambda: report_tables(outcome)))
 
 
 def _curves(outcome: Outcome[Study], column: int, scale: float = 1.0, skip_open: bool = False) -> list[Curve]:
     """A density of every player; an unstable one lies below the axis."""
     m = outcome.study
-    return [Curve(CONTROLLER_NAMES[i], np.maximum(scale * m.spectra[i].density[:, column], LOG_AXIS_FLOOR), role, dash, _width(outcome, i))
+    return [Curve(CONTROLLER_NAMES[i], np.maximum(scale * m.spectra[i].density[:, column], LOG_AXIS_FLOOR), role, dash, width(outcome, i))
             for i, (role, dash) in enumerate(CURVE_STYLES) if not (skip_open and i == 0)]
-
-
-def _width(outcome: Outcome[Study], i: int) -> float:
-    return 2.6 if ORDER[i] == outcome.design["play"] else 1.6
 
 
 def _measured(outcome: Outcome[Study], column: int, scale: float = 1.0) -> list[Curve]:
@@ -160,7 +157,7 @@ def _test(outcome: Outcome[Study], j: int) -> LineFigure:
     t = bare.t
     seen = t <= 6.0
     curves = [Curve(CONTROLLER_NAMES[i], np.zeros(int(seen.sum())) if r is None else np.interp(t[seen], r.t, r.velocity[:, j]), role, dash,
-                    _width(outcome, i))
+                    width(outcome, i))
               for i, ((role, dash), r) in enumerate(zip(CURVE_STYLES, m.responses, strict=True))]
     high = float(np.abs(bare.velocity[:, j]).max())
     parts = [_recovery(measured, j) for measured in m.measures[1:]]

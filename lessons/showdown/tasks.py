@@ -8,9 +8,10 @@ from observer_lab.course.exercises.typed_answers import Typed
 from observer_lab.course.lesson import Outcome, Task, Verdict, typed_task
 from observer_lab.text import format_number, text
 
-from .controllers import DT, ORDER, SISO
+from .controllers import DT, LQE, ORDER, SISO
 from .simulation import loop_of
 from .study import Study
+from .transmissibility import transmissibility
 
 WANTED_SUPPRESSION_DB = 20.0  # dB in every channel
 BEST_SENSOR = 1e-11  # (m/s)² s: the quietest that can be bought in the first task
@@ -18,9 +19,11 @@ MIN_LEAD_DB = 10.0  # dB by which the optimum is to be beaten
 DELAY_TOLERANCE_MS = 0.2  # ms within which the least delay is to be found
 KEPT_SUPPRESSION_DB = 12.0  # dB that the full LQG is to keep while the SISO pair is lost
 MODEL_ERRORS = ("stiffness", "damping", "placement")  # of the model
+UNTOUCHED = (*MODEL_ERRORS, "delay", "drift", "adc", "limited")  # zero or off at the start
 CHANNEL_NAMES = ("vertical", "rotation", "horizontal")
 TRUE_SENSOR, COARSE, INTENSITY_RTOL = 1e-10, 1000.0, 0.05  # of the start, (m/s)² s; µm/s; share by which V may be off
 MIN_SUPPRESSION_DB, MAX_FORCE_MN = 21.0, 32.0  # dB, mN
+MAX_TRANSMISSIBILITY, MAX_COOL_MN = 1.1, 24.0  # times the ground's motion; mN RMS that a coil gives without getting hot
 
 
 def _band(outcome: Outcome[Study], player: str) -> list[float]:
@@ -124,6 +127,21 @@ def _yardsticks(outcome: Outcome[Study]) -> Verdict:
                               siso=1e3 * m["siso_force_rms"]))
 
 
+def _calm(outcome: Outcome[Study]) -> Verdict:
+    d, m = outcome.design, outcome.metrics
+    as_given = abs(d["sensor"] / TRUE_SENSOR - 1) <= 1e-6 and (d["ground"], d["driver"]) == ("white", "ideal")
+    if not as_given or any(d[knob] for knob in UNTOUCHED):
+        return Verdict(False, text("Leave sensors, ground and real life as they are at the start."))
+    found = transmissibility(outcome.study, ORDER.index(LQE))
+    if found is None:
+        return Verdict(False, text("The full LQG is unstable here."))
+    most, force = float(found.max()), 1e3 * m["lqe_force_rms"]
+    if most > MAX_TRANSMISSIBILITY or force > MAX_COOL_MN:
+        return Verdict(False, text("The transmissibility reaches {most:.3g} with {force:.1f} mN; at most {allowed:g} and {cool:g} mN are "
+                                   "allowed.", most=most, force=force, allowed=MAX_TRANSMISSIBILITY, cool=MAX_COOL_MN))
+    return Verdict(True, text("The transmissibility reaches {most:.3g} at most, with {force:.1f} mN.", most=most, force=force))
+
+
 ROUNDED = Typed(_noise, slips=(
     ("1e-9/12", text("That is the rounding alone; the sensors are noisy too.")),
     ("1e-10+1e-9", text("An error spread evenly over a step has a twelfth of its square for a variance.")),
@@ -134,6 +152,7 @@ TOO_LATE = Typed("d/(360*f)", ("d", "f"), slips=(
 
 TASKS = (
     Task("twenty", _twenty, {"sensor": 1e-11, "v": 1e-11}),
+    Task("calm", _calm, {"v": 6e-11}),
     Task("beaten", _beaten, {"sensor": 4e-13}),
     Task("late", _late, {"delay": 4.2}),
     typed_task("too-late", TOO_LATE),

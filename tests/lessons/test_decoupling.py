@@ -16,6 +16,7 @@ from observer_lab.lessons.decoupling.lesson import LESSON
 from observer_lab.lessons.decoupling.loops import DT, HORIZON, bare_run, channels, close, lower_of, run, shaking, three
 from observer_lab.lessons.decoupling.margins import margins
 from observer_lab.lessons.decoupling.report_levels import LEVELS, apart
+from observer_lab.lessons.decoupling.sensors import Sensors, reading_response
 from observer_lab.plants.platform import model
 from observer_lab.plants.platform import siso_loops as siso
 from observer_lab.plants.platform.channels import HORIZONTAL, T_y
@@ -295,3 +296,115 @@ def test_what_the_printed_cv_gives_is_said_of_the_white_ground_alone() -> None:
     assert printed == pytest.approx([93.5, 47.0], abs=0.05)
     verdict = task.check(LESSON.compute(LESSON.apply(start, {**task.solution, "ground": "falling"})))
     assert not verdict.solved and "93.5" not in verdict.text("en")
+
+
+# --- real sensors ------------------------------------------------------------------------------------------------------
+ALONE = {"vertical": "shaped", "horizontal": "open"}
+GEOPHONES = {"sensors": "geophone"}
+MASS, STIFFNESS, DAMPING = 12.1, 1066.0, 1.316  # of the vertical motion: deck with test masses, both springs, both dashpots
+
+
+def test_the_transmissibility_is_that_of_a_mass_on_springs_with_a_damper_to_the_sky() -> None:
+    """|k/(k − mω² + jω(c + 2g))|, with the test masses riding along below 5 Hz; without control g = 0."""
+    for gain in (80.0, 2000.0):
+        found = outcome(**ALONE, gain_v=gain, roll_off=2000.0)
+        f = found.study.spectra.f
+        below, omega = f < 5, 2 * np.pi * f
+
+        def expected(g: float, at: np.ndarray = omega) -> np.ndarray:
+            return np.abs(STIFFNESS / (STIFFNESS - MASS * at**2 + 1j * at * (DAMPING + 2 * g)))
+        np.testing.assert_allclose(found.study.transmissibility[below, 0], expected(gain)[below], rtol=0.01)
+        drawn = next(x for x in LESSON.figures(found) if x.id == "transmissibility-vertical")
+        away = below & (np.abs(f - 1.4938) > 0.02)  # the resonance itself lies 0.03 % apart
+        np.testing.assert_allclose(drawn.curves[0].y[away], expected(0.0)[away], rtol=0.02)
+
+
+def test_no_amplification_takes_a_damping_ratio_of_one_over_root_two() -> None:
+    needed = (np.sqrt(2 * MASS * STIFFNESS) - DAMPING) / 2
+    assert needed == pytest.approx(79.6, abs=0.1)
+    for gain, amplified in ((0.97 * needed, True), (1.01 * needed, False)):
+        assert (outcome(**ALONE, gain_v=gain, roll_off=2000.0).metrics["amplification_vertical"] > 1 + 1e-4) == amplified
+
+
+@pytest.mark.parametrize("corner", [0.05, 0.1, 0.3])
+def test_the_corner_limits_the_gain_as_the_step_says(corner: float) -> None:
+    omega = 2 * np.pi * corner
+    limit = 2 * 0.7 * (STIFFNESS / omega - MASS * omega) / 2  # of each of two coils
+    assert corner != 0.1 or limit == pytest.approx(1180, abs=5)
+    for share, stable in ((0.97, True), (1.03, False)):
+        found = outcome(**ALONE, **GEOPHONES, corner=corner, gain_v=share * limit, roll_off=2000.0)
+        assert (found.metrics["rightmost"] < 0) == stable, share
+
+
+def test_the_printed_pair_is_unstable_with_every_geophone() -> None:
+    assert all(outcome(**GEOPHONES, corner=corner).metrics["rightmost"] > 0 for corner in (0.01, 0.1, 1.0, 2.0))
+
+
+def _with_geophones(lower: float, gain: float, corner: float, tilt: bool) -> np.ndarray:
+    """Poles with u3 = −gain times the mean horizontal reading, r'' + 2ζω r' + ω² r = ẍ_s + g θ, from the mechanics M, D, K."""
+    k, omega = model.mechanics(model.Parameters(lower=lower)), 2 * np.pi * corner
+    row, Mi = k.S[1], np.linalg.inv(k.M)
+    A = np.zeros((12, 12))  # q, q', r, r'
+    A[:5, 5:10] = np.eye(5)
+    A[5:10, :5], A[5:10, 5:10], A[5:10, 11] = -Mi @ k.K, -Mi @ k.D, -gain * Mi @ k.G[:, 2]
+    A[10, 11] = 1
+    A[11] = row @ A[5:10]
+    A[11, 10], A[11, 11] = A[11, 10] - omega**2, A[11, 11] - 1.4 * omega
+    A[11, 2] += 9.81 if tilt else 0.0
+    return np.linalg.eigvals(A)
+
+
+@pytest.mark.parametrize("lower", [-5.0, 0.0, 5.0])
+@pytest.mark.parametrize("tilt", [False, True])
+def test_tilt_moves_the_poles_to_where_the_mechanics_has_them(lower: float, tilt: bool) -> None:
+    found = outcome(vertical="open", horizontal="gain", gain_h=500.0, roll_off=2000.0, lower=lower, tilt=tilt, **GEOPHONES)
+    there = _with_geophones(1e-3 * lower, 500.0, 0.1, tilt)
+    mine = found.poles["loop"][np.abs(found.poles["loop"]) < 20]
+    slow = there[(np.abs(there) > 1e-6) & (np.abs(there) < 20)]
+    assert all(np.abs(mine - p).min() < 0.02 * abs(p) for p in slow)
+    assert (found.metrics["rightmost"] > 0) == (tilt and lower < 0)
+
+
+def test_tilt_in_the_horizontal_reading_is_g_theta_over_omega_squared() -> None:
+    """The reading of a still sensor on a deck that pitches: in metres g θ/ω², far above the corner."""
+    sensors, f = Sensors(0.01, True), np.array([0.5, 1.0, 4.0])
+    omega, s_m = 2 * np.pi * f, model.Parameters.s
+    velocity = reading_response(sensors, omega)[:, 2, 1]  # of z₂ = −s_m θ'
+    theta = -1 / (s_m * 1j * omega)
+    np.testing.assert_allclose(velocity / (1j * omega), -9.81 * theta / omega**2, rtol=0.04)
+    assert np.abs(reading_response(Sensors(0.01), omega)[:, 2, 1]).max() == 0
+    drawn = next(x for x in LESSON.figures(outcome(ground="falling")) if x.id == "tilt")
+    rotation = np.sqrt(outcome(ground="falling").study.spectra.closed[:, 1])
+    at = 2 * np.pi * drawn.x
+    np.testing.assert_allclose(drawn.curves[1].y, np.maximum(1e9 * 9.81 * rotation / s_m / at**2, 1e-12), rtol=1e-9)
+
+
+def test_the_noise_of_a_geophone_as_velocity_rises_below_its_corner_and_its_knee() -> None:
+    found = outcome(**ALONE, **GEOPHONES, corner=0.5, knee=2.0, gain_v=100.0)
+    drawn = next(x for x in LESSON.figures(found) if x.id == "sensor-noise")
+    r = 0.5 / drawn.x
+    H = 1 / np.sqrt((1 - r**2) ** 2 + (1.4 * r) ** 2)
+    np.testing.assert_allclose(drawn.curves[0].y, np.sqrt(1 + 2.0 / drawn.x) / H, rtol=1e-6)
+    low = np.interp([0.01, 0.1], drawn.x, drawn.curves[0].y)
+    assert low[0] / low[1] == pytest.approx(10**2.5, rel=0.1)  # f⁻² of the corner, f^−0.5 of the rise
+    white = outcome(**ALONE, **GEOPHONES, corner=0.5, gain_v=100.0).study.spectra
+    np.testing.assert_allclose(found.study.spectra.sensors, white.sensors * (1 + 2.0 / white.f)[:, None], rtol=1e-9)
+    moved, moved_white = (each.closed - each.sensors for each in (found.study.spectra, white))
+    np.testing.assert_allclose(moved, moved_white, rtol=1e-6, atol=1e-25)
+
+
+def test_what_the_sensors_add_to_the_deck_is_what_a_run_with_that_noise_has() -> None:
+    """The vertical part of the spectrum by the loop's transfer function from the reading, written out for one mass."""
+    found = outcome(**ALONE, **GEOPHONES, corner=0.1, gain_v=300.0, roll_off=2000.0, noise=1e-6)
+    f = found.study.spectra.f
+    s, omega = 2j * np.pi * f, 2 * np.pi * 0.1
+    P, H = s / (MASS * s**2 + DAMPING * s + STIFFNESS), s**2 / (s**2 + 1.4 * omega * s + omega**2)
+    expected = np.abs(600.0 * P / (1 + 600.0 * P * H)) ** 2 * 1e-12 / 2  # two sensors' mean
+    below = f < 5
+    np.testing.assert_allclose(found.study.spectra.sensors[below, 0], expected[below], rtol=0.03)
+
+
+def test_an_unstable_loop_has_no_transmissibility() -> None:
+    found = outcome(**GEOPHONES)
+    drawn = next(x for x in LESSON.figures(found) if x.id == "transmissibility-vertical")
+    assert len(drawn.curves) == 2 and "no transmissibility" in drawn.caption("en") and "amplification_vertical" not in found.metrics

@@ -130,11 +130,6 @@ def weaker(v: Letters) -> float:
     return float(brentq(loop, -1e3, 1e3, xtol=1e-13))
 
 
-def damper(v: Letters) -> float:
-    s = 1j * np.sqrt(v["k"] / v["m"])
-    return float(abs((v["g"] * s + v["k"]) / (v["m"] * s**2 + v["g"] * s + v["k"])))
-
-
 def one_lag(v: Letters) -> float:
     gramians = [solve_continuous_lyapunov(np.array([[-v["a"]]]), np.array([[-v[name] ** 2]])).item() for name in ("b", "c")]
     return float(np.sqrt(np.prod(gramians)))
@@ -291,8 +286,7 @@ COMPUTED: Mapping[tuple[str, str], Callable[[Letters], float]] = {
     ("separation", "wrong-belief"): wrong_belief, ("duality", "read-off"): read_off, ("duality", "listen"): listen,
     ("hidden-modes", "unlike"): unlike, ("saturation", "last-start"): last_start,
     ("noise", "both-in-one-place"): both_in_one_place, ("noise", "offset"): offset, ("kalman", "second-sensor"): second_sensor,
-    ("kalman", "late"): late,
-    ("lqg", "weaker"): weaker, ("decoupling", "damper"): damper, ("weak-states", "one-lag"): one_lag,
+    ("kalman", "late"): late, ("lqg", "weaker"): weaker, ("weak-states", "one-lag"): one_lag,
     ("showdown", "too-late"): too_late, ("nonlinear", "square"): square, ("fault-diagnosis", "swallowed"): swallowed,
     ("network", "perfect-readings"): perfect_readings, ("sandbox", "deadbeat"): deadbeat,
     ("robust-observer", "one-observer"): one_observer,

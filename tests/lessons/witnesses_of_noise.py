@@ -10,6 +10,7 @@ from scipy.linalg import block_diag, solve_continuous_lyapunov, solve_discrete_a
 from witnesses import Shown, Witness, near, read, value
 
 from observer_lab.course.figures.records import LineFigure
+from observer_lab.engine import Plant
 from observer_lab.engine.filters import Experiment, simulate_filters
 from observer_lab.engine.systems import slopes
 from observer_lab.lessons.decoupling.loops import AXIS_POLE_RAD_S, lower_of, platform_of
@@ -22,6 +23,7 @@ from observer_lab.text import Text
 
 LAST = 1.0  # percent of the final gain
 COILS = 3
+PITCH = 2  # the state θ of the platform
 
 
 # --- kalman ------------------------------------------------------------------------------------------------------------
@@ -130,10 +132,24 @@ def _drifts(shown: Shown, words: Text) -> None:
         near(value(words, "drift"), float(max(mpmath.re(p) for p in poles)), 6e-3)
 
 
+def _read_by_geophones(plant: Plant, shown: Shown) -> Plant:
+    """A mass in each sensor, r'' + 2 · 0.7 ω r' + ω² r = the deck's acceleration there (+ g θ, if it feels tilt); r' is read."""
+    if shown["sensors"] == "ideal":
+        return plant
+    omega, n, felt = 2 * np.pi * shown["corner"], plant.n, plant.C @ plant.A
+    if shown["tilt"]:
+        felt[1, PITCH] += 9.81
+        felt[3, PITCH] -= 9.81  # turned by half a revolution
+    none, eye = np.zeros((4, 4)), np.eye(4)
+    A = np.block([[plant.A, np.zeros((n, 8))], [np.zeros((4, n)), none, eye], [felt, -omega**2 * eye, -1.4 * omega * eye]])
+    B = np.vstack([plant.B, np.zeros((4, plant.m)), plant.C @ plant.B])
+    return Plant(A, B, np.hstack([np.zeros((4, n + 4)), eye]))
+
+
 def _made_unstable(shown: Shown, words: Text) -> None:
     """Poles of the loop with the pitch controller and without it, assembled channel by channel: u = T diag(C) T_y y."""
     from observer_lab.plants.platform.siso_loops import T_u, T_y
-    c, plant = shown.outcome.study.controllers, platform_of(lower_of(shown.outcome.design))
+    c, plant = shown.outcome.study.controllers, _read_by_geophones(platform_of(lower_of(shown.outcome.design)), shown)
     parts, B = (c.vertical, c.rotation, c.horizontal), plant.B[:, :COILS] @ T_u @ shown.outcome.gains["S"]
 
     def right(loops: tuple[bool, ...]) -> float:

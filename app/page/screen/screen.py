@@ -80,7 +80,7 @@ class Screen(Browser):
                                 dark_mode=picture.state.is_dark)
             gui.set_panel_label("Observer Lab")
             self._style = gui.add_html(sheet_of(picture), order=-1e9)
-            self._panel = GuidePanel(self._client, picture, self._post) if picture.guided else Panel(gui, picture, self._post)
+            self._panel = GuidePanel(self._client, picture, self._post) if picture.guided else Panel(self._client, picture, self._post)
             viser_internals.run_script(self._client, "fields", fields=self._panel.fields)
             viser_internals.run_script(self._client, "fill", large=picture.state.lecture)
             viser_internals.run_script(self._client, "tabrow")

@@ -20,8 +20,14 @@ def diophantine(g: Given) -> float:
     return (target[2] + g["a"] * e) / g["k"]
 
 
-def coils(g: Given) -> float:
-    return np.linalg.solve([[1.0, 1.0], [-g["l"], g["l"]]], [g["F"], g["M"]])[1]
+def geophone(g: Given) -> float:
+    """Where the rightmost root of the closed loop crosses the axis, by companion matrices alone."""
+    omega = 2 * np.pi * g["corner"]
+    bare = np.polymul([g["m"], 0.0, g["k"]], [1.0, 2 * g["zeta"] * omega, omega**2])
+
+    def rightmost(gain: float) -> float:
+        return float(np.roots(np.polyadd(bare, [gain, 0.0, 0.0, 0.0])).real.max())
+    return brentq(rightmost, 10.0, 1e5, xtol=1e-9)
 
 
 def mixing(g: Given) -> float:
@@ -30,11 +36,13 @@ def mixing(g: Given) -> float:
     return 1.0 / v[1]
 
 
-def damping(g: Given) -> float:
-    def ratio(gain: float) -> float:
-        pole = np.roots([g["m"], g["d"] + gain, g["k"]])[0]
-        return float(-pole.real / abs(pole)) - g["zeta"]
-    return brentq(ratio, -g["d"], 2 * np.sqrt(g["m"] * g["k"]) - g["d"], xtol=1e-12)
+def tilt(g: Given) -> float:
+    """Where the accelerations d²x/dt² and g θ of the two oscillations have equal amplitudes."""
+    twice = control.tf([1.0, 0.0, 0.0], [1.0])
+
+    def apart(f: float) -> float:
+        return abs(twice(2j * np.pi * f)) * g["x"] - 9.81 * g["theta"]
+    return brentq(apart, 1e-3, 1e2, xtol=1e-13)
 
 
 # --- weak-states -------------------------------------------------------------------------------------------------------
@@ -117,9 +125,9 @@ def hardening(g: Given) -> float:
 
 ORACLES: dict[tuple[str, str], Callable[[Given], float]] = {
     ("decoupling", "diophantine"): diophantine,
-    ("decoupling", "coils"): coils,
+    ("decoupling", "geophone"): geophone,
     ("decoupling", "mixing"): mixing,
-    ("decoupling", "damping"): damping,
+    ("decoupling", "tilt"): tilt,
     ("weak-states", "bound"): bound,
     ("weak-states", "balance"): balance,
     ("weak-states", "slow"): slow,
