@@ -361,29 +361,3 @@ def test_a_room_on_all_addresses_names_one_that_others_reach() -> None:
 def test_an_address_for_a_room_without_a_room_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
     assert "--room" in refused(capsys, "serve", "--at", "http://lab.example.org/")
     assert "is not an address" in refused(capsys, "serve", "--room", "--at", "lab.example.org")
-
-
-@pytest.mark.slow
-def test_a_server_that_is_killed_while_a_class_votes_has_kept_every_vote_that_it_acknowledged(tmp_path: Path) -> None:
-    def said(tab: WireTab) -> int:
-        return sum("is counted" in note for note in tab.notes)
-    command = [sys.executable, "-m", "observer_lab", "--port", "0", "--room", "--data-dir", str(tmp_path)]
-    with Served(command, cwd=ROOT, env=plain_environment(), stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True) as server:
-        assert server.stdout is not None
-        address = server.stdout.readline().strip()
-        store = RoomStore(tmp_path)
-        store.open_vote("separation", "predict", 3)
-        number = store.votes()[-1].number
-        follower = WireTab(address)
-        follower.until(lambda: any("// room.js" in m.get("source", "") for m in follower.messages), "the follower's page")
-        source = next(m["source"] for m in follower.messages if "// room.js" in m.get("source", ""))
-        hand = re.search(r'"hand": "([^"]+)"', source)
-        assert hand is not None
-        for k in range(100):
-            follower.send("GuiUpdateMessage", uuid=hand[1], updates={"value": f"vote:{number}:{k % 3}:ballot{k:04d}"})
-        follower.until(lambda: said(follower) >= 20, "the first votes")
-        acknowledged = said(follower)
-        server.kill()
-        server.wait(30)
-    kept = RoomStore(tmp_path).votes()[-1]
-    assert kept.open and acknowledged <= kept.total <= 100

@@ -15,7 +15,7 @@ from observer_lab.course.figures.records import Curve, LineFigure, MapFigure, Ma
 from observer_lab.course.knobs import Number
 from observer_lab.course.lesson import Lesson
 from observer_lab.lessons import LESSONS
-from observer_lab.page.charts.axes import PLOT_FRAME, H, W
+from observer_lab.page.charts.axes import MARK_CLEAR_PX, PLOT_FRAME, Axes, H, W, clear_of_marks
 from observer_lab.page.charts.charts import round_numbers
 from observer_lab.page.charts.matrices import short
 from observer_lab.page.charts.svg import draw
@@ -288,3 +288,29 @@ def test_numbers_on_an_axis_have_true_minus_signs_and_one_power_of_ten() -> None
 @pytest.mark.parametrize(("unit", "shown"), [("A", "A²"), ("m/s", "(m/s)²"), ("", "1"), ("m s", "(m s)²")])
 def test_the_square_of_a_unit_has_brackets_only_where_it_needs_them(unit: str, shown: str) -> None:
     assert squared_unit(unit) == shown
+
+
+# --- marks, levels and maps ----------------------------------------------------------------------------------------------
+@given(st.lists(st.tuples(st.floats(-1.5, 1.5), st.floats(-1.5, 1.5)), min_size=1, max_size=6), st.booleans(), st.sampled_from((H, 2 * H)))
+def test_no_mark_touches_the_frame_and_one_within_the_axes_stands_in_its_place(
+        marks: list[tuple[float, float]], equal: bool, high: int) -> None:
+    spans = [clear_of_marks((-1.0, 1.0), [mark[k] for mark in marks], long) for k, long in enumerate((W, high))]
+    axes = Axes(spans[0], spans[1], equal, ("x", "a name of the other axis"), high=high)
+    frame = axes.frame
+    for mark in marks:
+        x, y = axes.held(*mark)
+        assert frame.left + MARK_CLEAR_PX <= x + 1e-9 and x - 1e-9 <= frame.right - MARK_CLEAR_PX
+        assert frame.top + MARK_CLEAR_PX <= y + 1e-9 and y - 1e-9 <= frame.bottom - MARK_CLEAR_PX
+        if max(map(abs, mark)) <= 1.0:
+            assert (x, y) == pytest.approx(axes.at(*mark))
+
+
+def test_levels_in_a_table_are_drawn_and_not_written() -> None:
+    drawing = draw(TableFigure("t", same("modes"), (same("distance"),), (("0.12 ▮▮▮",), ("0",))), "en")
+    assert "▮" not in drawing and drawing.count('class="ol-level" style="--parts:3"') == 1
+
+
+def test_no_map_paints_in_the_colour_of_the_estimate() -> None:
+    maps = [figure for lesson in LESSONS.values() if lesson.pick is not None
+            for figure in lesson.figures(lesson.compute(lesson.start())) if isinstance(figure, MapFigure)]
+    assert maps and not [figure.id for figure in maps if "estimate" in [role for _, role in figure.categories]]

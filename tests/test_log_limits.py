@@ -2,18 +2,25 @@
 
 from __future__ import annotations
 
+import asyncio
 import io
 import json
 import logging
 import threading
+import time
 import warnings
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from typing import Any, cast
 
 import pytest
 
+from observer_lab.classroom.vote_writer import VoteWriter
 from observer_lab.cli.log_limits import LINES_AT_ONCE, SECONDS_PER_LINE, OneLine, RateLimit
 from observer_lab.cli.logs import OneLineOfJson, set_up
+from observer_lab.page.room.broadcast import Broadcast
+from observer_lab.page.room.relay import Feed, Relay
 from observer_lab.page.viser_private.message_transport import log_failed_callback
+from observer_lab.session.state.view import Picture
 
 
 def record(words: str, *values: object, level: int = logging.WARNING) -> logging.LogRecord:
@@ -60,6 +67,58 @@ def told() -> Iterator[io.StringIO]:
     logging.getLogger().handlers[:] = before
     logging.getLogger().setLevel(level)
     threading.excepthook = hook
+
+
+class Gone:
+    """A store whose server is gone: whatever is asked of it fails, and after so many failures somebody is told."""
+
+    def __init__(self, failures: int) -> None:
+        self._left, self.failed = failures, threading.Event()
+
+    def __getattr__(self, name: str) -> Any:
+        self._left -= 1
+        if self._left <= 0:
+            self.failed.set()
+        raise ConnectionError(name)
+
+
+def relay_without(store: Any) -> Callable[[], object]:
+    loop = asyncio.new_event_loop()
+    loop.close()
+    relay = Relay(store, loop, poll=0.0)
+    relay._feeds["en-wide"] = Feed("en-wide", None)
+    relay.start()
+    assert store.failed.wait(60)
+    return relay.close
+
+
+def writer_without(store: Any) -> Callable[[], object]:
+    writer, told = VoteWriter(store), threading.Semaphore(0)
+    writer.start()
+    while not store.failed.is_set():
+        writer.cast(1, "ballot0001", 0, lambda _: told.release())
+        assert told.acquire(timeout=60)
+    return writer.close
+
+
+def broadcast_without(store: Any) -> Callable[[], object]:
+    broadcast = Broadcast(store, lambda: None, lambda _: None, lambda: None)
+    broadcast._picture = cast(Picture, object())
+    broadcast.start()
+    while not store.failed.wait(0.001):
+        broadcast.notice()
+    return broadcast.close
+
+
+@pytest.mark.parametrize("loop", [relay_without, writer_without, broadcast_without])
+def test_a_room_whose_store_is_gone_fails_again_and_again_and_says_so_at_the_bounded_rate(
+        told: io.StringIO, loop: Callable[[Any], Callable[[], object]]) -> None:
+    begun, before = time.monotonic(), set(threading.enumerate())
+    loop(Gone(10 * int(LINES_AT_ONCE)))()
+    for thread in set(threading.enumerate()) - before:
+        thread.join(60)
+    most = LINES_AT_ONCE + (time.monotonic() - begun) / SECONDS_PER_LINE + 1
+    assert 0 < len(told.getvalue().splitlines()) <= most
 
 
 def test_what_libraries_print_comes_as_lines_of_json(told: io.StringIO) -> None:

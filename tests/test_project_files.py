@@ -58,3 +58,10 @@ def test_a_python_that_numba_has_no_wheel_for_installs_without_it() -> None:
     versions = [line.rpartition(" ")[2] for line in PROJECT["classifiers"] if re.search(r":: 3\.\d+$", line)]
     assert versions and all(numba.marker.evaluate({"python_version": version}) for version in versions)
     assert not numba.marker.evaluate({"python_version": "3.99"})
+
+
+def test_the_readme_asks_each_lessons_question_in_its_words() -> None:
+    asked = dict(re.findall(r"^\| ([a-z-]+) \| ([^|]*\?) \|", read("README.md"), re.M))
+    said = {path.parent.name.replace("_", "-"): path.read_text(encoding="utf-8") for path in ROOT.glob("lessons/*/en.md")}
+    assert asked.keys() == said.keys()
+    assert asked == {name: re.findall(r"^> (.*)$", words, re.M)[0] for name, words in said.items()}

@@ -11,7 +11,7 @@ from typing import Any
 
 from .redis_connection import connect, key, machine_name
 from .room_store import SECRET_BYTES, SEED_BITS
-from .votes import Asked, Vote
+from .votes import Asked, Vote, read_asked
 
 GONE_S = 60  # s without a report after which the followers of a worker are no longer counted
 SECRET, STATE, HANDS, SEED, TAKEN = (key(name) for name in ("secret", "state", "hands", "seed", "taken"))
@@ -59,7 +59,7 @@ class RedisRoom:
     # --- votes -----------------------------------------------------------------------------------------------------
     def open_vote(self, lesson: str, scene: str, options: int, asked: Asked | None = None) -> None:
         """Begin a vote; the one that was open ends."""
-        count = options if asked is None else len(asked.options)
+        count = options if asked is None else asked.places
 
         def begin(pipe: Any) -> None:
             votes = _votes(pipe)
@@ -78,18 +78,18 @@ class RedisRoom:
             _close(pipe, votes)
         self._redis.transaction(end, VOTES, BALLOTS)
 
-    def cast(self, ballots: Iterable[tuple[int, str, float]]) -> list[bool]:
+    def cast(self, ballots: Iterable[tuple[int, str, complex]]) -> list[bool]:
         """Write ballots down, all in one transaction; for each whether it counts."""
         given = list(ballots)
 
         def write(pipe: Any) -> list[bool]:
             open_now = {vote.number: vote for vote in _stored(pipe) if vote.open}
-            taken = [number in open_now and open_now[number].takes(answer) for number, _, answer in given]
-            kept = {ballot: repr(float(answer)) for (_, ballot, answer), counts in zip(given, taken, strict=True) if counts}
+            answers = [open_now[number].kept(answer) if number in open_now else None for number, _, answer in given]
+            kept = {ballot: repr(float(answer)) for (_, ballot, _), answer in zip(given, answers, strict=True) if answer is not None}
             pipe.multi()
             if kept:
                 pipe.hset(BALLOTS, mapping=kept)
-            return taken
+            return [answer is not None for answer in answers]
         return list(self._redis.transaction(write, VOTES, value_from_callable=True))
 
     def votes(self) -> tuple[Vote, ...]:
@@ -213,9 +213,7 @@ def _stored(client: Any) -> list[Vote]:
     found = []
     for words in client.hvals(VOTES):
         said = json.loads(words)
-        asked = said["asked"]
-        said |= {"counts": tuple(said["counts"]), "edges": tuple(said["edges"]),
-                 "asked": None if asked is None else Asked(asked["question"], tuple(asked["options"]))}
+        said |= {"counts": tuple(said["counts"]), "edges": tuple(said["edges"]), "asked": read_asked(said["asked"])}
         found.append(Vote(**said))
     return sorted(found, key=lambda vote: vote.number)
 

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 
-from .votes import Asked, Vote
+from .votes import Asked, Vote, read_asked, write_asked
 
 FILE = "room.sqlite"  # in the folder of --data-dir
 WAIT_S = 10.0  # s that one worker waits for another one's writing
@@ -92,8 +92,7 @@ class RoomStore:
     # --- votes -----------------------------------------------------------------------------------------------------
     def open_vote(self, lesson: str, scene: str, options: int, asked: Asked | None = None) -> None:
         """Begin a vote on a scene's question with so many options, or on what was `asked` there; the one that was open ends."""
-        words = "" if asked is None else json.dumps([asked.question, *asked.options])
-        count = options if asked is None else len(asked.options)
+        words, count = write_asked(asked), options if asked is None else asked.places
         with self._writing() as database:
             self._close(database)
             before = database.execute("SELECT MAX(round) FROM votes WHERE lesson = ? AND scene = ? AND asked = ?",
@@ -112,18 +111,19 @@ class RoomStore:
                              (json.dumps(vote.counts), json.dumps(vote.edges), vote.number))
         database.execute("DELETE FROM ballots")
 
-    def cast(self, ballots: Iterable[tuple[int, str, float]]) -> list[bool]:
+    def cast(self, ballots: Iterable[tuple[int, str, complex]]) -> list[bool]:
         """Write (vote, ballot, answer) down, all in one transaction; for each whether it counts. A newer one replaces an older one.
 
-        The answer is the index of an option, or a number where one was asked for.
+        The answer is the index of an option, or a number or a pole (complex) where one was asked for.
         """
         with self._writing() as database:
             open_now = {vote.number: vote for vote in self._votes(database, "WHERE open")}
             taken = []
             for number, ballot, answer in ballots:
-                taken.append(number in open_now and open_now[number].takes(answer))
-                if taken[-1]:
-                    database.execute("INSERT OR REPLACE INTO ballots VALUES (?, ?, ?)", (number, ballot, answer))
+                kept = open_now[number].kept(answer) if number in open_now else None
+                taken.append(kept is not None)
+                if kept is not None:
+                    database.execute("INSERT OR REPLACE INTO ballots VALUES (?, ?, ?)", (number, ballot, kept))
             return taken
 
     def votes(self) -> tuple[Vote, ...]:
@@ -135,9 +135,8 @@ class RoomStore:
         out = []
         for number, lesson, scene, times, is_open, counts, asked, edges in database.execute(
                 f"SELECT number, lesson, scene, round, open, counts, asked, edges FROM votes {which} ORDER BY number").fetchall():
-            question, *options = json.loads(asked) if asked else [""]
-            vote = Vote(number, lesson, scene, times, bool(is_open), tuple(json.loads(counts)),
-                        Asked(question, tuple(options)) if asked else None, tuple(json.loads(edges)))
+            vote = Vote(number, lesson, scene, times, bool(is_open), tuple(json.loads(counts)), read_asked(asked),
+                        tuple(json.loads(edges)))
             if is_open:
                 answers = database.execute("SELECT answer FROM ballots WHERE vote = ?", (number,)).fetchall()
                 vote = vote.counting([answer for (answer,) in answers])

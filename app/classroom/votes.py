@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import json
 import math
+from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import Literal
+from dataclasses import asdict, dataclass, replace
+from typing import Any, Literal
 
 import numpy as np
+
+from .pole_grid import PoleGrid
+from .round_steps import round_step
 
 HIDDEN_BELOW = 5  # votes, below which counts would tell who has chosen what
 MAX_OPTIONS = 8  # of a question
@@ -15,21 +20,40 @@ LONGEST_QUESTION, LONGEST_OPTION = 300, 120  # characters of a question that is 
 LARGEST_NUMBER = 1e12  # of an answer
 MAX_BINS = 8  # of the histogram of numbers
 OUTSIDE = 5.0  # percent of the numbers at each end that may lie beyond the middle bins: one absurd number spreads no histogram
-Kind = Literal["choice", "number"]
+Kind = Literal["choice", "number", "pole"]
 LONGEST_BALLOT = 64  # characters of the random number by which a browser replaces its own vote
 
 
 @dataclass(frozen=True)
 class Asked:
-    """A question that the presenter has typed: options to choose from, or none where a number is asked for."""
+    """A question that the presenter asks: options to choose from, a grid to place a pole on, or neither where a number is asked for."""
 
     question: str
     options: tuple[str, ...] = ()
+    grid: PoleGrid | None = None
 
     @property
     def kind(self) -> Kind:
-        """Whether an option or a number is asked for."""
-        return "choice" if self.options else "number"
+        """What the class answers with."""
+        return "pole" if self.grid is not None else "choice" if self.options else "number"
+
+    @property
+    def places(self) -> int:
+        """How many counts an answer can go to: options, or cells of the grid; the bins of numbers come with the numbers."""
+        return len(self.options) if self.grid is None else self.grid.cells
+
+
+def write_asked(asked: Asked | None) -> str:
+    """A question as a store keeps it; "" where the scene's own is asked."""
+    return "" if asked is None else json.dumps(asdict(asked))
+
+
+def read_asked(said: Any) -> Asked | None:
+    """The question in such words, or in what they stand for."""
+    if not said:
+        return None
+    found = json.loads(said) if isinstance(said, str) else said
+    return Asked(found["question"], tuple(found["options"]), None if found["grid"] is None else PoleGrid(**found["grid"]))
 
 
 @dataclass(frozen=True)
@@ -51,20 +75,36 @@ class Vote:
     edges: tuple[float, ...] = ()
 
     @property
-    def numeric(self) -> bool:
-        """Whether a number is asked for."""
-        return self.asked is not None and self.asked.kind == "number"
+    def kind(self) -> Kind:
+        """What the class answers with."""
+        return "choice" if self.asked is None else self.asked.kind
 
-    def takes(self, answer: float) -> bool:
-        """Whether that is an answer to the question: the index of an option, or any number."""
-        return abs(answer) <= LARGEST_NUMBER if self.numeric else float(answer).is_integer() and 0 <= answer < len(self.counts)
+    def kept(self, answer: complex) -> float | None:
+        """What is written down of an answer: an option's index, a number, or the cell of a pole. None where it is no answer to this."""
+        if self.asked is not None and self.asked.grid is not None:
+            return self.asked.grid.cell_of(answer) if isinstance(answer, complex) else None
+        if isinstance(answer, complex):
+            return None
+        fits = abs(answer) <= LARGEST_NUMBER if self.kind == "number" else float(answer).is_integer() and 0 <= answer < len(self.counts)
+        return answer if fits else None
 
     def counting(self, answers: Sequence[float]) -> Vote:
-        """The vote with these answers counted."""
-        if self.numeric:
+        """The vote with these answers counted, as they were written down."""
+        if self.kind == "number":
             edges, counts = histogram(answers)
             return replace(self, edges=edges, counts=counts)
-        return replace(self, counts=tuple(sum(answer == k for answer in answers) for k in range(len(self.counts))))
+        found = Counter(answers)
+        return replace(self, counts=tuple(found[k] for k in range(len(self.counts))))
+
+    def sealed(self) -> Vote:
+        """The vote as the audience may see it: while it is open, without its counts."""
+        return replace(self, counts=(0,) * len(self.counts)) if self.open else self
+
+    @property
+    def cloud(self) -> tuple[tuple[complex, int], ...]:
+        """The poles that were placed, with how often each; nothing while the counts are hidden."""
+        grid = None if self.asked is None else self.asked.grid
+        return () if grid is None or self.shown is None else tuple((grid.pole_at(k), count) for k, count in enumerate(self.counts) if count)
 
     @property
     def total(self) -> int:
@@ -75,11 +115,6 @@ class Vote:
     def shown(self) -> tuple[int, ...] | None:
         """The counts as they may be shown; None while so few have voted that a count would tell who chose what."""
         return self.counts if self.total >= HIDDEN_BELOW else None
-
-    @property
-    def shares(self) -> tuple[float, ...] | None:
-        """The part of all votes that each option has, from 0 to 1; None where the counts are hidden."""
-        return None if self.shown is None else tuple(count / self.total for count in self.shown)
 
 
 def votes_on(votes: Sequence[Vote], lesson: str, scene: str) -> tuple[Vote, ...]:
@@ -100,7 +135,7 @@ def histogram(numbers: Sequence[float]) -> tuple[tuple[float, ...], tuple[int, .
         return (), ()
     values = np.asarray(numbers, dtype=float)
     low, high = (float(end) for end in np.percentile(values, (OUTSIDE, 100 - OUTSIDE)))
-    step = _round_step((high - low) / (MAX_BINS - 2) or abs(low) / MAX_BINS or 1.0)
+    step = round_step((high - low) / (MAX_BINS - 2) or abs(low) / MAX_BINS or 1.0)
     first = math.floor(low / step)
     count = min(math.floor(high / step) - first + 1, MAX_BINS)
     places = np.clip(np.floor(values / step) - first, 0, count - 1).astype(int)
@@ -108,17 +143,17 @@ def histogram(numbers: Sequence[float]) -> tuple[tuple[float, ...], tuple[int, .
     return tuple(float(f"{(first + k) * step:.12g}") for k in range(count + 1)), tuple(int(each) for each in counts)
 
 
-def _round_step(least: float) -> float:
-    """The next of 1, 2, 5 times a power of ten."""
-    decade = 10.0 ** math.floor(math.log10(least))
-    return next(times * decade for times in (1, 2, 5, 10) if times * decade >= least * (1 - 1e-9))
-
-
 def read_question(words: str) -> Asked | None:
     """A question on the first line and its options on the others, one or more lines; None where there is none or too much."""
     question, *options = [line.strip() for line in words.strip().splitlines() if line.strip()] or [""]
     fits = 0 < len(question) <= LONGEST_QUESTION and len(options) != 1 and len(options) <= MAX_OPTIONS
     return Asked(question, tuple(options)) if fits and all(len(option) <= LONGEST_OPTION for option in options) else None
+
+
+def read_pole_question(words: str, grid: PoleGrid) -> Asked | None:
+    """A question that a pole answers, which may have no words of its own; None where it has options or is too long."""
+    question = words.strip()
+    return Asked(question, (), grid) if len(question) <= LONGEST_QUESTION and "\n" not in question else None
 
 
 def is_ballot(word: object) -> bool:

@@ -135,7 +135,7 @@ class Poles(Knob):
         try:
             poles = [complex(*p) if isinstance(p, (tuple, list)) else complex(p) for p in value]
         except (TypeError, ValueError, OverflowError):
-            raise self._refuse(value, text("give poles such as -2, -3+1j, -3-1j.")) from None
+            raise self._refuse(value, text("give poles such as −2, −3+1j, −3−1j.")) from None
         if len(poles) != len(self.default):
             raise self._refuse(self.show(tuple(poles)), text("give exactly {count} poles, not {count2}.",
                                                              count=len(self.default), count2=len(poles)))

@@ -128,7 +128,7 @@ def _axis(lesson: Lesson, plant: str, name: str, given: Any) -> Axis:
     times, over = _entries(spread, "times"), _entries(spread, "over")
     if knob is not None:
         if times or over:
-            raise StudyError(f"{name} is a knob of the lesson; a factor of the plant wants another name.")
+            raise StudyError(f"{name} is a knob of the lesson; give the factor of the plant another name.")
         values, log = _spread(name, spread, isinstance(knob, Number) and knob.scale == "log")
         checked = tuple(_value(knob, value) for value in values)
     else:
@@ -151,7 +151,7 @@ def _of_plant(lesson: Lesson, plant: str, name: str, entries: tuple[str, ...]) -
     for entry in entries or (name,):
         if not entries and "(" not in name:
             names = ", ".join(knob.name for knob in lesson.knobs)
-            raise StudyError(f"{name[:40]} is neither a knob ({names}) nor an entry such as A(2,1), and says no times or over.")
+            raise StudyError(f"{name[:40]} is neither a knob ({names}) nor an entry such as A(2,1), and has neither times nor over.")
         entry_of(matrices_of(plant), entry)
 
 

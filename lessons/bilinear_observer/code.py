@@ -15,8 +15,8 @@ from .problems import AS_PRINTED, COMPUTED_GAIN, PAPER_PROBLEM, PROBLEMS, ROUNDE
 from .study import DT, STATE_JUMP, Study
 
 NOT_IN_SCRIPT = (
-    "A*, B* and pi, which belong to one elimination among many and of which only the pole A* - B*pi counts, the settling time, "
-    "what the lines of the print in doubt lead to, and how much of the errors is noise"
+    "A*, B* and pi: they depend on the elimination, the pole A* - B*pi does not. The settling time, "
+    "the results of the doubtful printed lines, and the noise's share of the errors"
 )
 PRINTED_STEP_8 = np.concatenate([PRINTED_FORM.A.ravel(), PRINTED_FORM.Y.ravel(), PRINTED_FORM.B.ravel(), PRINTED_FORM.U.ravel(),
                                  PRINTED_FORM.G_y.ravel()])
@@ -77,7 +77,7 @@ def code(outcome: Outcome[Study]) -> Code:
 
 def _sizes(units: np.ndarray, relative: bool) -> tuple[GivenValue, GivenValue]:
     return (GivenValue("units", units, "typical sizes of the states, in which the run is computed"),
-            GivenValue("relative", relative, "whether late_error and half_error are told over the largest g"))
+            GivenValue("relative", relative, "whether late_error and half_error are divided by the largest g"))
 
 
 def _more(d: Design, inputs: int) -> tuple[GivenValue, ...]:

@@ -131,8 +131,8 @@ def _singular(o: BilinearObserver) -> TableFigure:
     more = rank > o.canonical_Q.rank
     table = ((same("Q"), words(wide, 3), f"{o.canonical_Q.rank} / {rows}"),
              (text("Q with the row V₂(FT₂ AT₃ FT₃)"), words(tall, 3), f"{rank} / {rows + 1}"))
-    caption = (text("The row adds to the rank: no combination of the rows of Q is equal to it. What is left of "
-                    "(21) is {defect_size:.1e} of it in these coordinates; another basis gives another share.",
+    caption = (text("The row adds to the rank: no combination of the rows of Q is equal to it. In these "
+                    "coordinates (21) fails by {defect_size:.1e} of its size; another basis gives another share.",
                     defect_size=o.defect_size) if more else
                text("The row adds nothing to the rank, so (21) holds. Rows of Q to spare: {rows}.",
                     rows=rows - o.canonical_Q.rank))

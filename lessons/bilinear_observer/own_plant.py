@@ -214,9 +214,9 @@ def _choice(here: Here, id: str, label: Text, rows: tuple[Text, ...], units: tup
     measured = tuple(k for k in range(p.n) if any(np.flatnonzero(row).tolist() == [k] for row in p.C))
     few = p.n + len(rows) <= MOST_IN_ROW
     states = [k for k in range(p.n) if few or k not in measured][:max(MOST_IN_ROW - len(rows), 1)]
-    told = (text("A tube for each state, lit where a sensor reads it alone, and on the right one for each row of g with its ghost ĝ; green "
-                 "arrow: u.") if few else
-            text("Tubes for states that no sensor reads alone, and on the right one for each row of g with its ghost ĝ; green arrow: u."))
+    told = (text("One tube per state, lit where a sensor reads it alone. On the right one per row of g, with its ghost ĝ; green arrow: u.")
+            if few else
+            text("Tubes for states that no sensor reads alone. On the right one per row of g, with its ghost ĝ; green arrow: u."))
     body = replace(tubes_body([*(signal_name(p, p.state_names[k]) for k in states), *rows], [*full[states].tolist(), *sizes.tolist()],
                               measured if few else (), [float(s) or 1.0 for s in np.max(np.abs(u), axis=0)]), caption=told)
     return Wanted(id, label, rows, units, o, start, poles, window, body, np.array([*states, *range(p.n, p.n + len(rows))]), sizes)

@@ -29,7 +29,7 @@ def code(outcome: Outcome[Study]) -> Code:
     return Code(
         ("faults",),
         (
-            GivenValue("A", kf.A, "the deck at its samples, as the bank believes it: x[k+1] = A x + B u + w, y = C x + v"),
+            GivenValue("A", kf.A, "the bank's model of the deck at its samples: x[k+1] = A x + B u + w, y = C x + v"),
             GivenValue("B", kf.B),
             GivenValue("C", kf.C),
             GivenValue("Q", kf.Q, "covariance of w"),
@@ -40,7 +40,7 @@ def code(outcome: Outcome[Study]) -> Code:
             GivenValue("B_true", B_true),
             GivenValue("weight", Q_WEIGHT, "of the outputs, against 1 for the inputs"),
             GivenValue("place", -1 if s.column is None else s.column, "what fails: sensor 0 ... 3, coil 4 ... 6, or -1: nothing"),
-            GivenValue("kind", case.kind, "how a sensor lies"),
+            GivenValue("kind", case.kind, "how a sensor fails"),
             GivenValue("size", case.size, "mm/s of a bias, mm/s^2 of a drift, share of a coil's force that is lost"),
             GivenValue("fails_at", case.start, "the first sample with the fault"),
             GivenValue("also_place", -1 if also.place == NONE else FAULT_PLACES.index(also.place), "what fails besides, or -1: nothing"),
@@ -60,7 +60,7 @@ def code(outcome: Outcome[Study]) -> Code:
             GivenValue("fade", FADE, "samples in which the bank forgets a kick"),
             GivenValue("power", DETECTION_POWER),
             GivenValue("seed", int(d["seed"])),
-            GivenValue("first_errors", ignoring, "of the members that ignore a coil: drawn in a basis of which there are many, the page's"),
+            GivenValue("first_errors", ignoring, "of the members that ignore a coil: drawn in one of many bases, the page's"),
             GivenValue("pair_errors", in_pairs, "of the members that ignore two parts, in the order of their pairs"),
         ),
         (
@@ -84,7 +84,7 @@ def code(outcome: Outcome[Study]) -> Code:
         (
             GivenValue("w", noise.w),
             GivenValue("v", noise.v),
-            GivenValue("first_error", noise.whole, "of the filter that the loop believes"),
+            GivenValue("first_error", noise.whole, "of the filter that the loop uses"),
             GivenValue("first_starts", np.array([noise.bank[part] for part in bank.slices[:4]]), "of the members that leave out a sensor"),
         ),
         DT,

@@ -53,8 +53,8 @@ def _silence(outcome: Outcome[Case]) -> Verdict:
     if left > 1e-3:
         return Verdict(False, text("At the end e is {left} times its start; bring it below 0.001.",
                                    left=_number(left)))
-    return Verdict(True, text("At the end e is {left:.1g} of its start: the hidden motion was never woken. One "
-                              "kick ends it.",
+    return Verdict(True, text("At the end e is {left:.1g} of its start: the hidden motion never started. One "
+                              "kick starts it.",
                               left=left))
 
 

@@ -9,9 +9,8 @@ import numpy as np
 from observer_lab.course.exercises.derivation import Value
 from observer_lab.course.lesson import Outcome
 
-from .study import Study
+from .study import VZ_INDEX, Study
 
-VZ_INDEX = 4  # index of v_z in the state
 MICRO = 1e6  # mm²/s² in a m²/s²
 
 

@@ -18,8 +18,11 @@ from observer_lab.plants.bodies.deck_body import STAGE_SCALE as SCALE_OF_STAGE
 from observer_lab.text import Text, joined, listed, text
 
 from ..toolkit.latex import matrix, number
+from .body import DECK_BODY, STATE_COUNT, ellipsoids
 from .filters import ADC, UNTESTED_SAMPLES, Forms, Truth, Watcher, compare, truth, tuned, watch, watcher
-from .knobs import CARRIED, DT, MODEL, SAMPLE_COUNT, SINGLE, UPDATE, WHITE
+from .knobs import CARRIED, DT, SAMPLE_COUNT, SINGLE, UPDATE, WHITE
+
+VZ_INDEX = 4  # of v_z in the state
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,6 +79,11 @@ class Study:
         quiet = self.watcher.filter.R[0, 0]
         return (float(self.watcher.schedule.S[-1][0, 0] / quiet), float(np.var(self.track.innovations[UNTESTED_SAMPLES:, 0]) / quiet))
 
+    def covariances_at(self, k: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """P(k−1), P⁻(k) and P(k)."""
+        plan = self.watcher.schedule
+        return plan.posterior[int(plan.index[k - 1])], plan.prior[int(plan.index[k])], plan.posterior[int(plan.index[k])]
+
     @cached_property
     def forms(self) -> Forms:
         """Joseph's form beside the short one."""
@@ -88,18 +96,28 @@ def compute(design: Design) -> Outcome[Study]:
     who = watcher(design["noise"], design["q"], design["r"], design["p0"])
     track = watch(who, what)
     study = Study(what, who, track, (design["q"], design["r"], design["p0"], design["arithmetic"] == SINGLE))
-    metrics = LazyMap(lambda: _metrics(study))
+    metrics = LazyMap(lambda: _metrics(study, int(design["k"])))
     t = DT * np.arange(len(what.x))
     spread = 3 * SCALE_OF_STAGE * MOTION_GAIN * np.sqrt(track.variances[:, 1])
     return Outcome(design, {"M": track.schedule.gains[-1], "M_riccati": who.steady.filter_gain},
                    {"filter": np.log(who.steady.poles.astype(complex)) / DT}, metrics,
                    LazySequence(lambda: checks(study.test, study.settled, metrics["gain_gap"])), None, (),
-                   Stage(MODEL.body, t, what.x, track.means[:, :6], what.u, spread), LazySequence(lambda: _formulas(design, study)),
+                   _stage(design, study, t, spread), LazySequence(lambda: _formulas(design, study)),
                    LazyValue(lambda: _live(study)), study)
 
 
-def _metrics(s: Study) -> dict[str, float]:
+def _stage(design: Design, s: Study, t: np.ndarray, spread: np.ndarray) -> Stage:
+    """The deck and its ghost over time; above them the ellipsoids of the step that is looked at."""
+    last, prior, posterior = s.covariances_at(int(design["k"]))
+    tail = np.tile(ellipsoids(last, prior, posterior if design["phase"] == UPDATE else None), (len(t), 1))
+    shown = [np.hstack([x[:, :STATE_COUNT], tail]) for x in (s.truth.x, s.track.means)]
+    return Stage(DECK_BODY, t, shown[0], shown[1], s.truth.u, spread)
+
+
+def _metrics(s: Study, k: int) -> dict[str, float]:
     M, last = s.watcher.steady.filter_gain, s.watcher.schedule.gains[-1]
+    _, *both = s.covariances_at(k)
+    sigma_prior, sigma_after = (1e3 * float(np.sqrt(P[VZ_INDEX, VZ_INDEX])) for P in both)
     return {
         "nis_mean": s.test.nis.mean, "nis_low": s.test.nis.mean_band[0], "nis_high": s.test.nis.mean_band[1],
         "nees_mean": s.settled.mean, "nees_low": s.settled.mean_band[0], "nees_high": s.settled.mean_band[1],
@@ -108,6 +126,7 @@ def _metrics(s: Study) -> dict[str, float]:
         "S_over_R": s.over_R[0], "seen_over_R": s.over_R[1],
         "short_gap": float(s.forms.short.max()), "joseph_gap": float(s.forms.joseph.max()),
         "short_least": s.forms.least_short, "joseph_least": s.forms.least_joseph,
+        "sigma_vz_prior": sigma_prior, "sigma_vz": sigma_after,
     }
 
 

@@ -45,7 +45,7 @@ def code(outcome: Outcome[Study]) -> Code:
             GivenValue("R", f.alpha_r * case.R, "weight of u"),
             GivenValue("W", case.true_disturbance(f) * case.W, "true intensity of w"),
             GivenValue("V", f.sensor * case.V, "true intensity of v"),
-            GivenValue("W_told", f.beta_q * case.W, "what the filter is told of w"),
+            GivenValue("W_told", f.beta_q * case.W, "the W that the filter uses"),
             GivenValue("V_told", f.beta_r * case.V, "and of v"),
             GivenValue("K_page", outcome.gains["K"], "the gains of the page, which are computed again below"),
             GivenValue("L_page", outcome.gains["L"]),

@@ -13,13 +13,13 @@ from observer_lab.plants.signal_names import signal_name
 from observer_lab.text import Text, format_number, same, squared_unit, text, text_in
 
 from ..toolkit.figures import TIME_TAB, axis_name, within
+from .recovery_figure import RECOVERY_TAB, UNIT_CIRCLE, both_halves, rings_figure
 from .report_rules import REPORT_TAB, rules_figure
 from .robustness import Robustness
 from .study import Study, sensor_share
 
 SPECTRUM_TAB, COST_TAB = text("Spectrum"), text("Input and cost")
-ROBUST_TAB, RECOVERY_TAB = text("Robustness"), text("Recovery")
-CIRCLE_ANGLES_RAD = np.linspace(0, 2 * np.pi, 73)
+ROBUST_TAB = text("Robustness")
 TOO_MUCH = 1e30  # a density beyond this is drawn at it
 NO_CONTROL, CLOSED = text("no control"), text("closed, predicted")
 ANY = text("any")
@@ -33,7 +33,7 @@ def all_figures(outcome: Outcome[Study]) -> FigureSet:
         tab_figures(COST_TAB, lambda: (_input(outcome), _cost(outcome))),
         tab_figures(ROBUST_TAB, lambda: (_nyquist(outcome), _return(outcome))),
         tab_figures(ROBUST_TAB, lambda: (_margins(outcome),), "late"),
-        tab_figures(RECOVERY_TAB, lambda: (_loop_gain(outcome),)),
+        tab_figures(RECOVERY_TAB, lambda: (rings_figure(outcome), _loop_gain(outcome))),
         tab_figures(RECOVERY_TAB, lambda: (_price(outcome),), "late"),
         tab_figures(TIME_TAB, lambda: _run(outcome)),
         tab_figures(REPORT_TAB, lambda: (rules_figure(outcome),)),
@@ -163,17 +163,12 @@ def _cost(outcome: Outcome[Study]) -> TableFigure:
 # --- robustness ------------------------------------------------------------------------------------------------------
 def _nyquist(outcome: Outcome[Study]) -> PlaneFigure:
     s = outcome.study
-
-    def both(ell: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        half = finite(np.real(ell), 1e6), finite(np.imag(ell), 1e6)
-        return np.concatenate([half[0], half[0][::-1]]), np.concatenate([half[1], -half[1][::-1]])
-
-    ideal, real = both(s.ideal.curve), both(s.real.curve)
+    ideal, real = both_halves(s.ideal.curve), both_halves(s.real.curve)
     low, high = s.real.margins.gain
     return PlaneFigure(
         "nyquist", text("Nyquist, cut at one input"),
-        (Curve(text("unit circle around −1"), np.sin(CIRCLE_ANGLES_RAD), "muted", "dot", 1.4, np.cos(CIRCLE_ANGLES_RAD) - 1),
-         Curve(same("LQR"), ideal[1], "plant", "dash", 2.0, ideal[0]), Curve(same("LQG"), real[1], "estimate", "solid", 2.0, real[0])),
+        (UNIT_CIRCLE, Curve(same("LQR"), ideal[1], "plant", "dash", 2.0, ideal[0]), Curve(same("LQG"), real[1], "estimate", "solid", 2.0,
+                                                                                            real[0])),
         (Point(-1.0, 0.0, "reference", "cross"),), "Re ℓ", "Im ℓ", (-2.6, 1.0), (-1.8, 1.8), equal=True, tab=ROBUST_TAB,
         caption=text("LQG stays stable while the input's gain is between {low} and {high} times the model's.",
                      low=words(low, 4), high=words(high, 6)))

@@ -17,8 +17,8 @@ PATH = (
     Scene("sharpen", Move(("sigma",)), knobs=("sigma",), figures=("nyquist",), minutes=2.0),
     Scene("gain", Move(("gain",)), knobs=("gain",), figures=("state0",), minutes=3.0, core=False),
     Scene("surprise", Choose(Question.SECOND), set=DOYLE, play={"recovery": 4.0}, minutes=2.0),
-    Scene("task", Solve("recover"), set={"q": 1000.0, "sigma": 1000.0, "recovery": 0.0}, knobs=("recovery",), figures=("nyquist",),
+    Scene("task", Solve("recover"), set={"q": 1000.0, "sigma": 1000.0, "recovery": 0.0}, knobs=("recovery",), figures=("rings",),
           minutes=2.5),
     Scene("platform", Move(("recovery",)), set={"case": "platform"}, knobs=("recovery",), figures=("return",), minutes=3.0, core=False),
-    Scene("remember", set=DOYLE, figures=("nyquist",), minutes=1.0),
+    Scene("remember", set={**DOYLE, "recovery": 4.0}, figures=("rings",), minutes=1.0),
 )

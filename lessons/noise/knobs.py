@@ -11,7 +11,7 @@ from ..toolkit.knobs import run_knobs
 MODEL = MODELS["spring-damper"]
 SPRING_PLANT = MODEL.plant
 HORIZON, DT = 6.0, 0.012
-RE_LOW, RE_HIGH, IM_HIGH = -16.0, 2.0, 10.0
+RE_LOW, RE_HIGH, IM_HIGH = -16.0, 2.0, 13.0
 BY_SPEED, BY_POLES = "speed", "poles"
 POSITION, VELOCITY = "position", "velocity"
 KNOBS = (

@@ -58,7 +58,7 @@ def code(outcome: Outcome[Study]) -> Code:
             GivenValue("alpha", d["alpha"], "of the sigma points"),
             GivenValue("beta", d["beta"]),
             GivenValue("kappa", d["kappa"]),
-            GivenValue("redraw", bool(d["redraw"]), "sigma points are drawn anew for the measurement"),
+            GivenValue("redraw", bool(d["redraw"]), "sigma points are drawn again for the measurement"),
             GivenValue("kick_at", at if at < len(s.t) else -1, "the sample at which x jumps, -1: never"),
             GivenValue("kick", case.kick),
             GivenValue("watched", np.array([signal.weights for signal in case.watched]), "signals whose errors are averaged"),

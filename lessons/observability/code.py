@@ -46,7 +46,7 @@ def code(outcome: Outcome[Study]) -> Code:
         GivenValue("reading", d["reading"], "relative error of each derivative at t = 0"),
         GivenValue("noise", d["noise"], "white noise over the run, as a share of a typical reading"),
         GivenValue("horizon", float(s.t[-1]), "s"), GivenValue("steps", len(s.t) - 1), GivenValue("seed", int(d["seed"])),
-        GivenValue("root", s.root, "a square root of W over one step, of which there are many: the one that the page's noise went through"),
+        GivenValue("root", s.root, "a square root of W over one step; there are many, this is the one that the page's noise went through"),
     ), tuple(shown), unsaid, (
         GivenValue("slips", np.random.default_rng(int(d["seed"])).standard_normal(len(built.matrix)), "of the derivatives"),
         GivenValue("normal", np.random.default_rng(int(d["seed"])).standard_normal((len(s.t) - 1, s.plant.n)), "of the noise"),

@@ -169,7 +169,7 @@ def vertices_of(design: Design) -> tuple[tuple[np.ndarray, np.ndarray], ...]:
     return vertices(EXAMPLE_CASES[design["example"]].example.wrong, *deltas(design))
 
 
-LOOP_LOW, LOOP_HIGH, LOOP_IM = -20.0, 4.0, 8.0  # of the loop's
+LOOP_LOW, LOOP_HIGH, LOOP_IM = -32.0, 4.0, 8.0  # of the loop's
 CONDITION_RTOL = 1e-9
 
 

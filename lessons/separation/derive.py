@@ -9,15 +9,15 @@ import numpy as np
 from observer_lab.course.exercises.derivation import Value
 from observer_lab.course.lesson import Outcome
 
-from .study import Setting, Study
+from .study import Study
 
 
-def derived(here: Setting, outcome: Outcome[Study]) -> Mapping[str, Value]:
+def derived(outcome: Outcome[Study]) -> Mapping[str, Value]:
     """Traces and determinants: those of the loop from its own coordinates (x, x̂), those of the blocks by themselves.
 
     Without numbers of the whole loop where the observer copies another plant: there the derivation does not hold.
     """
-    belief, truth = here.belief(outcome.design), here.truth(outcome.design)
+    belief, truth = outcome.study.driven.belief, outcome.study.driven.truth
     K, L = outcome.gains["K"], outcome.gains["L"]
     BK, LC = belief.B @ K, L @ belief.C
     known: dict[str, Value] = {

@@ -7,11 +7,12 @@ import math
 from observer_lab.course.exercises.exam import WHOLE_NUMBER, Exam, ExamItem, SeededDraws, decimals
 
 
-def _trace(lot: SeededDraws) -> ExamItem:
-    """A double integrator, two poles on each board: the trace of the loop's matrix is the sum of all four."""
-    c, o = sorted(lot.some(range(2, 9), 2)), sorted(lot.some(range(10, 20), 2))
-    poles = {"c1": -c[0], "c2": -c[1], "o1": -o[0], "o2": -o[1]}
-    return ExamItem({name: float(pole) for name, pole in poles.items()}, float(sum(poles.values())))
+def _offset(lot: SeededDraws) -> ExamItem:
+    """One state under a constant push d: e rests at d/o, and y − r at (d + K e)/c with K = a + c."""
+    a, c, o, r = float(lot.whole(2, 6)), float(lot.whole(2, 7)), float(lot.whole(8, 16)), float(lot.whole(3, 10))
+    d = float(lot.whole(1, 10))
+    K = a + c
+    return ExamItem({"a": a, "c": c, "o": o, "r": r, "d": d}, d * (1 + K / o) / c, {"K": K, "e": d / o})
 
 
 def _peak(lot: SeededDraws) -> ExamItem:
@@ -34,7 +35,7 @@ def _leak(lot: SeededDraws) -> ExamItem | None:
 
 
 EXAMS = (
-    Exam("trace", WHOLE_NUMBER, _trace),
+    Exam("offset", decimals(2), _offset),
     Exam("peak", decimals(2), _peak),
     Exam("own", WHOLE_NUMBER, _own),
     Exam("leak", decimals(2), _leak),

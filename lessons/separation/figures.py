@@ -11,33 +11,54 @@ from observer_lab.course.lesson import Outcome
 from observer_lab.engine import Plant, autonomous_error
 from observer_lab.engine.systems import amplitude_response
 from observer_lab.plants.signal_names import signal_name
-from observer_lab.text import Text, joined, text
+from observer_lab.text import NO_WORDS, Text, joined, text
 
 from ..toolkit.figures import ERROR_TAB, TIME_TAB, error_figure, input_figure, state_figures
 from ..toolkit.knobs import by_hand
 from .study import Setting, Study
 
 SPECTRUM_TAB = text("Poles")
+COMMAND_TAB = text("Command")
 FREQUENCY_TAB = text("Frequency")
 
 
 def figures(here: Setting, outcome: Outcome[Study]) -> FigureSet:
     """Signals, error and input over time; the spectrum and the block-triangular matrix."""
-    run, model = outcome.run, here.model
+    run, model, m = outcome.run, outcome.study.driven.model, outcome.study.driven.m
     assert run is not None
     limit = outcome.design["u_max"] if outcome.design["limited"] else None
     return FigureSet(tab_figures(TIME_TAB, lambda: state_figures(model, run)),
-                 tab_figures(ERROR_TAB, lambda: (error_figure(run, autonomous_error(run)), input_figure(run, model, limit))),
-                 tab_figures(SPECTRUM_TAB, lambda: (_spectrum(outcome), _blocks(outcome.study, model.plant))),
+                 tab_figures(ERROR_TAB, lambda: (error_figure(run, autonomous_error(run)), input_figure(run, model, limit, m))),
+                 tab_figures(COMMAND_TAB, lambda: (_command(here, outcome),)),
+                 tab_figures(SPECTRUM_TAB, lambda: (_spectrum(outcome), _blocks(outcome.study))),
                  tab_figures(FREQUENCY_TAB, lambda: (_isolation(here, outcome),)))
+
+
+def _command(here: Setting, outcome: Outcome[Study]) -> LineFigure:
+    """The commanded signal over time, without and with integral action, both runs with all else as it is."""
+    target, study, truth = here.target, outcome.study, here.truth(outcome.design)
+    (*runs, refused), r = study.runs.value, target.value(outcome.design) * target.scale
+    t = min((run.t for run in runs), key=len)  # the shorter one, where a run has left every bound
+    without, with_integral = (target.along(run, truth)[:len(t)] for run in runs)
+    lost = [run for run in runs if run.diverged_at is not None]
+    gaps = text("At the end of the run the error y − r is {without:.2g} {unit} without integral action and {with_integral:.2g} {unit} "
+                "with it.", without=float(without[-1]) - r, with_integral=float(with_integral[-1]) - r,
+                unit=target.unit)
+    caption = refused if refused != NO_WORDS else text("A run is unstable and ends early.") if lost else gaps
+    return LineFigure("command", text("command and output"), t,
+                      (Curve(text("command"), np.full(len(t), r), "reference", "dot"),
+                       Curve(text("without integral action"), without, "muted", "dash"),
+                       Curve(text("with integral action"), with_integral, "plant")),
+                      target.axis, tab=COMMAND_TAB, caption=caption)
 
 
 def _isolation(here: Setting, outcome: Outcome[Study]) -> LineFigure:
     """From a disturbance to an output: untouched, steered by the state, steered by the estimate."""
-    truth = here.truth(outcome.design)
-    A, B, C = truth.A, truth.B, here.heard
+    truth = outcome.study.driven.truth
     K, n, loop = outcome.gains["K"], truth.n, outcome.study.loop
-    zg, w = here.ground, 2 * np.pi * here.frequencies
+    more = n - len(here.ground)  # the integrator: no disturbance reaches it at once, and it is not seen
+    A, B, C = truth.A, truth.B, np.pad(here.heard, ((0, 0), (0, more)))
+    zg, w = np.pad(here.ground, ((0, more), (0, 0))), 2 * np.pi * here.frequencies
 
     def gain(a: np.ndarray, b: np.ndarray, c: np.ndarray) -> np.ndarray:
         return np.clip(amplitude_response(a, b, c, [[0.0]], w)[:, 0, 0], 1e-12, 1e9)
@@ -49,7 +70,7 @@ def _isolation(here: Setting, outcome: Outcome[Study]) -> LineFigure:
         (Curve(text("no control"), bare, "muted"),
          Curve(text("by the state"), state, "plant", "dash"),
          Curve(text("by the estimate"), whole, "estimate")), here.heading[1], tab=FREQUENCY_TAB,
-        caption=_peak_words(outcome.study, truth, peak))
+        caption=_peak_words(outcome.study, here.truth(outcome.design), peak))
 
 
 def _peak_words(study: Study, truth: Plant, peak: float) -> Text:
@@ -81,8 +102,8 @@ def _spectrum(outcome: Outcome[Study]) -> PlaneFigure:
                             count=len(outcome.poles["loop"])), outcome.study.left_out()))
 
 
-def _blocks(study: Study, plant: Plant) -> MatrixFigure:
-    loop = study.loop
+def _blocks(study: Study) -> MatrixFigure:
+    loop, plant = study.loop, study.driven.truth
     n = loop.A_xe.shape[0] // 2
     names = [*(signal_name(plant, name) for name in plant.state_names), *(f"e{i + 1}" for i in range(n))]
     corner = float(np.max(np.abs(loop.A_xe[n:, :n])))

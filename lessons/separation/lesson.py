@@ -34,7 +34,8 @@ LESSON = Lesson(
     again=SecondPrediction(("stiffness_error",), 3, {"stiffness_error": 10.0}, ("spectrum", "blocks"), numbers=True),
     words=read_prose(Path(__file__).parent),
     key=("stiffness_error", "delay", "noise"),
+    aside=("limited", "u_max"),
     adapt=adapted,
-    derived=partial(derived, DECK_SETTING),
+    derived=derived,
     path=PATH,
 )

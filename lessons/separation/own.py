@@ -17,6 +17,7 @@ from observer_lab.text import text
 from ..toolkit.gains import sizes, sped
 from ..toolkit.knobs import method_knobs, pole_knobs, run_knobs
 from ..toolkit.tasks import keep_fair_tasks
+from .command import Target
 from .derive import derived
 from .figures import figures
 from .study import Setting, compute
@@ -37,6 +38,11 @@ def own_knobs(model: Model) -> tuple[Knob, ...]:
         Number("u_max", r"u_{\max}", text("limit"), model.input_unit, low=0.05 * model.u_max, high=20 * model.u_max,
                default=model.u_max, scale="log", when=("limited", (True,)),
                hint=text("The largest input that is given, either way.")),
+        Number("command", "r", text("command for {y}", y=signal_name(model.plant, model.plant.output_names[0])), "%",
+               low=-200.0, high=200.0, default=0.0, step=5.0,
+               hint=text("A step of the first output's command, as a share of its size at the start.")),
+        Switch("integral", "", text("integral action"),
+               hint=text("Integrate the difference between command and output, and add an input from it.")),
         Number("noise", r"\sigma_v", text("sensor noise"), "%", low=0.0, high=20.0, default=0.0, step=0.5,
                hint=text("Standard deviation of a sample, as a share of the outputs at the start.")),
         *run_knobs(model.horizon),
@@ -54,7 +60,10 @@ def own_setting(model: Model) -> Setting:
         plant.B[:, :1], plant.C[:1],
         (text("from {u} (as a disturbance) to {y}", u=u, y=y),
          text("|{y} / {u}|", y=y, u=u)),
-        np.geomspace(rate / 100, rate * 100, 300))
+        np.geomspace(rate / 100, rate * 100, 300),
+        Target(text("{y} [%]", y=y), "%", 100 / float(unit[0]),
+               lambda plant: (plant.C[:1], np.asarray(plant.D)[:1]),
+               lambda design: design["command"] / 100 * float(unit[0])))
 
 
 def adapted(lesson: Lesson, model: Model) -> Lesson:
@@ -64,5 +73,5 @@ def adapted(lesson: Lesson, model: Model) -> Lesson:
     near = max((p.real for p in model.observer_poles), default=-1.0)
     quicker = tuple(complex(p.real + min(0.0, 3.2 * slow - near), p.imag) for p in model.observer_poles)
     return keep_fair_tasks(replace(lesson, knobs=own_knobs(model), compute=partial(compute, here), figures=partial(figures, here),
-                        derived=partial(derived, here),
+                        derived=derived,
                         tasks=(Task("fast-observer", fast_observer, {"method": "poles", "observer_poles": quicker}),)))

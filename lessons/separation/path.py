@@ -14,6 +14,8 @@ PATH = (
     Scene("why", boards=BOARDS, formulas=("loop",), minutes=2.0),
     Scene("drag", Move(("observer_poles",)), boards=BOARDS, figures=("error",), minutes=2.0),
     Scene("surprise", Choose(Question.SECOND), play={"stiffness_error": 10.0}, boards=BOARDS, minutes=2.0),
-    Scene("task", Solve("fast-observer"), boards=BOARDS, minutes=2.5),
+    Scene("command", Move(("integral",)), set={"command": 3.0}, knobs=("command", "integral"), figures=("command",),
+          minutes=2.5, core=False),
+    Scene("task", Solve("fast-observer"), set={"command": 0.0}, boards=BOARDS, minutes=2.5),
     Scene("remember", figures=("blocks",), minutes=1.0),
 )

@@ -10,7 +10,7 @@ import numpy as np
 
 from observer_lab.course.figures.claims import claim
 from observer_lab.course.lazy import LazyMap, LazySequence, LazyValue
-from observer_lab.course.lesson import Check, Design, Formula, Outcome
+from observer_lab.course.lesson import Check, Design, Formula, Outcome, Stage
 from observer_lab.engine import Plant, Scenario, closed_loop, simulate
 from observer_lab.engine.feedback import ClosedLoop
 from observer_lab.engine.simulation import Run, separation_meter
@@ -18,16 +18,17 @@ from observer_lab.plants import Model
 from observer_lab.plants.platform import model as platform
 from observer_lab.text import NO_WORDS, Text, joined, text
 
-from ..toolkit.boards import pole_boards, stage
+from ..toolkit.boards import pole_boards
 from ..toolkit.gains import gains
 from ..toolkit.knobs import kicks
 from ..toolkit.latex import gain_words, tiny
+from .command import Driven, Target, driven
 from .knobs import MODEL
 
 
 @dataclass(frozen=True, eq=False)
 class Setting:
-    """The plant of the lesson: what really moves and what is believed of it, in a design; noise of a design.
+    """The plant of the lesson: what really moves and what is believed of it, in a design; noise of a design; what follows the command.
 
     `ground`, `heard`: column and row of the frequency figure, with its title, axis and frequencies in Hz.
     """
@@ -41,6 +42,7 @@ class Setting:
     heard: np.ndarray
     heading: tuple[Text, Text | str]
     frequencies: np.ndarray
+    target: Target
 
 
 @lru_cache(maxsize=64)
@@ -55,18 +57,27 @@ DECK_SETTING = Setting(
     lambda design: MODEL.dt * round(design["delay"] / 1000 / MODEL.dt),
     lambda design: None if design["noise"] == 0 else (design["noise"] / 1000) ** 2 * MODEL.dt,
     platform.deck_disturbance()[:, :1], MODEL.plant.C[:1],
-    (text("from ground height to velocity VL"), "|VL/zg| [1/s]"), np.geomspace(0.1, 30.0, 300))
+    (text("from ground height to velocity VL"), "|VL/zg| [1/s]"), np.geomspace(0.1, 30.0, 300),
+    Target("z [mm]", "mm", 1e3, lambda plant: (np.eye(6)[1:2, :plant.n], np.zeros((1, plant.m))),
+           lambda design: design["command"] / 1000))
 UNION_RTOL = 1e-9  # union of spectra: agreement asked of them
 DECAYED_SHARE = 0.5  # of a run's largest state: a run that is smaller in its last tenth dies down
 
 
 @dataclass(frozen=True, eq=False)
 class Study:
-    """The loop without delay and clipping, and what of the two it leaves out: the delay in s, whether an input was clipped."""
+    """The loop without delay and clipping, and what of the two it leaves out: the delay in s, whether an input was clipped.
+
+    `driven`: what ran, with integral action one state larger; `runs`: it without and with integral action, and
+    why there is none with it, if so; `boards`: the loop of the two boards alone.
+    """
 
     loop: ClosedLoop
     delay: float
     clipped: bool
+    driven: Driven
+    boards: ClosedLoop
+    runs: LazyValue[tuple[Run, Run, Text]]
 
     @property
     def whole(self) -> bool:
@@ -81,21 +92,30 @@ class Study:
 
 
 def compute(here: Setting, design: Design) -> Outcome[Study]:
-    """Gains on the believed plant, the 2n-pole loop on the true one, one run."""
-    model, truth, belief = here.model, here.truth(design), here.belief(design)
-    K, L = gains(design, belief, model)
-    loop = closed_loop(truth, K, L, model=belief)
-    limit = design["u_max"] if design["limited"] else None
-    run = simulate(Scenario(
-        truth, K, L, model=belief, x0=model.x0, xhat0=model.guess, horizon=model.horizon, dt=model.dt,
-        u_min=None if limit is None else -limit, u_max=limit, fed="commanded", delay=here.delay(design),
-        impulses=kicks(design, model), seed=int(design["seed"]), V=here.noise(design)))
-    study = Study(loop, here.delay(design), limit is not None and bool(np.any(np.abs(run.u_asked) > limit * (1 + 1e-9))))
-    slow, fast = float(max(loop.controller_poles.real)), float(max(loop.observer_poles.real))
+    """Gains on the believed plant, the loop on the true one with 2n poles (or 2n + 2 with integral action), one run."""
+    truth, belief = here.truth(design), here.belief(design)
+    K, L = gains(design, belief, here.model)
+    boards = closed_loop(truth, K, L, model=belief)
+
+    def drive(integral: bool) -> Driven:
+        return driven(here.model, here.target, here.target.value(design), (truth, belief), (K, L), integral)
+    drove = drive(design["integral"])
+    loop = closed_loop(drove.truth, drove.K, drove.L, model=drove.belief) if drove.integral else boards
+    scenario = _scenario(here, design, drove)
+    run, m = simulate(scenario), drove.m
+
+    def both() -> tuple[Run, Run, Text]:
+        rival = drive(not design["integral"])
+        other = simulate(_scenario(here, design, rival))
+        return (other, run, drove.refused) if design["integral"] else (run, other, rival.refused)
+    study = Study(loop, here.delay(design), design["limited"] and bool(np.any(np.abs(run.u_asked[:, :m]) > design["u_max"] * (1 + 1e-9))),
+                  drove, boards, LazyValue(both))
+    slow, fast = float(max(boards.controller_poles.real)), float(max(boards.observer_poles.real))
     metrics = LazyMap(lambda: {
         "union_error": loop.union_error, "separation_meter": separation_meter(run), "slowest_controller": slow,
-        "slowest_observer": fast, "largest_input": float(np.max(np.abs(run.u_asked))),
+        "slowest_observer": fast, "largest_input": float(np.max(np.abs(run.u_asked[:, :m]))),
         "slowest_loop": float(max(loop.poles.real)), "dies_down": float(_dies_down(run)),
+        "at_the_end": float(here.target.along(run, truth)[-1]),
     })
     same_union = loop.union_error <= UNION_RTOL or loop.polynomial_error <= UNION_RTOL
     checks = (
@@ -104,13 +124,28 @@ def compute(here: Setting, design: Design) -> Outcome[Study]:
               float(max(loop.compensator_poles.real))),
     )
     return Outcome(
-        design, {"K": K, "L": L},
+        design, {"K": drove.K, "L": drove.L},
         {"controller": loop.controller_poles, "observer": loop.observer_poles, "loop": loop.poles,
          "compensator": loop.compensator_poles},
-        metrics, checks, run, pole_boards(model, design, loop.controller_poles, loop.observer_poles,
+        metrics, checks, run, pole_boards(here.model, design, boards.controller_poles, boards.observer_poles,
                                           belief.A - L @ belief.C),
-        stage(model, run), LazySequence(lambda: _formulas(K, L, believed_right(truth, belief))),
+        Stage(here.model.body, run.t, run.x[:, :truth.n], run.xhat[:, :truth.n], run.u_applied[:, :m]),
+        LazySequence(lambda: _formulas(K, L, believed_right(truth, belief), drove)),
         LazyValue(lambda: _live(study, metrics["separation_meter"])), study)
+
+
+def _scenario(here: Setting, design: Design, drove: Driven) -> Scenario:
+    """The run of what is driven, with the limits and the noise of a design; neither of them touches the way of r to the integrator."""
+    model, more = drove.model, drove.truth.m - drove.m
+    limit = np.append(np.full(drove.m, design["u_max"] if design["limited"] else np.inf), np.full(more, np.inf))
+    V = here.noise(design)
+    if V is not None and more:
+        p = drove.truth.p - 2
+        V = np.pad(V * np.eye(p) if np.ndim(V) == 0 else np.asarray(V), (0, 2))
+    return Scenario(
+        drove.truth, drove.K, drove.L, model=drove.belief, x0=model.x0, xhat0=model.guess, horizon=model.horizon, dt=model.dt,
+        u_min=-limit, u_max=limit, fed="commanded", delay=here.delay(design), impulses=kicks(design, model), seed=int(design["seed"]),
+        V=V, reference=drove.reference)
 
 
 def _dies_down(run: Run) -> bool:
@@ -124,7 +159,7 @@ def believed_right(truth: Plant, belief: Plant) -> bool:
     return all(np.array_equal(getattr(truth, name), getattr(belief, name)) for name in "ABC")
 
 
-def _formulas(K: np.ndarray, L: np.ndarray, right: bool) -> tuple[Formula, ...]:
+def _formulas(K: np.ndarray, L: np.ndarray, right: bool, drove: Driven) -> tuple[Formula, ...]:
     below = r"0 & A-LC" if right else r"\Delta A-\Delta B\,K & \hat A-LC+\Delta B\,K"
     loop = (r"\frac{d}{dt}\begin{bmatrix} x \\ e \end{bmatrix} = \begin{bmatrix} A-BK & BK \\ " + below +
             r" \end{bmatrix} \begin{bmatrix} x \\ e \end{bmatrix}")
@@ -133,7 +168,16 @@ def _formulas(K: np.ndarray, L: np.ndarray, right: bool) -> tuple[Formula, ...]:
                                                           "lacks.")),
         Formula("K", gain_words("K", K)),
         Formula("L", gain_words(r"L^{\mathsf T}", L.T)),
+        *_command_formulas(drove),
     )
+
+
+def _command_formulas(drove: Driven) -> tuple[Formula, ...]:
+    """How the input follows from the command, where there is one."""
+    if drove.N is None:
+        return ()
+    u = r"u=-K\hat x+\bar N r" if not drove.integral else r"u=-K\hat x+\bar N r+K_I\,(x_I+T\hat x),\quad \dot x_I=r-z"
+    return (Formula("command", u), Formula("N", gain_words(r"\bar N", drove.N)))
 
 
 def _live(study: Study, meter: float) -> Text:
@@ -147,4 +191,6 @@ def _live(study: Study, meter: float) -> Text:
         "Separation meter: {meter:.2g}; the error dynamics are no longer autonomous.", meter=meter))
     first = claim(text("The loop is unstable."), float(np.max(loop.poles.real)), above=0.0)
     stable = claim(text("The compensator by itself is unstable."), float(np.max(loop.compensator_poles.real)), above=0.0)
-    return joined(first, union, wall, stable)
+    own = text("Integral action adds the pole {own:.3g}, and its copy in the observer adds {copy:.3g}.", own=study.driven.own[0],
+               copy=study.driven.own[1])
+    return joined(first, union, own if study.driven.integral else study.driven.refused, wall, stable)

@@ -15,6 +15,7 @@ from ..toolkit.tasks import check_gentle_settling
 from .knobs import KNOBS, MODEL
 from .study import Study
 
+SPRING_ERROR_PERCENT, COMMAND_MM, PLAY_MM = 10.0, 3.0, 0.05  # of the task that follows a command
 SETTLING_BAND_S, MAX_FORCE_N = (0.8, 0.9), 1.0  # s and N
 
 
@@ -82,6 +83,19 @@ def _gentle(outcome: Outcome[Study]) -> Verdict:
     return check_gentle_settling(found, late, SETTLING_BAND_S, peak, MAX_FORCE_N)
 
 
+def _follow(outcome: Outcome[Study]) -> Verdict:
+    """The height at the command at the end of the run, with wrong springs and the poles of the start."""
+    d, height = outcome.design, outcome.metrics["at_the_end"]
+    if any(d[name] != value for name, value in UNTOUCHED.items()):
+        return Verdict(False, text("Leave the poles of both boards where the lesson put them; Reset brings them back."))
+    if d["stiffness_error"] != SPRING_ERROR_PERCENT or d["command"] != COMMAND_MM:
+        return Verdict(False, text("Set the stiffness error to {error:g} % and the command to {command:g} mm.", error=SPRING_ERROR_PERCENT,
+                                   command=COMMAND_MM))
+    gap = abs(height - COMMAND_MM)
+    return Verdict(gap <= PLAY_MM, text("The height at the end of the run is {height:.3g} mm; at most {most:g} mm beside {command:g} mm is "
+                                        "allowed.", height=height, most=PLAY_MM, command=COMMAND_MM))
+
+
 SPRING = Typed("c^2*o^2/(c^2+o^2+4*c*o)", ("c", "o"), slips=(
     ("c^2", text("That is the stiffness of the state feedback; the estimate does not trust the reading alone.")),
     ("-c^2*o^2/(c^2+o^2+4*c*o)", text("The size is right; −u was asked for."))))
@@ -95,6 +109,7 @@ TASKS = (
     Task("break-the-wall", _break_the_wall, {"stiffness_error": 13.0}),
     Task("unstable-compensator", _unstable_compensator, EAGER),
     Task("gentle", _gentle, {"method": "poles", "controller_poles": _pairs(*GENTLE[0]), "observer_poles": _pairs(*GENTLE[1])}),
+    Task("follow", _follow, {"stiffness_error": SPRING_ERROR_PERCENT, "command": COMMAND_MM, "integral": True}),
     typed_task("spring", SPRING),
     typed_task("wrong-belief", WRONG_BELIEF),
 )

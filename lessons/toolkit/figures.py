@@ -112,10 +112,10 @@ def settled_words(after: float | None, rate: float) -> Text:
         "From {small:.2f} s to the end of this run the error is below 2 % of its peak, but nothing keeps it there.", small=after))
 
 
-def input_figure(run: Run, model: Model, limit: float | None = None) -> LineFigure:
-    """Inputs asked (dashed) and applied (solid), with the limits."""
+def input_figure(run: Run, model: Model, limit: float | None = None, count: int | None = None) -> LineFigure:
+    """Inputs asked (dashed) and applied (solid), with the limits; of several inputs the first `count`."""
     curves = []
-    for j, name in enumerate(run.scenario.plant.input_names):
+    for j, name in enumerate(run.scenario.plant.input_names[:count]):
         role = ("force", "disturbance", "second")[j % 3]
         applied, asked = run.u_applied[:, j] * model.input_scale, run.u_asked[:, j] * model.input_scale
         shown = (text("input {name}", name=signal_name(model.plant, name)) if model.controller is not None else
@@ -126,7 +126,7 @@ def input_figure(run: Run, model: Model, limit: float | None = None) -> LineFigu
     if limit is not None:
         flat = np.full(len(run.t), limit * model.input_scale)
         curves += [Curve(text("limit"), sign * flat, "reference", "dot", 1.4) for sign in (1, -1)]
-    peak = float(np.max(np.abs(run.u_applied))) * model.input_scale
+    peak = float(np.max(np.abs(run.u_applied[:, :count]))) * model.input_scale
     return LineFigure("input", text("input, asked and applied"), run.t, tuple(curves),
                       f"u [{model.input_unit}]", tab=ERROR_TAB,
                       caption=text("Largest input applied: {peak:.3g} {input_unit}.",

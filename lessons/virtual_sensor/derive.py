@@ -15,7 +15,7 @@ from .study import Study, believed
 
 
 def derived(outcome: Outcome[Study]) -> Mapping[str, Value]:
-    """Entries, trace and determinant of the believed A and of A − LC, and L at full trust."""
+    """Entries, trace and determinant of the model's A and of A − LC, and L at full trust."""
     design, L = outcome.design, outcome.gains["L"]
     belief = believed(design["plant"], design["air_error"])
     A, F = belief.A, belief.A - L @ belief.C

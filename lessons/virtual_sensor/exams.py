@@ -9,10 +9,13 @@ import numpy as np
 from observer_lab.course.exercises.exam import Exam, ExamItem, SeededDraws, decimals
 
 
-def _trust(lot: SeededDraws) -> ExamItem:
-    """A runaway chip with one state: e decays as e^{(a − L)t}; which L leaves a tenth of the error at time t?"""
-    a, t = lot.part(2, 9), lot.part(2, 8, 2)
-    return ExamItem({"a": a, "t": t}, a + math.log(10.0) / t)
+def _jump(lot: SeededDraws) -> ExamItem:
+    """The reduced-order observer x̂₁ = w + ℓ y with the pole p = a₁₁ − ℓ a₂₁: a reading that is v too high moves x̂₁ by ℓ v."""
+    a, b, c = float(lot.whole(1, 4)), float(lot.whole(2, 6)), float(lot.whole(1, 4))
+    A = np.array([[-a, a], [b, -b - c]])
+    p, v = -float(lot.whole(6, 15)), lot.part(2, 9)
+    gain = (-a - p) / b
+    return ExamItem({"A": A, "p": p, "v": v}, gain * v, {"a11": -a, "a21": b, "gain": gain})
 
 
 def _copy(lot: SeededDraws) -> ExamItem:
@@ -39,7 +42,7 @@ def _core(lot: SeededDraws) -> ExamItem:
 
 
 EXAMS = (
-    Exam("trust", decimals(2), _trust),
+    Exam("jump", decimals(2), _jump),
     Exam("copy", decimals(1), _copy),
     Exam("bias", decimals(2), _bias),
     Exam("core", decimals(2), _core),

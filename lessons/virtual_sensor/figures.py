@@ -10,7 +10,7 @@ from observer_lab.course.figures.claims import claim
 from observer_lab.course.figures.records import Curve, Figure, LineFigure, PlaneFigure, Point
 from observer_lab.course.lesson import Outcome
 from observer_lab.engine.simulation import Run
-from observer_lab.text import Text, joined, same, text
+from observer_lab.text import NO_WORDS, Text, joined, same, text
 
 from ..toolkit.figures import TIME_TAB
 from .knobs import HORIZON, MOST_TRUST
@@ -19,6 +19,7 @@ from .study import Study
 ERROR_TAB = text("Error")
 TRUST_TAB = text("Trust")
 TRUE, COPY, OBSERVER_LABEL = text("true"), text("open-loop copy"), text("observer")
+REDUCED = text("reduced-order observer")
 
 
 def _at_most(value: float) -> Text:
@@ -43,8 +44,22 @@ def _core(outcome: Outcome[Study], run: Run, copy: Run) -> LineFigure:
     copied = text("In the last tenth of the run the copy is off by up to {off:.2g} K.", off=m["copy_core_error"])
     return LineFigure("core", text("core temperature (nobody can measure it)"), run.t, (
         Curve(TRUE, run.x[:, 0]), Curve(COPY, copy.xhat[:len(run.t), 0], "second", "dot"),
-        Curve(OBSERVER_LABEL, run.xhat[:, 0], "estimate", "dash")), "T₁ [K]", tab=TIME_TAB, window=(0.0, 50.0),
-        caption=joined(known, copied))
+        *_reduced(outcome.study, 0), Curve(OBSERVER_LABEL, run.xhat[:, 0], "estimate", "dash")), "T₁ [K]", tab=TIME_TAB,
+        window=(0.0, 50.0), caption=joined(known, copied, _of_both(m)))
+
+
+def _reduced(seen: Study, state: int) -> tuple[Curve, ...]:
+    """The estimate of the reduced-order observer, where it is switched on."""
+    return () if seen.reduced is None else (Curve(REDUCED, seen.reduced[:, state], "disturbance", "solid", 1.4),)
+
+
+def _of_both(m: Mapping[str, float]) -> Text:
+    """What the reduced-order observer makes of the core, beside the full one; no words where it is switched off."""
+    if "reduced_error" not in m:
+        return NO_WORDS
+    if not m["core_sigma"] or not np.isfinite(m["reduced_sigma"] + m["core_sigma"]):
+        return text("In the last tenth of the run the reduced-order observer's core is off by up to {off:.2g} K.", off=m["reduced_error"])
+    return text("Through the reduced-order observer the same noise gives {sigma:.2g} K.", sigma=m["reduced_sigma"])
 
 
 def _noisy(m: Mapping[str, float]) -> Text:
@@ -58,7 +73,7 @@ def _case(outcome: Outcome[Study], run: Run, copy: Run) -> LineFigure:
     reading = (Curve(text("sensor"), run.y[:, 0], "muted", "solid", 1.0),) if outcome.design["noise"] else ()
     return LineFigure("case", text("case temperature (the sensor sits here)"), run.t, (
         *reading, Curve(TRUE, run.x[:, 1]), Curve(COPY, copy.xhat[:len(run.t), 1], "second", "dot"),
-        Curve(OBSERVER_LABEL, run.xhat[:, 1], "estimate", "dash")), "T₂ [K]", tab=TIME_TAB, window=(0.0, 25.0),
+        *_reduced(outcome.study, 1), Curve(OBSERVER_LABEL, run.xhat[:, 1], "estimate", "dash")), "T₂ [K]", tab=TIME_TAB, window=(0.0, 25.0),
         caption=text("In the last tenth of the run the observer's case is off by {gap}.", gap=gap))
 
 
@@ -72,8 +87,10 @@ def _power(run: Run) -> LineFigure:
 
 def _errors(outcome: Outcome[Study], run: Run, copy: Run) -> LineFigure:
     ours, theirs = outcome.metrics["slowest_observer"], outcome.metrics["slowest_copy"]
+    seen = outcome.study
+    reduced = () if seen.reduced is None else (Curve(REDUCED, np.abs(run.x[:, 0] - seen.reduced[:, 0]), "disturbance", "solid", 1.4),)
     return LineFigure("error", text("size of the core error"), run.t, (
-        Curve(COPY, np.abs(copy.e[:len(run.t), 0]), "second", "dot"), Curve(OBSERVER_LABEL, np.abs(run.e[:, 0]), "error")),
+        *reduced, Curve(COPY, np.abs(copy.e[:len(run.t), 0]), "second", "dot"), Curve(OBSERVER_LABEL, np.abs(run.e[:, 0]), "error")),
         "|e₁| [K]", log_y=True, tab=ERROR_TAB, window=(1e-4, 100.0),
         caption=text("Slowest modes: copy {theirs:+.3g}, observer {ours:+.3g} per second.", theirs=theirs, ours=ours))
 

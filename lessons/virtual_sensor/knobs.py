@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from observer_lab.course.knobs import Choice, Number, Poles
+from observer_lab.course.knobs import Choice, Number, Poles, Switch
 from observer_lab.plants import MODELS, chip
 from observer_lab.text import text
 
@@ -98,5 +98,7 @@ KNOBS = (
         step=0.05,
         hint=text("Standard deviation of each reading, one every 30 ms."),
     ),
+    Switch("reduced", "", text("reduced-order observer too"),
+           hint=text("Also run an observer of one state, for the core alone. Its pole is the rightmost of the two above.")),
     *run_knobs(HORIZON),
 )

@@ -23,5 +23,5 @@ LESSON = Lesson(
     source="Tutorial (000), sections on the virtual sensor and on the error's own life",
     place=COURSE_PLACES["virtual-sensor"],
     again=SecondPrediction(("observer_poles",), 1, {"observer_poles": (-3.2 - 1j, -3.2 + 1j)}, ("core", "error", "innovation")),
-    words=read_prose(Path(__file__).parent), key=("plant", "trust", "guess_core"), aside=("power",), adapt=adapted,
+    words=read_prose(Path(__file__).parent), key=("plant", "trust", "guess_core"), aside=("power", "guess_case"), adapt=adapted,
     derived=derived, path=PATH)

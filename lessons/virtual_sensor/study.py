@@ -10,6 +10,7 @@ import numpy as np
 from observer_lab.course.figures.claims import claim
 from observer_lab.course.lesson import Board, Check, Design, Formula, Outcome
 from observer_lab.engine import Plant, Scenario, observer_gain, simulate
+from observer_lab.engine.observers import ReducedObserver, reduced_observer
 from observer_lab.engine.simulation import Run
 from observer_lab.engine.systems import settled_covariance
 from observer_lab.plants import MODELS, chip
@@ -26,12 +27,16 @@ KNOWN_ERROR_K = 1.0  # K: a core error below this counts as known
 
 @dataclass(frozen=True, eq=False)
 class Study:
-    """What the figures need beside the observer's run: the copy's run, and how the poles move with trust."""
+    """What the figures need beside the observer's run: the copy's run, how the poles move with trust, the reduced-order estimate.
+
+    `reduced`: x̂ (n_t, 2) of the reduced-order observer along the same readings, None where it is switched off.
+    """
 
     copy: Run
     trusts: np.ndarray
     poles: np.ndarray  # (n_trusts, 2)
     stable: tuple[float, float]  # the open interval of θ for which the observer is stable, empty if low ≥ high
+    reduced: np.ndarray | None = None
 
 
 @lru_cache(maxsize=128)
@@ -100,11 +105,16 @@ def compute(design: Design) -> Outcome[Study]:
     run, copy = simulate(watched), simulate(replace(watched, L=None))
     poles, own = np.sort_complex(_poles_of(belief.A - L @ belief.C)), belief.poles
     trusts, (low, high) = _trusts(belief, L_full), stable_trusts(belief, L_full)
-    seen = Study(copy, trusts, _poles_of(belief.A - trusts[:, None, None] * (L_full @ belief.C)), (low, high))
+    reduced = reduced_observer(belief, (float(np.max(np.real(design["observer_poles"]))),)) if design["reduced"] else None
+    seen = Study(copy, trusts, _poles_of(belief.A - trusts[:, None, None] * (L_full @ belief.C)), (low, high),
+                 None if reduced is None else _reduced_estimates(watched, reduced, run))
     metrics = _metrics(run, copy) | {
         "core_sigma": core_sigma(belief.A - L @ belief.C, L, design["noise"]),
         "slowest_observer": float(np.max(np.real(poles))), "slowest_copy": float(np.max(np.real(own))),
         "largest_gain": float(np.max(np.abs(L))), "least_trust": max(0.0, low)}
+    if reduced is not None:
+        metrics["reduced_sigma"] = reduced_sigma(reduced, design["noise"])
+        metrics["reduced_error"] = float(np.abs(run.x[:, 0] - seen.reduced[:len(run.t), 0])[-max(len(run.t) // 10, 1):].max())
     return Outcome(
         design, {"L": L}, {"observer": poles, "copy": own}, metrics, checks_of(metrics), run,
         _boards(design, poles, own, belief.A - L @ belief.C), stage(model, run), _formulas(belief, L, design["trust"]),
@@ -135,6 +145,29 @@ def core_sigma(A: np.ndarray, L: np.ndarray, noise: float) -> float:
     if np.max(np.real(np.linalg.eigvals(A))) >= 0:
         return float("inf")
     return float(np.sqrt(settled_covariance(A, noise * np.sqrt(DT) * L)[0, 0]))
+
+
+def _reduced_estimates(watched: Scenario, observer: ReducedObserver, run: Run) -> np.ndarray:
+    """x̂ of the reduced-order observer over the same run, from the same guess of the core: w(0) takes the first reading into account."""
+    given, first = np.asarray(watched.xhat0), run.y[0] - run.yhat[0]
+    w0 = observer.S @ given - (observer.N @ first) @ observer.M
+    same = simulate(replace(watched, model=observer.model, L=observer.G, K=None, xhat0=w0))
+    return observer.estimates(same.xhat, same.y, same.u_applied)
+
+
+def reduced_sigma(observer: ReducedObserver, noise: float) -> float:
+    """Standard deviation in K of the core's estimate by sensor noise alone: each reading passes at once and, through w, later.
+
+    w⁺ = φ w + γ v with φ = e^{F dt}: σ² (N₁² + M₁² γ²/(1 − φ²)). ∞ if F is not stable.
+    """
+    if noise == 0:
+        return 0.0
+    F, G = float(observer.F[0, 0]), float(observer.G[0, 0])
+    if F >= 0:
+        return float("inf")
+    phi = np.exp(F * DT)
+    later = float(observer.M[0, 0]) * G * (phi - 1) / F
+    return float(noise * np.sqrt(observer.N[0, 0] ** 2 + later**2 / (1 - phi**2)))
 
 
 def _known_after(t: np.ndarray, error: np.ndarray) -> float | None:

@@ -13,6 +13,7 @@ from .knobs import DT, HORIZON, RUNAWAY_ID, STABLE_ID
 from .study import Study, believed
 
 LISTENING, TREMBLE = (-1.45, -1.35), 0.2  # 1/s, where the slowest pole is to stand; K
+PASSED_ON = 0.3  # K, the most that noise may move the estimate of the reduced-order observer
 
 
 def feel_the_core(outcome: Outcome[Study]) -> Verdict:
@@ -91,6 +92,18 @@ def quiet_core(outcome: Outcome[Study]) -> Verdict:
                               slow=slow, sigma=sigma))
 
 
+def at_once(outcome: Outcome[Study]) -> Verdict:
+    """Little of the sensor's noise in the core's estimate of the reduced-order observer."""
+    d = outcome.design
+    if not d["reduced"] or d["plant"] != STABLE_ID or d["air_error"] or d["noise"] != 1.0:
+        return Verdict(False, text("Take the chip that cools, the model right, 1 K of sensor noise and the reduced-order observer."))
+    sigma = outcome.metrics["reduced_sigma"]
+    pole = float(np.max(np.real(d["observer_poles"])))
+    return Verdict(sigma <= PASSED_ON, text(
+        "With the pole at {pole:.3g} the noise moves its estimate of the core by σ = {sigma:.3g} K; at most {most:g} K is allowed.",
+        pole=pole, sigma=sigma, most=PASSED_ON))
+
+
 MATCH = Typed("a + (a-p)*(a-q)/b", ("a", "b", "p", "q"), slips=(
     ("a - (a-p)*(a-q)/b", text("Mind the sign: the determinant holds −b (a − l₁).")),
     ("(a-p)*(a-q)/b", text("You left out that the case warms the core: the entry is a − l₁."))))
@@ -101,5 +114,6 @@ TASKS = (
     Task("lucky-copy", lucky_copy, {"plant": RUNAWAY_ID, "guess_core": 12.0, "guess_case": 6.0}),
     Task("wrong-fan", wrong_fan, {"air_error": 40.0, "trust": 0.21}),
     Task("quiet-core", quiet_core, {"noise": 1.0, "observer_poles": (-1.4, -1.4)}),
+    Task("at-once", at_once, {"noise": 1.0, "reduced": True, "observer_poles": (-1.0, -1.0)}),
     typed_task("match", MATCH),
 )

@@ -44,6 +44,7 @@ from client import PATIENCE, WirePage, unpack  # type: ignore[import-not-found]
 
 KNOB = "stiffness error in the model [%]"
 EVERY = 0.05  # s between two moves of a hand
+MOST_VALUES = 600  # a hand that has given them all begins again: half a minute later, so that no answer is taken for a later one
 APART = 37  # values from where one hand begins to where the next does
 LATER = 2  # tabs that open while the others work
 MOVES = ("SetPositionMessage", "SetOrientationMessage")
@@ -145,7 +146,7 @@ class Hand:
         """How long after each move the first data of it or of a later one came, inf for never; and what was wrong with data not its."""
         waits, last, strange = [float("inf")] * len(self.sent), -1, list[str]()
         for came, seen in self.tab.seen:
-            move = (known[seen] - self.start) % count if seen in known else -1
+            move = -1 if seen not in known else max(last, 0) + (known[seen] - self.start - max(last, 0)) % count
             if not last <= move < len(self.sent) or came < self.sent[move]:
                 strange.append("of no known value" if seen not in known else f"of move {move} after {last}" if move < last else
                                f"of move {move}, of {len(self.sent)}" if move >= len(self.sent) else
@@ -245,7 +246,7 @@ def share(values: list[float], part: float) -> float:
 async def measure(server: Server, tabs: int, playing: int, dragging: int, seconds: float, scripts: bool) -> list[tuple[str, str]]:
     """The rows of the table."""
     listeners: list[asyncio.Task[None]] = []
-    count = int(seconds / EVERY) + 2 * APART
+    count = min(int(seconds / EVERY), MOST_VALUES) + 2 * APART
     values = [round(-29.0 + 58.0 * k / count, 3) for k in range(count)]
     teacher, first = await enter(server.url, scripts, listeners)
     known = await learn(teacher, values)

@@ -1,10 +1,14 @@
 """A lecture with many followers: how soon each sees the presenter's knob, and how soon all votes are acknowledged.
 
-    python tests/benchmarks/bench_room.py [--followers 100] [--moves 40] [--workers 2]
+    python tests/benchmarks/bench_room.py [--followers 100] [--moves 40] [--workers 2] [--redis]
 
 The server is a process of its own with its workers, on loopback; presenter and followers are protocol clients in this one. A
 move counts for a follower when the batch arrives whose card shows its value or a later one. All followers of one kind get the
 same bytes, so each batch is read once. The price is the processor's time of the server's processes for each follower and move.
+
+Each follower votes once, on its own connection and with its own ballot; the time runs from the first vote to the last
+acknowledgement. In lesson kalman they vote once more while the presenter's page computes a run for each of them and shows the cloud.
+`--redis` keeps the room in a Redis server of its own. The load of the machine is printed: the figures hold for a quiet one.
 """
 
 # ruff: noqa: E402 — the folders of the app and of the protocol client must be found first
@@ -19,7 +23,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections import Counter
+from contextlib import nullcontext
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -30,17 +34,21 @@ from websockets.asyncio.client import ClientConnection, connect
 from websockets.typing import Subprotocol
 
 HERE = Path(__file__).parents[2]
-sys.path[:0] = [str(HERE), str(HERE / "tests" / "wire")]
+sys.path[:0] = [str(HERE), str(HERE / "tests"), str(HERE / "tests" / "wire")]
 
 from client import PATIENCE, WirePage, unpack  # type: ignore[import-not-found]
+from redis_server import redis_serving  # type: ignore[import-not-found]
 
+from observer_lab.classroom.kept_room import open_room
 from observer_lab.course.scenes import Choose
 from observer_lab.lessons import LESSONS
 
 LESSON, NAME, KNOB = "duality", "sensor", "sensor turned by [°]"
+CLOUD_LESSON = "kalman"
 EVERY_S = 0.25  # s between two moves
 TICK = os.sysconf("SC_CLK_TCK")
 SHOWN = re.compile(r"<dd>(-?[\d.]+) °</dd>")
+HAND, VOTE = re.compile(r'"hand": "([^"]+)"'), re.compile(r'data-room="vote:(\d+):0"')
 
 
 class Tab(WirePage):  # type: ignore[misc]
@@ -97,51 +105,92 @@ class Watch:
     """When each follower got which value. The same bytes are read once."""
 
     def __init__(self) -> None:
-        self.values: dict[bytes, float | None] = {}
-        self.came: list[list[tuple[float, float]]] = []
+        self.read: dict[bytes, tuple[float | None, list[dict[str, Any]]]] = {}
 
-    def follower(self) -> Any:
-        seen: list[tuple[float, float]] = []
-        self.came.append(seen)
+    def look(self, data: bytes) -> tuple[float | None, list[dict[str, Any]]]:
+        """The value that a batch shows, and those of its messages that concern one follower."""
+        if data not in self.read:
+            messages = unpack(data)[0]
+            found = [SHOWN.search(str(m.get("updates", {}).get("content", ""))) for m in messages]
+            own = [m for m in messages if m["type"] in ("NotificationShowMessage", "RunJavascriptMessage")]
+            self.read[data] = next((float(each[1]) for each in found if each), None), own
+        return self.read[data]
 
-        def heard(data: bytes) -> None:
+
+class Follower:
+    """One connection of a class: what it has seen, where it votes, and how many of its votes are acknowledged."""
+
+    def __init__(self, tab: Tab, watch: Watch) -> None:
+        self.tab, self._watch = tab, watch
+        self.seen: list[tuple[float, float]] = []
+        self.hand, self.batches, self.counted, self.told = "", 0, 0, 0.0
+
+    async def read(self) -> None:
+        async for data in self.tab.socket:
             now = time.perf_counter()
-            if data not in self.values:
-                found = [SHOWN.search(str(m.get("updates", {}).get("content", ""))) for m in unpack(data)[0]]
-                self.values[data] = next((float(each[1]) for each in found if each), None)
-            value = self.values[data]
+            self.batches += 1
+            value, own = self._watch.look(data)
             if value is not None:
-                seen.append((now, value))
-        return heard
+                self.seen.append((now, value))
+            for message in own:
+                if "// room.js" in message.get("source", "") and (found := HAND.search(message["source"])):
+                    self.hand = found[1]
+                if "is counted" in message.get("props", {}).get("body", ""):
+                    self.counted, self.told = self.counted + 1, now
+
+    def vote(self, number: str, option: int, ballot: str) -> None:
+        self.tab.send("GuiUpdateMessage", uuid=self.hand, updates={"value": f"vote:{number}:{option}:{ballot}"})
+
+
+class Lecture:
+    """A presenter, one follower whose page is read whole, and the class."""
+
+    def __init__(self, presenter: Tab, first: Tab, followers: list[Follower]) -> None:
+        self.presenter, self.first, self.followers = presenter, first, followers
+
+    def ask(self, value: str) -> None:
+        hand = re.search(r'data-to="([^"]+)"', self.presenter.part('<div class="ol-head'))
+        assert hand is not None
+        self.presenter.send("GuiUpdateMessage", uuid=hand[1], updates={"value": value})
+
+    async def open_scene(self, lesson: str, number: int) -> None:
+        name = LESSONS[lesson].path[number].id
+        self.ask(f"scene:{number}")
+        for tab in (self.presenter, self.first):
+            await tab.until(lambda tab=tab: f'data-scene="{name}"' in tab.part('<section class="ol-card'))
+
+    async def vote(self, ballot: str) -> tuple[float, int]:
+        """Seconds from the first vote of the class to its last acknowledgement, and how many never got one."""
+        self.ask("vote:open")
+        await self.first.until(lambda: VOTE.search(self.first.part('<section class="ol-card')))
+        found = VOTE.search(self.first.part('<section class="ol-card'))
+        assert found is not None
+        before, begun = sum(each.counted for each in self.followers), time.perf_counter()
+        for k, each in enumerate(self.followers):
+            each.vote(found[1], k % 2, f"{ballot}{k:06d}")
+        end = time.monotonic() + PATIENCE
+        while (counted := sum(each.counted for each in self.followers) - before) < len(self.followers) and time.monotonic() < end:
+            await asyncio.sleep(0.01)
+        return max(each.told for each in self.followers) - begun, len(self.followers) - counted
+
+
+def question_of(lesson: str) -> int:
+    """The first scene of a lesson that asks for a prediction and shows none of its numbers before."""
+    return next(k for k, each in enumerate(LESSONS[lesson].path) if isinstance(each.do, Choose))
 
 
 async def measure(url: str, word: str, process: int, options: argparse.Namespace) -> dict[str, float]:
     presenter = await enter(url, word=word)
     tasks = [asyncio.ensure_future(presenter.read())]
     await presenter.until(lambda: presenter.part('<div class="ol-head'))
-
-    def ask(value: str) -> None:
-        hand = re.search(r'data-to="([^"]+)"', presenter.part('<div class="ol-head'))
-        assert hand is not None
-        presenter.send("GuiUpdateMessage", uuid=hand[1], updates={"value": value})
-    path = [scene.id for scene in LESSONS[LESSON].path]
-    scene = next(k for k, each in enumerate(LESSONS[LESSON].path) if NAME in each.knobs)
-    question = next(k for k, each in enumerate(LESSONS[LESSON].path) if isinstance(each.do, Choose))
-    ask(f"scene:{scene}")
-    await presenter.until(lambda: f'data-scene="{path[scene]}"' in presenter.part('<section class="ol-card'))
-    first = await enter(url)
+    first, watch = await enter(url), Watch()
     tasks.append(asyncio.ensure_future(first.read()))
-    await first.until(lambda: f'data-scene="{path[scene]}"' in first.part('<section class="ol-card'))
-    watch, followers = Watch(), [await enter(url) for _ in range(options.followers)]
-    arrived: Counter[int] = Counter()
-
-    async def follow(k: int, tab: Tab) -> None:
-        heard = watch.follower()
-        async for data in tab.socket:
-            arrived[k] += 1
-            heard(data)
-    tasks += [asyncio.ensure_future(follow(k, tab)) for k, tab in enumerate(followers)]
-    while len(arrived) < options.followers or min(arrived.values()) < 2:
+    lecture = Lecture(presenter, first, [])
+    await lecture.open_scene(LESSON, next(k for k, each in enumerate(LESSONS[LESSON].path) if NAME in each.knobs))
+    for _ in range(options.followers):
+        lecture.followers.append(Follower(await enter(url), watch))
+        tasks.append(asyncio.ensure_future(lecture.followers[-1].read()))
+    while not all(each.hand and each.batches >= 2 for each in lecture.followers):
         await asyncio.sleep(0.05)
     await asyncio.sleep(3.0)
     asked, before = [], seconds_of(process)
@@ -152,44 +201,51 @@ async def measure(url: str, word: str, process: int, options: argparse.Namespace
         await asyncio.sleep(EVERY_S)
     await asyncio.sleep(3.0)
     spent = seconds_of(process) - before
-    waits, lost = [], 0
-    for seen in watch.came:
-        for k, (t, value) in enumerate(asked):
-            end = asked[k + 1][0] if k + 1 < len(asked) else float("inf")
-            came = next((at for at, which in seen if at >= t and which == value), None)
-            lost += came is None and end == float("inf")
-            waits.append(np.nan if came is None else came - t)
-    ask(f"scene:{question}")
-    ask("vote:open")
-    await first.until(lambda: 'data-room="vote:' in first.part('<section class="ol-card'))
-    vote = re.search(r'data-room="vote:(\d+):0"', first.part('<section class="ol-card'))
-    hand = next(found[1] for source in first.sources if (found := re.search(r'"hand": "([^"]+)"', source)) and "// room.js" in source)
-    assert vote is not None
+    waits, lost = waits_of(asked, lecture.followers)
+    await lecture.open_scene(LESSON, question_of(LESSON))
+    voted, unvoted = await lecture.vote("plain")
+    lecture.ask("vote:close")
+    lecture.ask(f"lesson:{CLOUD_LESSON}")
+    await presenter.until(lambda: CLOUD_LESSON in str(presenter.kept) and "ol-seeds" in presenter.part('<section class="ol-seeds'))
+    await lecture.open_scene(CLOUD_LESSON, question_of(CLOUD_LESSON))
     begun = time.perf_counter()
-    for k in range(options.followers):
-        first.send("GuiUpdateMessage", uuid=hand, updates={"value": f"vote:{vote[1]}:{k % 3}:ballot{k:06d}"})
-        if k % 50 == 49:
-            await asyncio.sleep(0.1)  # a connection has a bound of messages
-    await first.until(lambda: sum("is counted" in note for note in first.notes) >= options.followers)
-    voted = time.perf_counter() - begun
+    lecture.ask("seeds")
+    voted_beside, unvoted_beside = await lecture.vote("cloud")
+    await presenter.until(lambda: "average NEES" in presenter.part('<section class="ol-seeds'))
+    cloud = time.perf_counter() - begun
     for task in tasks:
         task.cancel()
-    for tab in (presenter, first, *followers):
+    for tab in (presenter, first, *(each.tab for each in lecture.followers)):
         await tab.socket.close()
-    known = np.array(waits)[~np.isnan(waits)]
+    known = waits[~np.isnan(waits)]
     return {"followers": options.followers, "median ms": 1e3 * float(np.median(known)), "p95 ms": 1e3 * float(np.percentile(known, 95)),
             "moves not seen by the next one's": float(np.isnan(waits).mean()), "last move lost": lost,
-            "server ms per follower and move": 1e3 * spent / options.moves / options.followers, "votes s": voted}
+            "server ms per follower and move": 1e3 * spent / options.moves / options.followers, "votes s": voted, "votes lost": unvoted,
+            "votes beside a cloud s": voted_beside, "votes beside a cloud lost": unvoted_beside, "cloud of the class s": cloud}
+
+
+def waits_of(asked: list[tuple[float, float]], followers: list[Follower]) -> tuple[np.ndarray, int]:
+    """Seconds from each move to each follower, NaN where the next move came first; how many never saw the last one."""
+    waits, lost = [], 0
+    for each in followers:
+        for k, (t, value) in enumerate(asked):
+            came = next((at for at, which in each.seen if at >= t and which == value), None)
+            lost += came is None and k + 1 == len(asked)
+            waits.append(np.nan if came is None else came - t)
+    return np.array(waits), lost
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     for name, usual in (("followers", 100), ("moves", 40), ("workers", 2)):
         parser.add_argument(f"--{name}", type=int, default=usual)
+    parser.add_argument("--redis", action="store_true", help="keep the room in a Redis server")
     options = parser.parse_args()
-    with tempfile.TemporaryDirectory() as folder:
+    load = os.getloadavg()[0]
+    with tempfile.TemporaryDirectory() as folder, redis_serving(Path(folder)) if options.redis else nullcontext() as redis:
         command = [sys.executable, "-m", "observer_lab", "serve", "--room", "--port", "0", "--data-dir", folder, "--lesson", LESSON,
-                   "--workers", str(options.workers), "--max-sessions", "1000"]
+                   "--view", "guide", "--workers", str(options.workers), "--max-sessions", "1000",
+                   *(() if redis is None else ("--room-store", redis.address))]
         with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, cwd=HERE) as server:
             assert server.stdout is not None
             url, told = server.stdout.readline().strip(), server.stdout.readline()
@@ -197,6 +253,10 @@ def main() -> None:
                 found = asyncio.run(measure(url, told.partition("?present=")[2].strip(), server.pid, options))
             finally:
                 server.terminate()
+        kept = open_room(Path(folder) if redis is None else redis.address)
+        found["votes in the store"] = sum(vote.total for vote in kept.votes())
+        kept.close()
+    found |= {"load before": load, "load after": os.getloadavg()[0]}
     for name, value in found.items():
         print(f"{name:36} {value:.4g}")
 

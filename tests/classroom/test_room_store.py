@@ -13,6 +13,7 @@ import pytest
 from observer_lab.classroom.class_runs import ClassRuns, OwnRun, read_runs, seeds_of
 from observer_lab.classroom.kept_room import KeptPages, KeptRoom
 from observer_lab.classroom.page_store import KEPT_BATCHES, StandingPage
+from observer_lab.classroom.pole_grid import ACROSS, UP, PoleGrid
 from observer_lab.classroom.room import LECTURE, MAX_PLACES, UNSOLVED, overview
 from observer_lab.classroom.room_store import FILE, RoomStore
 from observer_lab.classroom.vote_writer import VoteWriter
@@ -23,11 +24,16 @@ from observer_lab.classroom.votes import (
     Vote,
     histogram,
     is_ballot,
+    read_pole_question,
     read_question,
     votes_on,
     votes_on_typed,
 )
+from observer_lab.course.lesson import Board
 from observer_lab.page.room.own_run import own_run_html
+from observer_lab.text import NO_WORDS
+
+GRID = PoleGrid("observer", -10.0, 2.0, 8.0)
 
 
 def opened(store: KeptRoom, scene: str = "why", options: int = 3) -> Vote:
@@ -43,10 +49,9 @@ def test_counts_are_hidden_until_five_have_voted(store: KeptRoom) -> None:
     vote = opened(store)
     store.cast(ballots(vote, *[1] * (HIDDEN_BELOW - 1)))
     few = store.votes()[-1]
-    assert (few.total, few.shown, few.shares) == (HIDDEN_BELOW - 1, None, None)
+    assert (few.total, few.shown) == (HIDDEN_BELOW - 1, None)
     store.cast(ballots(vote, *[1] * (HIDDEN_BELOW - 1), 0))
     assert store.votes()[-1].shown == (1, HIDDEN_BELOW - 1, 0)
-    assert store.votes()[-1].shares == (0.2, 0.8, 0.0)
 
 
 def test_a_browser_that_votes_again_replaces_its_vote(store: KeptRoom) -> None:
@@ -207,6 +212,48 @@ def test_every_number_is_in_some_bin(numbers: list[float]) -> None:
     edges, counts = histogram(numbers)
     assert sum(counts) == len(numbers) and len(counts) <= MAX_BINS and (len(edges) == len(counts) + 1 or not numbers)
     assert all(np.isfinite(edges)) and list(edges) == sorted(edges)
+
+
+def test_poles_are_counted_by_place_and_only_those_on_the_plane(store: KeptRoom, room: Callable[[], KeptRoom]) -> None:
+    store.open_vote("separation", "drag", 0, Asked("", (), GRID))
+    vote = store.votes()[-1]
+    poles = [-4 + 2j, -4 - 2j, -4.02 + 1.97j, -1 + 0j, -1 + 0.05j]
+    assert store.cast([(vote.number, f"ballot{k:04d}", pole) for k, pole in enumerate(poles)]) == [True] * 5
+    odd = [complex(np.nan, 1), complex(-1, np.nan), complex(np.inf, 0), complex(-1, -np.inf), 1e300 + 0j, -10.3 + 0j, -1 + 8.5j, 3, 2.0, -1]
+    assert store.cast([(vote.number, f"odd{k:09d}", each) for k, each in enumerate(odd)]) == [False] * len(odd)
+    assert dict(store.votes()[-1].cloud) == {-4 + 2j: 3, -1 + 0j: 2}
+    assert store.votes()[-1].sealed().cloud == () and store.votes()[-1].sealed().total == 0
+    store.close_vote()
+    closed = room().votes()[-1]
+    assert closed.asked == Asked("", (), GRID) and closed.sealed() == closed and dict(closed.cloud) == {-4 + 2j: 3, -1 + 0j: 2}
+
+
+def test_a_cloud_of_fewer_than_five_poles_is_hidden_and_other_votes_take_no_pole(store: KeptRoom) -> None:
+    store.open_vote("separation", "drag", 0, Asked("Where?", (), GRID))
+    store.cast([(store.votes()[-1].number, f"ballot{k:04d}", -1 + 1j) for k in range(HIDDEN_BELOW - 1)])
+    assert store.votes()[-1].cloud == () and store.votes()[-1].total == HIDDEN_BELOW - 1
+    for asked in (Asked("How large?"), Asked("Which?", ("a", "b")), None):
+        store.open_vote("separation", "why", 3, asked)
+        assert store.cast([(store.votes()[-1].number, "ballot0001", 1 + 0j)]) == [False]
+
+
+@pytest.mark.parametrize("board", [
+    Board("a", NO_WORDS, ()), Board("a", NO_WORDS, (), re_low=-1.2, re_high=1.2, im_high=1.2, disc=True),
+    Board("a", NO_WORDS, (), re_low=-3.3e5, re_high=1.7e4, im_high=9.1e4),
+    Board("a", NO_WORDS, (), re_low=-8e-4, re_high=-1e-4, im_high=3e-4)])
+def test_every_cell_of_a_plane_is_a_round_place_in_its_window_and_the_nearest_to_itself(board: Board) -> None:
+    grid = PoleGrid(board.id, board.re_low, board.re_high, board.im_high, board.disc)
+    poles = [grid.pole_at(cell) for cell in range(grid.cells)]
+    assert [grid.cell_of(pole) for pole in poles] == list(range(grid.cells)) == [grid.cell_of(pole.conjugate()) for pole in poles]
+    assert 100 < grid.cells <= (ACROSS + 1) * (UP + 1)
+    edge = grid.step * 1e-6
+    assert all(board.re_low - edge <= pole.real <= board.re_high + edge and 0 <= pole.imag <= board.im_high + edge for pole in poles)
+
+
+@pytest.mark.parametrize("words, asked", [("", Asked("", (), GRID)), (" Where? \n", Asked("Where?", (), GRID)), ("Where?\na\nb", None),
+                                          ("x" * 301, None)])
+def test_a_question_for_a_pole_has_no_options(words: str, asked: Asked | None) -> None:
+    assert read_pole_question(words, GRID) == asked
 
 
 def test_a_typed_question_is_a_vote_of_its_own_beside_the_scenes(store: KeptRoom) -> None:

@@ -1,4 +1,4 @@
-"""The pictures on the page of all lessons: each lesson's stage where plant and ghost stand apart, as lessons/<id>/card.webp.
+"""The pictures on the page of all lessons, as lessons/<id>/card.webp: the stage where plant and ghost stand apart, or a figure.
 
     python tests/e2e/cards.py [--lesson separation]
 """
@@ -15,11 +15,14 @@ from pathlib import Path
 sys.path[:0] = [str(Path(__file__).parents[2]), str(Path(__file__).parent)]
 
 from conftest import chromium, serving  # type: ignore[import-not-found]
+from matplotlib.figure import Figure
 from PIL import Image
 from playwright.sync_api import sync_playwright
 from tab import FLAGS, Tab, eventually  # type: ignore[import-not-found]
 
+from observer_lab.colours import COLOURS
 from observer_lab.course.error_window import find_error_window
+from observer_lab.course.figures.records import PlaneFigure
 from observer_lab.lessons import LESSONS
 from observer_lab.page.charts.style_sheet import clock_decimals
 from observer_lab.page.replay.transport import step_of
@@ -28,6 +31,8 @@ WINDOW = (1366, 768)
 SIZE = (300, 225)  # px of a card's picture
 TOP = 104  # px above what it shows
 QUALITY = 62
+FIGURES = {"lqg": ("rings", {"case": "doyle", "recovery": 4.0})}  # lessons whose figure says more than their stage, and at which knobs
+LINES = {"solid": "-", "dash": "--", "dot": ":"}
 BETWEEN = """() => {  // where the stage lies bare: right of the left column, left of the figures
   const boxes = [...document.querySelectorAll('.mantine-Paper-root')].map(paper => paper.getBoundingClientRect());
   return [Math.max(0, ...boxes.filter(box => box.left < 300).map(box => box.right)),
@@ -64,6 +69,26 @@ def take(tab: Tab, name: str) -> Image.Image:
     return picture.crop((int(left), TOP, int(right), int(bottom))).resize(SIZE, Image.Resampling.LANCZOS).convert("RGB")
 
 
+def draw(name: str) -> Image.Image:
+    """The figure of a lesson that says most, without words."""
+    id, values = FIGURES[name]
+    lesson = LESSONS[name]
+    outcome = lesson.compute(lesson.apply(lesson.start(), values))
+    figure = next(f for f in lesson.figures(outcome) if f.id == id)
+    assert isinstance(figure, PlaneFigure)
+    sheet = Figure(figsize=(SIZE[0] / 100, SIZE[1] / 100), dpi=100)
+    axes = sheet.add_axes((0.0, 0.0, 1.0, 1.0), aspect="equal")
+    for curve in figure.curves:
+        axes.plot(curve.x, curve.y, LINES[curve.dash], color=COLOURS[curve.role], lw=0.8 * curve.width)
+    for point in figure.points:
+        axes.plot(point.x, point.y, "x", color=COLOURS[point.role], ms=9, mew=2.5)
+    axes.set(xlim=(-2.75, 0.5), ylim=figure.y_range)
+    axes.axis("off")
+    saved = io.BytesIO()
+    sheet.savefig(saved)
+    return Image.open(saved).convert("RGB")
+
+
 def main() -> None:
     """Take them all."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
@@ -72,9 +97,12 @@ def main() -> None:
     with serving() as address, sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=chromium(), headless=True, args=FLAGS)
         for name in options.lesson or LESSONS:
-            context = browser.new_context(viewport={"width": WINDOW[0], "height": WINDOW[1]}, reduced_motion="reduce")
             path = LESSONS[name].place.picture
             assert path is not None
+            if name in FIGURES:
+                draw(name).save(path, quality=QUALITY, method=6)
+                continue
+            context = browser.new_context(viewport={"width": WINDOW[0], "height": WINDOW[1]}, reduced_motion="reduce")
             take(Tab(context.new_page(), address), name).save(path, quality=QUALITY, method=6)
             print(f"{path.name} of {name}: {path.stat().st_size} bytes", flush=True)
             context.close()

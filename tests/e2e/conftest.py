@@ -75,7 +75,7 @@ def serving(port: int = 0, *options: str, **surroundings: str) -> Iterator[str]:
             LOGS.remove(log.file)
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def serve() -> Callable[..., AbstractContextManager[str]]:
     """Serves the app for as long as a context lasts, on a port."""
     return serving

@@ -1,27 +1,35 @@
 """Draw a contact sheet of every scene of every lesson, to be looked at, and say what breaks the law of the path.
 
-`python tests/e2e/contact_sheets.py FOLDER [--lang en|zh] [--size 1366x768] [--dark] [--present] [LESSON …]`
+Each scene is measured as it is entered. A question is then answered wrongly, by the option that is refuted at greatest length, a
+button is pressed; the card with what it says then is measured and drawn too. With several sizes, as in `--size 1366x768,390x844`,
+the window changes in each scene; with `--law` nothing is drawn, which is quicker.
+
+`python tests/e2e/contact_sheets.py FOLDER [--lang en|zh] [--size 1366x768] [--dark] [--present] [--law] [LESSON …]`
 """
 
 from __future__ import annotations
 
 import argparse
 import sys
+from collections import Counter
 from collections.abc import Iterator
 from io import BytesIO
 from pathlib import Path
 
 from PIL import Image
-from playwright.sync_api import Page, sync_playwright
+from playwright.sync_api import Page, ViewportSize, sync_playwright
 
 if __name__ == "__main__":
     sys.path[:0] = [str(Path(__file__).parent), str(Path(__file__).parents[1])]
 
 from conftest import chromium, serving
-from tab import FLAGS
+from tab import ANSWERED, DRAWN, FLAGS, UNDRAWN, eventually
 
 from observer_lab.course.lesson import Lesson
+from observer_lab.course.scenes import Choose, Press, Scene
 from observer_lab.lessons import LESSONS
+from observer_lab.page.guide.pointing_hand import BUTTONS
+from observer_lab.session.handlers.guide import options_of
 from observer_lab.session.state.saved_state import SavedState
 from observer_lab.session.state.token import write_token
 
@@ -38,23 +46,65 @@ MEASURE = """() => {
 }"""
 
 
-def scenes(page: Page, address: str, lesson: Lesson, language: str, mode: str) -> Iterator[tuple[str, Image.Image]]:
-    """Every scene of a lesson as it is entered: its id and its picture. What breaks the law is printed."""
-    first = SavedState(lesson.start(), language, mode == "present", mode=mode, scene=lesson.path[0].id)
+def breaches(page: Page) -> list[str]:
+    """What of stage and card breaks the law now."""
+    found = page.evaluate(MEASURE)
+    least = LEAST[page.evaluate("innerWidth") < PHONE]
+    bad = [f"stage {found['stage']:.2f}"] if found["stage"] < least else []
+    bad += [f"{side} by {found[side]:.0f} px" for side in ("bottom", "right") if found[side] > 0]
+    return bad + [f"{side} by {-found[side]:.0f} px" for side in ("left", "top") if found[side] < 0]
+
+
+def answer(page: Page, lesson: Lesson, scene: Scene, language: str) -> bool:
+    """Answer a scene's question by the wrong option of the longest verdict, or press the button it asks for; whether there is one."""
+    if isinstance(scene.do, Choose):
+        options, refutations, right = options_of(lesson, scene, language)
+        wrong = max((k for k in range(len(options)) if k != right), key=lambda k: len(refutations[k]) if k < len(refutations) else 0)
+        page.locator(".ol-option").nth(wrong).click(timeout=PATIENCE)
+        page.wait_for_selector(".ol-answer .ol-wrong", timeout=PATIENCE)
+    elif isinstance(scene.do, Press):
+        page.locator("button", has_text=BUTTONS[scene.do.button](language)).first.click(timeout=PATIENCE)
+        page.wait_for_selector(".ol-way .ol-next", timeout=PATIENCE)
+    else:
+        return False
+    return True
+
+
+def scenes(page: Page, address: str, lesson: Lesson, asked: argparse.Namespace) -> Iterator[tuple[str, list[str], Image.Image | None]]:
+    """Every scene of a lesson in every size, entered and answered: the size, the breaches, which are printed, and the picture."""
+    mode = "present" if asked.present else "guide"
+    first = SavedState(lesson.start(), asked.lang, asked.present, mode=mode, scene=lesson.path[0].id)
     page.goto(f"{address}#{write_token(lesson, first)}")
     for k, scene in enumerate(lesson.path):
         page.wait_for_selector(".ol-dot", timeout=PATIENCE)
         page.locator(".ol-dot").nth(k).click(timeout=PATIENCE)
         page.wait_for_selector(f".ol-card[data-scene={scene.id}]", timeout=PATIENCE)
-        page.wait_for_timeout(700)
-        found = page.evaluate(MEASURE)
-        least = LEAST[page.evaluate("innerWidth") < PHONE]
-        bad = [f"stage {found['stage']:.2f}"] if found["stage"] < least else []
-        bad += [f"{side} by {found[side]:.0f} px" for side in ("bottom", "right") if found[side] > 0]
-        bad += [f"{side} by {-found[side]:.0f} px" for side in ("left", "top") if found[side] < 0]
-        if bad:
-            print(f"{lesson.id} {scene.id}: {', '.join(bad)}", flush=True)
-        yield scene.id, Image.open(BytesIO(page.screenshot()))
+        for when in ("entered", "answered"):
+            if when == "answered" and not answer(page, lesson, scene, asked.lang):
+                break
+            for size in asked.size.split(","):
+                if asked.size != size:
+                    page.set_viewport_size(window(size))
+                eventually(lambda: page.evaluate(ANSWERED, True), lambda said: said is True, "a page at rest")
+                bad = breaches(page)
+                if bad:
+                    print(f"{size} {lesson.id} {scene.id}, {when}: {', '.join(bad)}", flush=True)
+                yield size, bad, None if asked.law else picture(page)
+
+
+def window(size: str) -> ViewportSize:
+    """The window of a size such as 1366x768."""
+    wide, high = map(int, size.split("x"))
+    return {"width": wide, "height": high}
+
+
+def picture(page: Page) -> Image.Image:
+    """The page, its stage drawn once."""
+    page.evaluate("window.observerLabDraws = true")
+    eventually(lambda: page.evaluate(DRAWN), bool, "a drawn scene")
+    taken = page.screenshot()
+    page.evaluate("window.observerLabDraws = false")
+    return Image.open(BytesIO(taken))
 
 
 def sheet(pictures: list[Image.Image]) -> Image.Image:
@@ -77,20 +127,30 @@ def main() -> None:
     parser.add_argument("--size", default="1366x768")
     parser.add_argument("--dark", action="store_true")
     parser.add_argument("--present", action="store_true")
+    parser.add_argument("--law", action="store_true")
     asked = parser.parse_args()
-    wide, high = map(int, asked.size.split("x"))
     asked.folder.mkdir(parents=True, exist_ok=True)
+    views, broken = Counter[str](), Counter[str]()
     with serving(0, "--view", "guide") as address, sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=chromium(), args=FLAGS)
         for id in asked.lessons:
-            page = browser.new_page(viewport={"width": wide, "height": high}, reduced_motion="reduce",
+            page = browser.new_page(viewport=window(asked.size.split(",")[0]), reduced_motion="reduce",
                                     color_scheme="dark" if asked.dark else "light")
-            found = list(scenes(page, address, LESSONS[id], asked.lang, "present" if asked.present else "guide"))
-            name = f"{id}-{asked.lang}-{asked.size}{'-dark' if asked.dark else ''}{'-present' if asked.present else ''}.png"
-            sheet([picture for _, picture in found]).save(asked.folder / name)
-            print(f"{name}: {len(found)} scenes", flush=True)
+            page.add_init_script(f"({UNDRAWN})()")
+            pictures: dict[str, list[Image.Image]] = {}
+            for size, bad, drawn in scenes(page, address, LESSONS[id], asked):
+                views[size] += 1
+                broken[size] += bool(bad)
+                if drawn is not None:
+                    pictures.setdefault(size, []).append(drawn)
             page.close()
+            for size, drawn_ones in pictures.items():
+                name = f"{id}-{asked.lang}-{size}{'-dark' if asked.dark else ''}{'-present' if asked.present else ''}.png"
+                sheet(drawn_ones).save(asked.folder / name)
+            print(f"{id}: {dict(views)} views so far", flush=True)
         browser.close()
+    for size in views:
+        print(f"{size}: {views[size]} views of scenes, {broken[size]} break the law of the path")
 
 
 if __name__ == "__main__":

@@ -76,6 +76,17 @@ def test_stage_and_card_are_in_sight(opened: Callable[..., Page], size: tuple[in
     assert found["top"] >= 0 and found["left"] >= 0 and found["bottom"] <= found["high"] and found["right"] <= found["wide"], found
 
 
+def test_on_a_phone_a_long_verdict_is_in_sight(opened: Callable[..., Page]) -> None:
+    """The options that were neither chosen nor right make room for it."""
+    page = opened("--lesson", "separation", size=SIZES[-1])
+    for scene in LESSONS["separation"].path[1:7]:
+        turn(page, scene.id)
+    answer(page, 1)
+    found = page.evaluate(MEASURE)
+    assert found["bottom"] <= found["high"] and found["stage"] >= STAGE_ON_A_PHONE, found
+    expect(page.locator(".ol-option:visible")).to_have_count(2)
+
+
 def test_a_newcomer_starts_and_the_page_performs_what_was_predicted(opened: Callable[..., Page]) -> None:
     page = opened()
     page.locator(".ol-begin .ol-next").click(timeout=PATIENCE)

@@ -20,7 +20,7 @@ secret = "a secret of a course, for tests alone"
 
 [[lessons]]
 lesson = "separation"
-exams = ["trace"]
+exams = ["offset"]
 """
 
 
@@ -35,7 +35,7 @@ def test_an_answer_is_handed_in_copied_and_saved_and_outlives_a_reload(serve: Ca
         tab.unfold(phrases.EXAM("en"))
         tab.row("your key").locator("input").fill("s1")
         tab.answered()
-        tab.unfold(f"1 {LESSONS['separation'].words['en'].exams['trace'].title}")
+        tab.unfold(f"1 {LESSONS['separation'].words['en'].exams['offset'].title}")
         tab.row("answer").locator("input").fill("3")
         tab.answered()
         tab.press("hand in")
@@ -48,7 +48,7 @@ def test_an_answer_is_handed_in_copied_and_saved_and_outlives_a_reload(serve: Ca
         with tab.page.expect_download() as saved:
             tab.press("Save hand-in")
         assert Path(saved.value.path()).read_text(encoding="utf-8") == f"{token}\n"
-        assert saved.value.suggested_filename == "separation-exam-trace.hand-in.txt"
+        assert saved.value.suggested_filename == "separation-exam-offset.hand-in.txt"
         tab.press("中文")
         tab.page.reload()
         tab.settle()

@@ -123,3 +123,31 @@ def test_a_cross_that_no_hand_can_move_says_so_and_the_camera_stays(walking: Tab
     drag(walking, on_screen(walking, f"/board/{board.id}/bolt0"), (-30.0, 20.0))
     assert phrases.FIXED_POLE("en") in walking.notices()
     walking.close_any_notices()
+
+
+HINTS = "() => [...document.querySelectorAll('[data-ol-hint]')].filter(each => each.checkVisibility({visibilityProperty: true})).length"
+IN_SIGHT = """() => [...document.querySelectorAll('.ol-option:enabled')].filter(each => each.checkVisibility()).map(each => {
+  const box = each.getBoundingClientRect();
+  return box.top > 0 && box.bottom <= innerHeight && each.contains(document.elementFromPoint(box.left + 20, box.top + box.height / 2));
+})"""
+
+
+def test_what_explains_a_control_goes_while_one_is_pressed(walking: Tab) -> None:
+    opened(walking, "noise")
+    knob = walking.thumb(label_of(LESSONS["noise"].knob("speed"), "en"))
+    knob.scroll_into_view_if_needed()
+    knob.hover()
+    eventually(lambda: walking.page.evaluate(HINTS), lambda n: n > 0, "the hint of a knob under the pointer")
+    walking.page.mouse.down()
+    assert walking.page.evaluate(HINTS) == 0
+    walking.page.mouse.up()
+
+
+@pytest.mark.parametrize("name", ["noise", "separation"])
+def test_on_a_phone_the_question_comes_first_and_an_option_is_on_the_first_screen(new_tab: Callable[..., Tab], name: str) -> None:
+    tab, words = new_tab(390, 844), LESSONS[name].words["en"]
+    tab.choose_lesson(words.title, words.question)
+    seen = eventually(lambda: tab.page.evaluate(IN_SIGHT), bool, "options")
+    assert seen[:2] == [True, True], seen
+    question, lists = (tab.page.locator(part).first.bounding_box() for part in (".ol-question", "[data-ol-select]:visible"))
+    assert question is not None and lists is not None and question["y"] < lists["y"]

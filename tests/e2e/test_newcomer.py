@@ -1,18 +1,64 @@
-"""The first drag moves the world: one lesson here, all of them by `python tests/e2e/newcomer.py`."""
+"""A newcomer gets on by the words on the screen, and the first drag moves the world.
+
+One lesson or a few here; all of them by `python tests/e2e/newcomer.py` and, every card of every path, `follow_cards.py --all`.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager
 
 import pytest
+from follow_cards import open_lesson, start, walk
 from newcomer import WANTED, play, stands_still
-from tab import Tab, eventually
+from playwright.sync_api import Browser, Page
+from tab import UNDRAWN, Tab, eventually
 
 from observer_lab.lessons import LESSONS
 
 CLOCK = "() => Number(document.querySelector('.ol-clock')?.dataset.share ?? 0)"  # there is none while a lesson is laid out
 CURSORS = """() => new Set([document.querySelector('.ol-clock').dataset.share,  // at one moment: the run goes on
   ...[...document.querySelectorAll('.u-over')].map(chart => getComputedStyle(chart).getPropertyValue('--ol-t'))]).size"""
+
+
+MOST_ACTIONS = 4  # of a newcomer's hand, from the page of lessons to the end of the first drag
+SAMPLED = ("separation", "hidden-modes", "kalman")  # lessons whose core path is walked here: crosses, a list, sliders
+
+
+@pytest.fixture(scope="module")
+def guide(serve: Callable[..., AbstractContextManager[str]]) -> Iterator[str]:
+    """The address of the app as people start it, with the guide."""
+    with serve(0, "--view", "guide") as address:
+        yield address
+
+
+@pytest.fixture
+def page(browser: Browser) -> Iterator[Page]:
+    """A page of somebody who was never here."""
+    context = browser.new_context(viewport={"width": 1366, "height": 768}, reduced_motion="reduce")
+    opened = context.new_page()
+    opened.add_init_script(f"({UNDRAWN})()")
+    yield opened
+    context.close()
+
+
+def test_a_newcomer_drags_with_the_fourth_action_and_comes_to_the_end_of_the_first_lesson(page: Page, guide: str) -> None:
+    person, drag = start(page, guide), 0
+    lesson = next(each for each in LESSONS.values() if each.number == 1)
+    assert lesson.words["en"].title in page.locator(".ol-lesson").inner_text()
+    for scene, problem in walk(person, lesson, core=True):
+        assert not problem, (scene, problem)
+        drag = drag or len(person.actions) * person.actions[-1].startswith("drag")
+    assert 0 < drag <= MOST_ACTIONS, person.actions
+    assert person.scene == lesson.path[-1].id and person.is_done()
+
+
+@pytest.mark.parametrize("name", SAMPLED)
+def test_the_core_path_of_a_lesson_is_done_by_what_its_cards_say(page: Page, guide: str, name: str) -> None:
+    lesson = LESSONS[name]
+    found = list(walk(open_lesson(page, guide, lesson), lesson, core=True))
+    assert [each for each in found if each[1]] == []
+    assert len(found) == sum(scene.core for scene in lesson.path)
 
 
 def test_a_lesson_opens_in_motion_where_motion_is_welcome_and_the_first_drag_moves_the_ghost(new_tab: Callable[..., Tab]) -> None:

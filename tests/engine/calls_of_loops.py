@@ -36,10 +36,12 @@ def feedback(plant: Plant) -> dict[str, dict[str, Any]]:
     return {
         "closed_loop": {"plant": plant, "K": K, "L": L, "model": plant},
         "compensator": {"plant": plant, "K": K, "L": L},
+        "integral_action": {"plant": plant, "K": K, "rate": 1.0},
         "loop_margins": {"plant": plant, "controller": controller},
         "lqg": {"plant": plant, "Q": I2, "R": ONE, "W": ONE, "V": ONE, "G": B},
         "noisy_loop": {"plant": plant, "controller": controller, **noise},
         "recover": {"plant": plant, "K": K, "W": ONE, "V": ONE, "q": 10.0, "G": B},
+        "reference_gain": {"plant": plant, "K": K},
         "recover_at_output": {"plant": plant, "L": L, "Q": I2, "R": ONE, "q": 10.0},
         "sensitivity": {"plant": plant, "controller": controller},
         "state_feedback_margins": {"plant": plant, "K": K},

@@ -19,7 +19,9 @@ from observer_lab.course.knobs import Choice, Knob, KnobError, Number, Poles, Sw
 from observer_lab.course.lesson import KEYS, Design, Lesson
 from observer_lab.engine import EngineError
 from observer_lab.lessons import LESSONS
+from observer_lab.page.column.knob_widgets import label_of
 from observer_lab.plants.examples import example
+from observer_lab.text import languages
 
 EXAMPLES, VALUES = 15, 3  # random designs of each lesson; other values of each number, its extremes among them
 
@@ -142,3 +144,10 @@ def test_a_hall_has_at_most_three_knobs_in_sight_in_every_design_and_never_none(
     for design in ways_to_hide(lesson):
         seen = [name for name in lesson.keys if lesson.shown(named[name], design)]
         assert min(2, len(offered)) <= len(seen) <= KEYS, f"{seen} in {dict(design.values)}"
+
+
+def test_a_unit_and_its_bracket_stand_in_one_line() -> None:
+    for language in languages():
+        labels = [label_of(knob, language) for lesson in LESSONS.values() for knob in lesson.knobs]
+        assert any("[" in label for label in labels)
+        assert [label for label in labels if " " in label.partition("[")[2]] == []

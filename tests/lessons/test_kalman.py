@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from lesson_checks import by_knobs, carried
 from scipy.linalg import expm, solve_discrete_are
+from scipy.spatial.transform import Rotation
 from scipy.stats import binom, chi2
 
 from observer_lab.engine import chi2_band
@@ -67,6 +68,39 @@ def test_one_step_by_hand_is_the_first_step_of_the_record():
     assert np.allclose(who.schedule.posterior[0], after, atol=1e-14)
     assert np.allclose(track.predicted[1], kf.A @ x + kf.B @ what.u[0], atol=1e-12)
     assert np.allclose(who.schedule.prior[1], kf.A @ after @ kf.A.T + kf.Q, atol=1e-14)
+
+
+# --- the ellipsoids above the deck -----------------------------------------------------------------------------------
+def drawn_ellipsoids(o) -> dict[str, np.ndarray]:
+    """Of each ellipsoid the matrix whose 1σ it is, in the units of the stage: R diag(half²) Rᵀ from what the stage is told."""
+    poses = o.stage.body.pose(o.stage.x[0].tolist(), o.stage.body.gain)
+    turned = {name: (Rotation.from_quat(np.roll(poses[name].wxyz, -1)).as_matrix(), np.square(poses[name].scale))
+              for name in ("last", "prediction", "estimate")}
+    return {name: R @ np.diag(half) @ R.T for name, (R, half) in turned.items()}
+
+
+@pytest.mark.parametrize("k", [1, 5, 20, 60])
+def test_the_ellipsoids_above_the_deck_are_the_covariances_of_the_velocities(k):
+    """One linear scale holds for all of them, so that growth and shrinkage can be compared by eye."""
+    kf, velocities = tuned(), np.ix_([3, 5, 4], [3, 5, 4])  # right, away, up
+    last = prior = posterior = watcher("white", 1.0, 1.0, 1.0).start.covariance
+    for sample in range(k + 1):
+        last, prior = posterior, posterior if sample == 0 else kf.A @ posterior @ kf.A.T + kf.Q
+        S = kf.C @ prior @ kf.C.T + kf.R
+        posterior = prior - prior @ kf.C.T @ np.linalg.inv(S) @ kf.C @ prior
+    size = np.sqrt(np.diag(prior[velocities]))
+    before, after = (drawn_ellipsoids(outcome(q=1.0, r=1.0, k=k, phase=phase)) for phase in ("predict", "update"))
+    factor = np.trace(before["prediction"]) / 3
+    for drawn, true in ((before["last"], last), (before["prediction"], prior), (after["prediction"], prior),
+                        (after["estimate"], posterior)):
+        assert np.allclose(drawn, factor * true[velocities] / np.outer(size, size), rtol=1e-6, atol=1e-6 * factor)
+
+
+def test_the_ellipsoid_grows_in_predict_and_shrinks_in_correct():
+    before, after = (drawn_ellipsoids(outcome(q=1.0, r=1.0, k=5, phase=phase)) for phase in ("predict", "update"))
+    assert np.linalg.det(before["last"]) < 0.5 * np.linalg.det(before["prediction"])
+    assert np.linalg.det(after["estimate"]) < 0.5 * np.linalg.det(after["prediction"])
+    assert np.linalg.det(before["estimate"]) < 1e-12 and np.linalg.det(after["last"]) < 1e-12
 
 
 # --- the tests of consistency ----------------------------------------------------------------------------------------

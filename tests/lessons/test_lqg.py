@@ -2,9 +2,11 @@
 
 from itertools import pairwise
 
+import control
 import numpy as np
 import pytest
 from lesson_checks import carried
+from scipy.linalg import solve_continuous_are
 from witnesses import Shown
 from witnesses_of_variances import least_cost
 
@@ -16,6 +18,7 @@ from observer_lab.lessons.lqg.cases import case_of
 from observer_lab.lessons.lqg.job import bench_of
 from observer_lab.lessons.lqg.lesson import LESSON, on_model
 from observer_lab.lessons.lqg.loops import setting_of, trace
+from observer_lab.lessons.lqg.recovery_figure import RING_NAME, RING_RECOVERIES
 from observer_lab.lessons.toolkit.figures import within
 from observer_lab.plants import MODELS, doyle
 from observer_lab.text import same
@@ -47,6 +50,31 @@ def test_the_margins_vanish_as_the_knobs_grow_and_recovery_brings_them_back() ->
     assert all(a > b for a, b in pairwise(high)) and high[-1] < 1.0001
     near = [at(case="doyle", q=1000.0, sigma=1000.0, recovery=r).metrics["nearest"] for r in (0.0, 2.0, 4.0, 6.0, 8.0, 10.0)]
     assert all(a < b for a, b in pairwise(near)) and near[0] < 1e-3 and near[-1] > 0.95
+
+
+def loop_by_hand(q: float, sigma: float, rho: float, omega: np.ndarray) -> np.ndarray:
+    """Doyle's loop cut at the input, from scipy's Riccati solver and the recovery noise μ² = (10^ρ − 1) tr(GWGᵀ)/tr(BBᵀ)."""
+    A, B, C, one = np.array([[1.0, 1.0], [0.0, 1.0]]), np.array([[0.0], [1.0]]), np.array([[1.0, 0.0]]), np.ones((2, 2))
+    K = B.T @ solve_continuous_are(A, B, q * one, np.eye(1))
+    W = sigma * one + (10.0**rho - 1) * 2 * sigma * B @ B.T
+    L = solve_continuous_are(A.T, C.T, W, np.eye(1)) @ C.T
+    controller = control.ss(A - B @ K - L @ C, L, K, 0)
+    return np.squeeze((controller * control.ss(A, B, C, 0))(1j * omega))
+
+
+@pytest.mark.parametrize(("q", "sigma"), [(5.0, 5.0), (1000.0, 1000.0), (0.5, 60.0)])
+def test_the_rings_are_the_loops_from_plain_lqg_to_lqr(q: float, sigma: float) -> None:
+    """Each one at its point nearest to −1, which comes no nearer the more is recovered."""
+    omega = np.concatenate([[0.0], np.geomspace(1e-4, 1e5, 40_000)])
+    figure = next(f for f in LESSON.figures(at(case="doyle", q=q, sigma=sigma, recovery=4.0)) if f.id == "rings")
+    drawn = {c.name("en"): c.x + 1j * c.y for c in figure.curves}
+    curves = {rho: loop_by_hand(q, sigma, rho, omega) for rho in (0.0, *RING_RECOVERIES)}
+    near = {rho: ell[np.argmin(np.abs(1 + ell))] for rho, ell in curves.items()}
+    assert all(abs(1 + a) < abs(1 + b) < 1 for a, b in pairwise(near.values())) and np.abs(1 + drawn["LQR"]).min() > 1 - 1e-6
+    for name, steps in (("plain LQG", (0.0,)), ("this LQG", (4.0,)), (RING_NAME, RING_RECOVERIES)):
+        for rho in steps:
+            gaps = np.abs(drawn[name] - near[rho])
+            assert gaps.min() < 0.02 * abs(1 + near[rho]) + 0.01, (name, rho)
 
 
 def test_lqr_keeps_its_margins_on_both_plants() -> None:

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterator
+from itertools import product
 
 import pytest
 from fakes import FakeView
-from laws import each
+from laws import each, holds_for_all
 
-from observer_lab.course.lesson import Lesson
+from observer_lab.course.lesson import Board, Lesson
 from observer_lab.course.scenes import (
     MAX_FIGURES,
     MAX_KNOBS,
@@ -27,6 +29,8 @@ from observer_lab.course.scenes import (
     places_of,
 )
 from observer_lab.lessons import LESSONS
+from observer_lab.page.guide.scene_card import card_html
+from observer_lab.page.stage.pole_boards import BOARD_HEIGHT, BOARD_WIDTH
 from observer_lab.session.commands.commands import Kick, Play, SetKnobs
 from observer_lab.session.commands.guide import ChooseOption, GoToScene, TurnScene
 from observer_lab.session.handlers.guide import options_of
@@ -199,6 +203,7 @@ def test_every_action_can_be_done_and_forth_and_back_shows_the_same(id: str) -> 
         assert walker.session.picture is not None
         states.append(dict(walker.session.picture.design.values))
         assert isinstance(scene.do, Read) or scene.id not in walker.done, f"{scene.id} is done before anything was done"
+        assert "[[" not in card_html(walker.session.picture, "hand"), f"{scene.id} shows a place without its number"
         walker.do()
         assert scene.id in walker.done, f"{scene.id} is not done"
         if k < len(path) - 1:
@@ -209,3 +214,35 @@ def test_every_action_can_be_done_and_forth_and_back_shows_the_same(id: str) -> 
         assert walker.session.picture is not None
         now = dict(walker.session.picture.design.values)
         assert {n: now[n] for n in names} == {n: states[k][n] for n in names}, path[k].id
+
+
+BOARD_PX = 250.0  # px that a board is wide in the guide at 1280x720
+NEIGHBOURS = (0, -1, 1, -2, 2)  # px beside the solution's
+
+
+def on_grid(poles: tuple[complex, ...], board: Board, shift: float, aside: tuple[int, int]) -> tuple[complex, ...]:
+    """Poles at pixels of a board: each at the one next to it and so many aside, on a grid shifted by a part of a pixel."""
+    pixel = (board.re_high - board.re_low) / BOARD_PX, 2 * board.im_high / (BOARD_PX * BOARD_HEIGHT / BOARD_WIDTH)
+
+    def nearest(value: float, size: float, by: int) -> float:
+        return (round(value / size - shift) + shift + by) * size
+    return tuple(board.hold(complex(nearest(p.real, pixel[0], aside[0]), 0.0 if p.imag == 0 else math.copysign(
+        abs(nearest(abs(p.imag), pixel[1], aside[1])), p.imag))) for p in map(complex, poles))
+
+
+def test_a_task_that_only_crosses_solve_is_solved_at_some_pixel() -> None:
+    """What the card asks for a hand can do with a mouse: no board has poles between two pixels."""
+    def law(lesson: Lesson, k: int) -> None:
+        scene = lesson.path[k]
+        assert isinstance(scene.do, Solve)
+        wanted = scene.do.task
+        task = next(each for each in lesson.tasks if each.id == wanted)
+        design = lesson.apply(lesson.start(), {**entry_values(lesson.path, k, lesson.start()), **task.solution})
+        dragged = task.solution.keys() - set(scene.knobs)
+        boards = [board for board in lesson.compute(design).boards if board.id in scene.boards and board.knob in dragged]
+        for shift in (0.0, 0.37, 0.71) if boards else ():
+            tries = (lesson.apply(design, {str(b.knob): on_grid(task.solution[str(b.knob)], b, shift, aside) for b in boards})
+                     for aside in product(NEIGHBOURS, NEIGHBOURS))
+            assert any(task.judge(lesson.compute(each)).solved for each in tries), f"{scene.id}: between two pixels"
+    holds_for_all([(lesson, k) for lesson in PATHS.values() for k, scene in enumerate(lesson.path) if isinstance(scene.do, Solve)], law,
+                  lambda lesson, k: f"{lesson.id} {lesson.path[k].id}")

@@ -9,9 +9,11 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
+from scipy.signal import StateSpace, lsim
 
 from observer_lab.course.figures.records import Figure
 from observer_lab.course.lesson import Outcome
+from observer_lab.engine import Plant, to_json
 from observer_lab.engine.simulation import disturbances_of
 from observer_lab.lessons.separation.lesson import LESSON
 from observer_lab.lessons.separation.study import Study
@@ -129,3 +131,75 @@ def test_the_largest_input_is_the_one_asked_for_also_where_the_coils_clip_it() -
     run = shown.run
     assert run is not None and np.max(np.abs(run.u_applied)) <= 0.2 * (1 + 1e-9)
     assert shown.metrics["largest_input"] == np.max(np.abs(run.u_asked)) > 0.2 * 1.5
+
+
+def height_by_scipy(integral: bool, r: float, error: float) -> np.ndarray:
+    """The height in m over the run: plant, observer and integrator written out here, integrated by scipy.signal."""
+    o = outcome(command=1000 * r, stiffness_error=error)
+    plant, model, K, L = o.run.scenario.plant, o.run.scenario.model, o.run.scenario.K, o.run.scenario.L
+    z = np.eye(6)[1:2]
+    steady = -z @ np.linalg.inv(model.A - model.B @ K) @ model.B
+    N = steady.T / (steady @ steady.T)[0, 0]
+    T = z @ np.linalg.inv(model.A - model.B @ K)
+    feed, sum_of = (K - 3.0 * N @ T, 3.0 * N) if integral else (K, np.zeros_like(N))
+    A = np.block([[plant.A, -plant.B @ feed, plant.B @ sum_of], [L @ plant.C, model.A - L @ model.C - model.B @ feed, model.B @ sum_of],
+                  [-z, np.zeros((1, 7))]])
+    B = np.vstack([plant.B @ N, model.B @ N, [[1.0]]])
+    system = StateSpace(A, B, np.eye(13)[1:2], np.zeros((1, 1)))
+    start = np.concatenate([o.run.x[0], np.zeros(7)])
+    return lsim(system, np.full(len(o.run.t), r), o.run.t, start)[1]
+
+
+@pytest.mark.parametrize("integral", [False, True])
+@pytest.mark.parametrize("error", [0.0, 10.0, -20.0])
+def test_the_height_follows_the_command_as_scipy_finds(integral: bool, error: float) -> None:
+    o = outcome(command=3.0, integral=integral, stiffness_error=error)
+    np.testing.assert_allclose(o.run.x[:, 1], height_by_scipy(integral, 0.003, error), atol=1e-9)
+
+
+@pytest.mark.parametrize("error", [10.0, -20.0, 25.0])
+def test_wrong_springs_leave_an_error_that_integral_action_takes_away(error: float) -> None:
+    """The model's force for r holds its own springs: the deck rests beside r without the integrator, at r with it."""
+    without, with_integral = (figure(outcome(command=3.0, stiffness_error=error), "command").curves[i].y[-1] - 3.0 for i in (1, 2))
+    assert without == pytest.approx(3.0 * error / 100, rel=0.05) and abs(with_integral) < 0.02
+
+
+def test_the_scene_of_the_command_starts_with_the_error_that_it_names() -> None:
+    o = outcome(command=3.0, stiffness_error=10.0)
+    assert o.metrics["at_the_end"] - 3.0 == pytest.approx(0.3, abs=0.005)
+
+
+@pytest.mark.parametrize("integral", [False, True])
+def test_a_command_does_not_reach_the_estimation_error(integral: bool) -> None:
+    one, other = (outcome(command=r, integral=integral, noise=2.0).run for r in (0.0, 3.0))
+    assert np.abs(one.x - other.x).max() > 1e-3
+    np.testing.assert_allclose(one.e, other.e, atol=1e-12)
+
+
+def test_integral_action_keeps_the_poles_of_the_boards() -> None:
+    plain, more = outcome(), outcome(integral=True)
+    assert {b.id: b.poles for b in more.boards} == {b.id: b.poles for b in plain.boards}
+    added = np.poly(np.concatenate([plain.poles["loop"], [-3.0, -6.0]]))
+    np.testing.assert_allclose(np.poly(more.poles["loop"]), added, rtol=1e-8)
+    assert more.checks[0].holds and np.abs(more.run.e[:, -1]).max() < 1e-15
+
+
+def own(C: list[list[float]], **changes: Any) -> Outcome[Study]:
+    """The lesson on a spring-damper that a person brought, with this sensor."""
+    lesson = LESSON.fit(to_json(Plant([[0, 1], [-2, -0.5]], [[0], [1]], C)))
+    return lesson.compute(lesson.apply(lesson.start(), changes))
+
+
+def test_a_velocity_that_no_constant_force_holds_takes_no_command_and_says_so() -> None:
+    o = own([[0.0, 1.0]], command=100.0, integral=True)
+    words = "No constant input holds the outputs at a command"
+    assert words in o.live("en") and not o.study.driven.integral
+    lesson = LESSON.fit(to_json(o.run.scenario.plant))
+    assert words in next(f for f in lesson.figures(o) if f.id == "command").caption("en")
+
+
+@pytest.mark.parametrize("mismatch", [0.0, 15.0])
+def test_the_output_of_an_own_plant_rests_at_its_command(mismatch: float) -> None:
+    o = own([[1.0, 0.0]], command=100.0, integral=True, mismatch=mismatch)
+    r = o.run.scenario.reference[0, -1]
+    assert r != 0 and o.metrics["at_the_end"] == pytest.approx(100.0, abs=2.0) and o.run.y[-1, 0] == pytest.approx(r, rel=0.02)

@@ -60,8 +60,8 @@ def test_a_file_that_is_no_plant(name: str, content: str, part: str) -> None:
 
 
 @pytest.mark.parametrize("what, sentence", [
-    (lambda: place([[0, 1], [0, 0]], [[1], [0]], [-1, -2]), "位于 0 的模态不能控：任何 K 都移不动它，请在所求极点中保留 0。"),
-    (lambda: observer_gain([[2, 0], [0, -1]], [[0, 1]], [-1, -3]), "位于 2 的模态不能观：任何 L 都移不动它，请在所求极点中保留 2。"),
+    (lambda: place([[0, 1], [0, 0]], [[1], [0]], [-1, -2]), "位于 0 的模态不可控：任何 K 都移不动它，请在所求极点中保留 0。"),
+    (lambda: observer_gain([[2, 0], [0, -1]], [[0, 1]], [-1, -3]), "位于 2 的模态不可观：任何 L 都移不动它，请在所求极点中保留 2。"),
     (lambda: lqr(np.eye(2), np.eye(2), np.eye(3), np.eye(2)), "Q 应为 2×2 矩阵，现为 3×3。"),
     (lambda: np.linalg.inv(np.zeros((2, 2))), "课程无法计算这一设计（矩阵奇异或迭代不收敛），保留上一幅正确的图。请撤销或调整旋钮。"),
 ], ids=["uncontrollable", "unobservable", "shape", "library"])
@@ -86,7 +86,7 @@ def test_a_job_that_fails() -> None:
     tab.do(RunJob())
     for _ in range(3):
         tab.session.step(0.0)
-    assert told(tab) == "位于 0 的模态不能控：任何 K 都移不动它，请在所求极点中保留 0。"
+    assert told(tab) == "位于 0 的模态不可控：任何 K 都移不动它，请在所求极点中保留 0。"
 
 
 def test_a_sampled_plant_that_no_continuous_one_stands_behind() -> None:

@@ -135,7 +135,7 @@ def test_what_a_follower_sends_changes_nothing(enter: Enter, present: Callable[[
         follower.send("SceneNodeDragMessage", phase="update", name=name, instance_index=None, start_position=(0, 0, 0),
                       start_screen_pos=(0.5, 0.5), end_position=(1, 0, 0), end_screen_pos=(0.5, 0.5), button="left", modifier=None,
                       owner="0")
-    for words in ("turn:1", "scene:0", "mode:lab", "vote:open", "vote:close", "vote:x:y:z", "vote:1", "hands"):
+    for words in ("turn:1", "scene:0", "mode:lab", "vote:open", "vote:close", "vote:x:y:z", "vote:1", "hands", "pole:", "ask:x"):
         say(follower, words)
         follower.send("GuiUpdateMessage", uuid=hand(presenter), updates={"value": words})
     say(follower, "slower")  # behind all of that
@@ -315,7 +315,60 @@ def test_a_typed_question_is_answered_by_options_or_a_number(enter: Enter, prese
     ask(presenter, "vote:close")
 
 
-@pytest.mark.parametrize("said", ["number:1:nan:ballot0001", "number:1::ballot0001", "number:1:1e999:ballot0001", "", "vote",
+def test_a_class_places_poles_in_the_lab_and_the_board_shows_their_cloud(enter: Enter, present: Callable[[], WireTab],
+                                                                         server: LabServer, folder: Path) -> None:
+    presenter, follower = present(), enter()
+    follower.until(lambda: card(follower), "the card")
+    ask(presenter, "mode:lab")
+    presenter.until(lambda: "ol-part-knobs" in str(presenter.widgets), "the lab")
+
+    def plane() -> str:
+        return part(follower, '<section class="ol-typed"')
+
+    def room() -> str:
+        return part(presenter, '<section class="ol-room"')
+
+    def open_pole_vote(words: str) -> str:
+        ask(presenter, words)
+        follower.until(lambda: 'data-room="pole:' in plane(), "the plane")
+        found = re.search(r'data-room="pole:(\d+)"', plane())
+        assert found is not None
+        return found[1]
+    vote = open_pole_vote("pole:Where <i>now</i>?")
+    assert "Where &lt;i&gt;now" in plane() and "eig(A" in plane(), "the question, and the title of the board"
+    for odd in ("nan:0", "0:inf", "1e99:0", "-999:0", "-1:99", "-1", "-1:0:0", "1_0:0", "-1:0j"):
+        say(follower, f"pole:{vote}:{odd}:ballot9999")
+    say(follower, f"vote:{vote}:0:ballot9998")
+    say(follower, f"number:{vote}:-1:ballot9997")
+    for k in range(HIDDEN_BELOW - 1):
+        say(follower, f"pole:{vote}:-4:{(-1) ** k * 2}:ballot{k:04d}")
+    follower.until(lambda: sum("−4 ± 2j is counted" in note for note in follower.notes) == HIDDEN_BELOW - 1, "four poles")
+    presenter.until(lambda: "fewer than 5 votes" in room(), "the count")
+    assert "<circle" not in room() and not [name for name in presenter.nodes if name.endswith("/placed")]
+    say(follower, f"pole:{vote}:-3:0:ballot0009")
+    presenter.until(lambda: "5 votes" in room() and room().count("<circle") == 3, "the cloud")
+    presenter.until(lambda: "/board/controller/placed" in presenter.nodes, "the cloud on the board")
+    assert "<circle" not in plane() and not [name for name in follower.nodes if name.endswith("/placed")], "nothing before the end"
+    ask(presenter, "vote:close")
+    follower.until(lambda: plane().count("<circle") == 3 and "/board/controller/placed" in follower.nodes, "the cloud for all")
+    again = open_pole_vote("vote:typed")
+    for k in range(HIDDEN_BELOW):
+        say(follower, f"pole:{again}:-6:0:another{k}")
+    presenter.until(lambda: room().count("<figure") == 2 and room().count("<circle") == 4, "both clouds side by side")
+    assert [dict(each.cloud) for each in RoomStore(folder).votes()[-2:]] == [{-4 + 2j: 4, -3 + 0j: 1}, {-6 + 0j: 5}]
+    ask(presenter, "vote:close")
+    ask(presenter, "pole:one\nof\nthese")
+    presenter.until(lambda: any("has no options" in note for note in presenter.notes), "what to type")
+    ask(presenter, "ask:How large?")
+    follower.until(lambda: 'data-room="number:' in plane(), "a typed question in the lab")
+    ask(presenter, "vote:close")
+    server.sessions[max(server.sessions)].post(SetMode("guide"))
+    follower.until(lambda: "data-scene=" in card(follower), "the path again")
+
+
+@pytest.mark.parametrize("said", ["pole:1:nan:0:ballot0001", "pole:1:0:1e999:ballot0001", "pole:1:0:ballot0001", "pole:1:0:0:b",
+                                  "pole:x:0:0:ballot0001", "number:1:nan:ballot0001", "number:1::ballot0001",
+                                  "number:1:1e999:ballot0001", "", "vote",
                                   "vote:1:0", "vote:1:9:ballot0001", "vote:-1:0:ballot0001", "vote:1:0:b",
                                   "vote:1:0:ballot 001", "vote:1234567890:0:ballot0001", "vote:1:0:ballot0001:more",
                                   "vote:\u0661:0:ballot0001"])

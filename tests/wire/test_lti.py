@@ -37,8 +37,10 @@ from lti_platform import (
 
 from observer_lab.course.handin.course_file import read_course
 from observer_lab.course.handin.hand_in import read_hand_in
+from observer_lab.course.handin.learner import Report
 from observer_lab.course.handin.served_course import ServedCourse, student_item
 from observer_lab.lessons import LESSONS
+from observer_lab.page.access.access_policy import RequestHead
 from observer_lab.page.access.addresses import listen
 from observer_lab.page.access.request_head import MAX_FORM_BYTES
 from observer_lab.page.access.tokens import AccessToken
@@ -92,7 +94,7 @@ def lab(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Lab]:
     settings = read_settings(platform.toml(f"http://127.0.0.1:{port}"), lambda name: pem("lab"))
     keys = ToolKeys(settings.private_key)
     doors = LtiDoors(settings, keys, Ledger(folder), LESSONS, ServedCourse(COURSE, time.time), port, time.time,
-                     scores=Scores(keys, time.time, pauses=(0.0, 0.0)))
+                     scores=Scores(keys, time.time, lambda _: None))
     server = LabServer(LESSONS, listener=listener, lesson="separation", access=AccessToken(WORD, port), frames=(FRAME,), sealed=True,
                        course=ServedCourse(COURSE, time.time), doors=doors)
     platform.trust(server.url)
@@ -219,6 +221,31 @@ def test_a_platform_that_fails_twice_gets_the_points_and_one_that_is_down_costs_
     assert report.bad and report.words("en") == phrases.POINTS_NOT_SENT("en") and len(platform.state.scores) == 1
 
 
+def test_points_that_are_overtaken_take_nothing_back_and_tries_count_as_they_came(lab: Lab) -> None:
+    """Two workers, a clock that stands still, and a platform that fails the first: its points arrive behind those of the second."""
+    browser, platform, now, user = lab.browser(), lab.platform, time.time(), "user-in-a-hurry"
+    page, reports = page_of(browser, platform.launch(browser, "kalman", user)), list[Report]()
+    settings = read_settings(platform.toml(lab.url), lambda name: pem("lab"))
+    keys, served = ToolKeys(settings.private_key), ServedCourse(COURSE, lambda: now)
+
+    def worker(wait: Callable[[float], object]) -> Callable[[str], Report]:
+        doors = LtiDoors(settings, keys, Ledger(lab.folder), LESSONS, served, int(lab.url.rpartition(":")[2]), lambda: now,
+                         scores=Scores(keys, lambda: now, wait))
+        learner = doors.learner(page, cookies_of(browser))
+        assert learner is not None and learner.report is not None
+        return learner.report
+    student, item = COURSE.keys.student(platform.url, user), COURSE.items["kalman exam step"]
+    wrong, good, late = (served.hand_in(item, student, answer) for answer in ("12345.678", right(student), "0.98765"))
+    platform.state.scores.clear()
+    platform.state.failures = 1
+    other = worker(lambda _: None)
+    reports.append(worker(lambda _: reports.append(other(good)))(wrong))
+    reports.append(other(late))
+    assert [report.words for report in reports] == [phrases.POINTS_SENT, phrases.POINTS_SENT, phrases.DOES_NOT_COUNT]
+    posted = [(score["timestamp"], score["scoreGiven"]) for _, score in platform.state.scores]
+    assert [given for _, given in posted] == [5, 0, 5] and posted[1][0] < posted[0][0] < posted[2][0], posted
+
+
 @pytest.mark.parametrize("changes", [
     {"roles": ["http://purl.imsglobal.org/vocab/lis/v2/membership#Instructor"]},
     {"https://purl.imsglobal.org/spec/lti-ags/claim/endpoint": None},
@@ -232,13 +259,17 @@ def test_no_points_are_sent_where_there_is_no_place_for_them(lab: Lab, changes: 
     assert learner is not None and learner.report is None
 
 
-def _learner(lab: Lab, browser: LearningBrowser, answer: Answered) -> Any:
+def cookies_of(browser: LearningBrowser) -> RequestHead:
     class Head:
         def get_all(self, key: str) -> list[str]:
             return [browser.cookie_line] if key == "Cookie" else []
+    return Head()
+
+
+def _learner(lab: Lab, browser: LearningBrowser, answer: Answered) -> Any:
     doors = lab.server._doors
     assert doors is not None
-    return doors.learner(page_of(browser, answer), Head())
+    return doors.learner(page_of(browser, answer), cookies_of(browser))
 
 
 def test_the_students_key_follows_from_the_secret_and_two_people_have_two(lab: Lab) -> None:

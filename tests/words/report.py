@@ -1,4 +1,4 @@
-"""Print sentences that break the rules of plain English, with file and line; keep the list of known ones.
+"""Print sentences that break the rules of plain English or Chinese, with file and line; keep the list of known ones.
 
 `python tests/words/report.py [FILE or FOLDER …]` prints every offender and the figures of length; `--new` those alone that are not in
 the list of known ones. `--update` takes from that list what is gone. `--begin` writes it anew: only where rewritten text has
@@ -18,8 +18,9 @@ HERE = Path(__file__).resolve().parent
 if __name__ == "__main__":
     sys.path[:0] = [str(HERE), str(HERE.parent)]
 
+from chinese_rules import chinese_offences  # noqa: E402
 from word_rules import NUMBERS, masked, offences, word_count  # noqa: E402
-from word_sources import Sentence, every_sentence, of_files  # noqa: E402
+from word_sources import CHINESE, Sentence, every_sentence, of_files  # noqa: E402
 
 BASELINE = HERE / "known_offenders.txt"
 HEAD = "# Sentences that still break the rules: a hash of each. `python tests/words/report.py --update` shortens the list.\n"
@@ -38,7 +39,8 @@ def known() -> dict[str, str]:
 
 def offenders(all_of_them: Iterable[Sentence]) -> dict[Sentence, list[str]]:
     """Sentences that break a rule, and how."""
-    found = ((one, offences(one.words, (NUMBERS,) if one.script else ())) for one in all_of_them)
+    found = ((one, (chinese_offences if one.file.startswith(CHINESE) else offences)(one.words, (NUMBERS,) if one.script else ()))
+             for one in all_of_them)
     return {one: why for one, why in found if why}
 
 
@@ -54,8 +56,8 @@ def write(entries: Mapping[str, str]) -> None:
 
 
 def figures(all_of_them: Iterable[Sentence]) -> str:
-    """How many sentences there are and how long: median and 95th percentile, of those of three words or more."""
-    counts = sorted(count for one in all_of_them if (count := word_count(one.words)) >= 3)
+    """How many English sentences there are and how long: median and 95th percentile, of those of three words or more."""
+    counts = sorted(count for one in all_of_them if not one.file.startswith(CHINESE) and (count := word_count(one.words)) >= 3)
     if not counts:
         return "no sentences"
     high = counts[min(len(counts) - 1, round(0.95 * len(counts)))]

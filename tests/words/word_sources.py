@@ -1,13 +1,15 @@
-"""Every English sentence that a person can meet, with the file and line where it stands."""
+"""Every English and Chinese sentence that a person can meet, with the file and line where it stands."""
 
 from __future__ import annotations
 
 import ast
+import io
 import re
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
+from babel.messages.pofile import read_po
 from catalogues import SOURCES, comments, said
 from syntax import nodes
 
@@ -18,6 +20,8 @@ STOP = re.compile(r"(?:(?<=[.!?…])|(?<=[.!?…][”\")*]))\s+(?=[“\"(*$\[`]*
 FENCE = re.compile(r"^\s*```")
 ITEM = re.compile(r"^\s*(?:[-*] |\d+\. |> ?)+")
 ROW = re.compile(r"^\s*\|(.+)\|\s*$")
+CHINESE = "app/locale/zh/"
+CHINESE_STOP = re.compile(r"(?<=[。？！])(?=.)")
 ERRORS = re.compile(r"^[A-Z]\w*(?:Error|Refusal)$")
 HELP_NAMES = re.compile(r"^(?:[A-Z_]*HELP|help|description|epilog|metavar_help)$")
 
@@ -138,10 +142,23 @@ def pages() -> list[Path]:
     return [*(ROOT / name for name in PAGES), *lessons]
 
 
+def chinese() -> Iterator[Sentence]:
+    """The Chinese sentences; of the glossary without the other forms by which it finds a term."""
+    for path in sorted((ROOT / CHINESE).iterdir()):
+        text = path.read_text(encoding="utf-8")
+        if path.suffix == ".md":
+            found = markdown(re.sub(r"^- .*$", "", text, flags=re.M) if path.name == "glossary.md" else text, CHINESE + path.name)
+        else:
+            found = (Sentence(one.string, CHINESE + path.name, one.lineno or 0, path.name == "comments.po")
+                     for one in read_po(io.StringIO(text)) if one.id and isinstance(one.string, str))
+        for one in found:
+            yield from (replace(one, words=part) for part in CHINESE_STOP.split(one.words) if part.strip())
+
+
 def every_sentence() -> list[Sentence]:
-    """All of them: pages, messages, errors and help."""
+    """All of them: pages, messages, errors and help, and what stands in Chinese."""
     found = [one for path in pages() for one in markdown(path.read_text(encoding="utf-8"), path.relative_to(ROOT).as_posix())]
-    found += [*messages(), *untranslated()]
+    found += [*messages(), *untranslated(), *chinese()]
     return [*dict.fromkeys(found)]
 
 

@@ -16,8 +16,8 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     """The options of `export`."""
     parser.add_argument("lesson", metavar="LESSON")
     parser.add_argument("--to", required=True, choices=[kind for kind, _ in SUFFIXES],
-                        help="what to make of it; engine-notebook uses the lab's own engine, "
-                             "pdf is the sheet of the lesson for print, svg and png are its figures on one page")
+                        help="kind of file; engine-notebook uses the lab's own engine, "
+                             "pdf is the sheet for print, svg and png show the figures on one page")
     add_language(parser, "scripts, figures and sheet")
     parser.add_argument("-o", "--output", metavar="FILE", help="where to (default: the lesson's name in this folder)")
     parser.add_argument("--set", action="append", default=[], metavar="KNOB=VALUE", dest="changes",

@@ -263,7 +263,7 @@ def _door(request: ServeRequest) -> tuple[socket.socket, AccessToken | None, str
     try:
         access = AccessToken(word, request.port) if word else None
     except ValueError as problem:
-        raise CommandError(f"What --token or {VARIABLE} gives cannot be used: {problem}.") from problem
+        raise CommandError(f"The token of --token or {VARIABLE} cannot be used: {problem}.") from problem
     try:
         public = is_public(request.host)
         if public and not request.public:

@@ -174,4 +174,4 @@ def explain_unreadable(said: str, why: UnreadableInput, letters: tuple[str, ...]
     if letters:
         return text("“{said}” cannot be read; use {letters}, + − * / ^, brackets, sqrt, exp, ln, sin and cos, and a sign between any two "
                     "letters.", said=shown, letters=", ".join(letters))
-    return text("“{said}” is no number; write one like 0.05, −1.2, 5e-2, 1/3 or √2, without a unit.", said=shown)
+    return text("“{said}” is no number; write one like 0.05, −1.2, 1/3 or √2, without a unit.", said=shown)

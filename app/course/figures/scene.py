@@ -36,6 +36,7 @@ class Board:
     also: tuple[tuple[str, Any], ...] = ()  # knobs that dragging sets too
     disc: bool = False  # discrete time: stable is inside the unit circle
     pinned: tuple[tuple[int, tuple[complex, ...]], ...] = ()  # poles of pinned designs, by the place of the pin
+    placed: tuple[tuple[complex, int], ...] = ()  # poles that a class has placed, with how often each; one of a pair stands for both
     landscape: np.ndarray | None = None  # matrix whose |det(sI − M)|⁻¹ is drawn in front, if any
 
     def hold(self, s: complex) -> complex:

@@ -6,12 +6,14 @@ from .loop_spectrum import NoisyLoop, noisy_loop
 from .lqg import Lqg, lqg
 from .ltr import Recovered, recover, recover_at_output
 from .margins import ChannelMargins, DiskMargin, LoopMargins, MultiMargins, loop_margins, state_feedback_margins
+from .reference import IntegralAction, integral_action, reference_gain
 from .sensitivity import Sensitivity, sensitivity
 
 __all__ = [
     "ChannelMargins",
     "ClosedLoop",
     "DiskMargin",
+    "IntegralAction",
     "LoopMargins",
     "Lqg",
     "MultiMargins",
@@ -21,11 +23,13 @@ __all__ = [
     "TransferFunction",
     "closed_loop",
     "compensator",
+    "integral_action",
     "loop_margins",
     "lqg",
     "noisy_loop",
     "recover",
     "recover_at_output",
+    "reference_gain",
     "sensitivity",
     "state_feedback_margins",
     "to_tf",

@@ -1,4 +1,4 @@
-"""Design functional, robust, bilinear and unknown-input observers, and fault banks."""
+"""Design functional, robust, reduced, bilinear and unknown-input observers, and fault banks."""
 
 from ..systems.gates.room_gates import with_gates
 from .bilinear import BilinearForm, BilinearObserver, BilinearPlant
@@ -9,6 +9,7 @@ from .fault_bank import FaultBank, ResidualGenerator, isolate, residual_generato
 from .functional import FunctionalObserver, functional_observer
 from .functional_loop import FunctionalRun, error_index, error_transfer, peak_gain, perturbed_loop, simulate_functional, worst_error_gain
 from .perturbation import Norm, Perturbations, criterion, every_entry, perturbations, vertices
+from .reduced import ReducedObserver, reduced_observer
 from .residual_threshold import alarm_probability, binomial_band, needed_noncentrality, residual_threshold, window_energy, window_mean
 from .rlo import Attempt, Region, RobustObserver, rlo, rlo_steps
 from .unknown_input import Decoupling, UnknownInputObserver, decoupling, unknown_input_observer
@@ -26,6 +27,7 @@ __all__ = [
     "FunctionalRun",
     "Norm",
     "Perturbations",
+    "ReducedObserver",
     "Region",
     "ResidualGenerator",
     "RobustObserver",
@@ -45,6 +47,7 @@ __all__ = [
     "peak_gain",
     "perturbations",
     "perturbed_loop",
+    "reduced_observer",
     "residual_generator",
     "residual_threshold",
     "rlo",

@@ -19,7 +19,7 @@ from .script import AGREED, INSTANTS, ScriptError
 __all__ = ["engine_notebook"]
 
 INTRODUCTION = text("This notebook uses the lab's own engine: arrays in, frozen records out. Ten lines lead from a plant to everything; "
-                    "change any of them and run it again. help(simulate), or any other name, says what it takes.")
+                    "change any of them and run it again. help(simulate) describes its arguments.")
 GIVEN = text("What is given")
 TEN = text("Ten lines to everything")
 CHECKED = text("What came out")
@@ -34,7 +34,7 @@ FILTER = text("the best estimate under noise")
 RUN_COMMENT = text("plant, observer and controller")
 FILTERED = text("the filter on the same readings")
 DRAWN_COMMENT = text("true states, estimates, the filter's means")
-VERIFIED = text("how far e leaves what de/dt = (A − L C) e promises")
+VERIFIED = text("largest difference between e and the solution of de/dt = (A − L C) e")
 HELD_COMMENT = text("later the page holds what has fallen or left every bound")
 NO_PLANT = text("The plant of this design is not linear, and the notebook on the engine begins with A, B and C; take the other notebook.")
 

@@ -24,7 +24,7 @@ __all__ = ["function_name", "matlab_script"]
 
 POLE_MATRICES: Mapping[str, str] = MappingProxyType({
     "A - B K": "Am - Bm * K", "A - L C": "Am - L * Cm", "the loop": "loop_matrix", "the compensator": "Am - Bm * K - L * (Cm - Dm * K)",
-    "A": "A", "the believed A": "Am"})
+    "A": "A", "the model's A": "Am"})
 QUIET_COMMENT = text_in("script", "{function}(false) checks and draws nothing.")
 MAX_JUMP_ROWS = 12  # rows that jump, up to which each has a line of its own
 
@@ -59,7 +59,7 @@ def _plant(s: Scenario) -> Iterator[str]:
     for name in "ABCD":
         yield array(name, getattr(plant, name))
     for name in "ABCD":
-        yield f"{name}m = {name};" if model is plant else array(f"{name}m", getattr(model, name), "what the designer believes")
+        yield f"{name}m = {name};" if model is plant else array(f"{name}m", getattr(model, name), "the designer's model")
 
 
 def _gains(s: Scenario) -> Iterator[str]:
@@ -98,7 +98,7 @@ def _given(s: Scenario, run: Run) -> Iterator[str]:
     yield (array("r", held[:1]) + "\nr = repmat(r, count, 1);  % a constant reference" if constant else array("r", held, "the reference"))
     yield array("u_min", s.u_min[:, None])
     yield array("u_max", s.u_max[:, None])
-    yield f"told_clipped = {str(s.fed == 'applied').lower()};  % whether the observer is told the clipped input, or the asked one"
+    yield f"told_clipped = {str(s.fed == 'applied').lower()};  % whether the observer's input is the clipped one, or the asked one"
     yield f"state_feedback = {str(bool(s.state_feedback)).lower()};  % whether u = r - K x instead of r - K xhat"
     yield f"lag = {s.lag};  % steps by which the input comes late"
     yield f"hold_and_sample = {str(bool(s.discrete and not s.plant.dt)).lower()};  % the plant is held between samples"

@@ -26,7 +26,7 @@ INSTANTS = 6  # moments of the run that are asserted
 AGREED = 1e-6  # of the largest number: how near the script comes
 POLE_MATRICES: Mapping[str, str] = MappingProxyType({  # what a set of poles may be the eigenvalues of, under its name in the script
     "A - B K": "Am - Bm @ K", "A - L C": "Am - L @ Cm", "the loop": "loop_matrix", "the compensator": "Am - Bm @ K - L @ (Cm - Dm @ K)",
-    "A": "A", "the believed A": "Am"})
+    "A": "A", "the model's A": "Am"})
 
 
 NO_SCRIPT = text("No script is written for this lesson yet: its run is of a kind of its own; take its data as JSON or CSV.")
@@ -83,10 +83,10 @@ def _plant(s: Scenario) -> Iterator[str]:
     for name in "ABCD":
         yield array_text(name, getattr(plant, name))
     if model is plant:
-        yield "Am, Bm, Cm, Dm = A, B, C, D  # the designer believes the truth"
+        yield "Am, Bm, Cm, Dm = A, B, C, D  # the designer's model is exact"
         return
     for name in "ABCD":
-        yield array_text(f"{name}m", getattr(model, name), "what the designer believes" if name == "A" else "")
+        yield array_text(f"{name}m", getattr(model, name), "the designer's model" if name == "A" else "")
 
 
 def _gains(s: Scenario, outcome: Outcome) -> Iterator[str]:
@@ -112,7 +112,7 @@ def _given(s: Scenario, run: Run) -> Iterator[str]:
     else:
         yield array_text("r", held, "the reference, held from one grid point to the next")
     yield f"u_min, u_max = np.array({_limits(s.u_min)}), np.array({_limits(s.u_max)})"
-    yield f"told_clipped = {s.fed == 'applied'}  # whether the observer is told the clipped input, or the asked one"
+    yield f"told_clipped = {s.fed == 'applied'}  # whether the observer's input is the clipped one, or the asked one"
     yield f"state_feedback = {bool(s.state_feedback)}  # whether u = r - K x instead of r - K xhat"
     yield f"lag = {s.lag}  # steps by which the input comes late"
     yield f"plant_is_sampled, hold_and_sample = {bool(s.plant.dt)}, {bool(s.discrete)}"
@@ -161,7 +161,7 @@ def _eigenvalues_of(s: Scenario) -> Iterator[tuple[str, np.ndarray]]:
     yield "the loop", np.linalg.eigvals(loop)
     yield "the compensator", np.linalg.eigvals(model.A - model.B @ K - L @ (model.C - model.D @ K))
     yield "A", np.linalg.eigvals(A)
-    yield "the believed A", np.linalg.eigvals(model.A)
+    yield "the model's A", np.linalg.eigvals(model.A)
 
 
 def _same_poles(found: np.ndarray, poles: np.ndarray) -> bool:

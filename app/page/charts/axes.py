@@ -13,6 +13,7 @@ from .text_layout import LARGE_PRINT_PX, Box, fold_lines, text_width
 
 W, H = 360, 254
 LEFT_PX, RIGHT_PX, TOP_PX, BOTTOM_PX = 56, 12, 28, 40
+MARK_CLEAR_PX, MARK_ROOM_PX = 7.0, 8.0  # from the middle of a mark to the frame: where one beyond it is held; at least
 PLOT_FRAME = Box(LEFT_PX, TOP_PX, W - RIGHT_PX, H - BOTTOM_PX)
 # of the names of axes: the height of a line in the tallest fonts, what of it rises above the foot of letters, px to the numbers
 ROW_HEIGHT_PX, NAME_RISE_PX, NAME_CLEARANCE_PX = 1.45 * LARGE_PRINT_PX, 1.16 * LARGE_PRINT_PX, 8.0
@@ -24,6 +25,14 @@ NUMBER_GAP_PX, EDGE_GAP_PX = (
     6.0,
     5.0,
 )  # px between two numbers below the frame, and from the last one to the edge, where a column may be slid
+
+
+def clear_of_marks(span: tuple[float, float], marks: Sequence[float], long: float) -> tuple[float, float]:
+    """A range that is widened where a mark in it would touch the frame of a drawing so many px long."""
+    low, high = span
+    room = MARK_ROOM_PX / (long - LEFT_PX - BOTTOM_PX) * (high - low)
+    inside = [mark for mark in marks if low <= mark <= high]
+    return min([low, *(mark - room for mark in inside)]), max([high, *(mark + room for mark in inside)])
 
 
 class Axes:
@@ -83,9 +92,9 @@ class Axes:
         return self.left + (x - self.x[0]) * self._sx, self._foot - (y - self.y[0]) * self._sy
 
     def held(self, x: float, y: float) -> tuple[float, float]:
-        """The pixel of a point, or the nearest one inside the frame."""
-        px, py = self.at(x, y)
-        return min(max(px, self.left), W - RIGHT_PX), min(max(py, TOP_PX), self._foot)
+        """The pixel of a mark, or the nearest one that is clear of the frame."""
+        (px, py), room = self.at(x, y), MARK_CLEAR_PX
+        return min(max(px, self.left + room), W - RIGHT_PX - room), min(max(py, TOP_PX + room), self._foot - room)
 
     def area(self, left: float = 0.0) -> str:
         """Where the drawing area is, from a pixel on, as an element says it."""

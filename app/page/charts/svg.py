@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import html
 import math
+import re
 from typing import assert_never
 
 import numpy as np
@@ -12,7 +13,7 @@ from ...colours import COLOURS, rgb
 from ...course.figures.records import Figure, LineFigure, MapFigure, MatrixFigure, PlaneFigure, TableFigure, finite
 from ...text import label_in_language
 from ..words.prose import with_minus
-from .axes import ROW_HEIGHT_PX, Axes, H, W
+from .axes import ROW_HEIGHT_PX, Axes, H, W, clear_of_marks
 from .matrices import matrix
 from .text_layout import (
     LARGE_PRINT_PX,
@@ -35,6 +36,7 @@ MOST_NAMES, NAME_COLOUR_SHARE = (
 )  # names of curves that stand beside them, more stand in a key; how much of a curve's colour is its name's
 BOLD = 1.08  # how much wider bold words are
 TITLE_PX = 13.0  # px of a drawing's title; in large print it is as large as its other words
+BARS = re.compile("▮+")  # the level of a number in a table: a bar as many parts long
 TIMES_TEN = "·10"  # a number parts before its power of ten as those of a cell do
 
 
@@ -77,8 +79,8 @@ def _svg(drawn: tuple[str, float], figure: Figure, language: str, large: bool) -
 
 def _plane(figure: PlaneFigure, language: str, large: bool, high: float) -> tuple[str, float]:
     axes = Axes(
-        figure.x_range,
-        figure.y_range,
+        clear_of_marks(figure.x_range, [p.x for p in figure.points], W),
+        clear_of_marks(figure.y_range, [p.y for p in figure.points], high),
         figure.equal,
         (label_in_language(figure.x_label, language), label_in_language(figure.y_label, language)),
         figure.powers,
@@ -198,7 +200,8 @@ def _table(figure: TableFigure, language: str) -> str:
             .replace(TIMES_TEN, TIMES_TEN[0] + "<wbr>" + TIMES_TEN[1:])
             .replace(BETWEEN, BETWEEN[:-1] + "<wbr>" + BETWEEN[-1])
         )
-        return f"<{kind}{tied}>{parted}</{kind}>"
+        drawn = BARS.sub(lambda bar: f'<i class="ol-level" style="--parts:{len(bar[0])}"></i>', parted)
+        return f"<{kind}{tied}>{drawn}</{kind}>"
     head = "".join(cell(c, "th") for c in figure.columns)
     body = "".join("<tr>" + "".join(cell(v, "td") for v in row) + "</tr>" for row in figure.rows)
     return (f'<div class="ol-figure" data-figure="{figure.id}"><table class="ol-table"><caption>'

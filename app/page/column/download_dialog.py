@@ -5,7 +5,6 @@ from __future__ import annotations
 import html
 from collections.abc import Callable, Mapping
 
-import segno
 import viser
 
 from ...course.figures.records import tab_names
@@ -18,11 +17,11 @@ from ...text import Text, read_outside_json
 from ..access.addresses import is_reachable
 from ..viser_private import page_scripts
 from ..words import phrases
+from ..words.link_code import qr_code
 from .dialog import Dialog
 
 LONGEST_CODE = 700  # characters of a link whose code a telephone reads from the back of a hall
 FIGURE_KINDS = ("PNG", "SVG", "PDF", "CSV", "JSON")  # of a figure
-BORDER = 4  # modules of white around a code, as its standard asks for
 
 
 class DownloadDialog(Dialog):
@@ -138,13 +137,6 @@ class DownloadDialog(Dialog):
         alone = "" if not self._home or is_reachable(self._home) else phrases.ONLY_THIS_MACHINE(self._lang)
         field += f'<p class="ol-note">{html.escape(alone)}</p>' if alone else ""
         return field + (qr_code(f"{self._home}#{token}") if shown else "")
-
-
-def qr_code(link: str) -> str:
-    """A link as a QR code, an SVG as wide as there is room."""
-    found = segno.make(link, error="l", micro=False, boost_error=False)
-    svg = found.svg_inline(border=BORDER, omitsize=True, light="white", svgclass="ol-code")
-    return f'<div class="ol-code-frame">{svg}</div>'
 
 
 def _said(words: object) -> Edit | None:

@@ -15,6 +15,7 @@ from ...text import format_number
 from ..viser_private import viser_internals
 from ..viser_private.widget_values import ReadBack
 
+TIED_SPACE = "\N{NO-BREAK SPACE}"
 Post = Callable[[str, Any], int]  # knob name, value → number of the edit
 
 
@@ -30,8 +31,8 @@ class Widget(Protocol):
 
 
 def label_of(knob: Knob, language: str) -> str:
-    """The knob's name with its unit."""
-    return knob.label(language) + (f" [{knob.unit}]" if knob.unit else "")
+    """The knob's name with its unit, which stands in one line."""
+    return knob.label(language) + (f" [{knob.unit.replace(' ', TIED_SPACE)}]" if knob.unit else "")
 
 
 def marks(knob: Number, language: str) -> tuple[float | tuple[float, str], ...]:

@@ -17,6 +17,7 @@ from ...text import languages, name_of
 from ..viser_private import viser_internals
 from ..viser_private.hidden_input import hidden_input
 from ..viser_private.widget_values import ReadBack
+from ..votes.room_panel import RoomPanel, room_command
 from ..words import phrases
 from ..words.mode_switch import mode_switch
 from ..words.prose import explained_html, judged_html, mathml, render_markdown, with_minus
@@ -36,8 +37,9 @@ Post = Callable[[Edit], int]
 class Panel:
     """The column of one lesson in one language."""
 
-    def __init__(self, gui: viser.GuiApi, picture: Picture, post: Post) -> None:
-        self._gui, self._post = gui, post
+    def __init__(self, client: viser.ClientHandle, picture: Picture, post: Post) -> None:
+        gui = self._gui = client.gui
+        self._post = post
         self._lang = picture.state.language
         self._lesson = picture.lesson
         self._step = picture.state.step
@@ -46,7 +48,9 @@ class Panel:
         self._tasks: dict[str, tuple[viser.GuiMarkdownHandle, viser.GuiButtonGroupHandle]] = {}
         self._hand_ins: list[HandInBox] = []
         self._plants: PlantRow | None = None
+        self._hand = viser_internals.node_id(hidden_input(gui, self._heard))
         self._head(picture)
+        self._room = RoomPanel(client, picture, self._hand)
         self._prediction = PredictionPanel(gui, picture, post)
         self._part("knobs")
         self._rows = KnobRows(gui, picture, post)
@@ -85,8 +89,7 @@ class Panel:
         if picture.state.lecture:
             gui.add_html(question)
         if self._lesson.path:
-            hand = hidden_input(gui, lambda said: self._post(SetMode(said.removeprefix("mode:"))))
-            gui.add_html(f'<div class="ol-head">{mode_switch("lab", lang, viser_internals.node_id(hand))}'
+            gui.add_html(f'<div class="ol-head">{mode_switch("lab", lang, self._hand)}'
                          f'<button type="button" class="ol-do ol-search">{html.escape(phrases.SEARCH(lang))}</button></div>')
         self._choice = gui.add_dropdown(phrases.LESSON(lang), tuple(titles.values()),
                                         initial_value=titles[self._lesson.id])
@@ -104,6 +107,13 @@ class Panel:
                 self._post(SetLanguage(tongues[word]))
             elif word in pages:
                 self._post(pages[word])
+
+    def _heard(self, said: str) -> None:
+        """What a button of the head or of the room asks for."""
+        kind, _, value = said.partition(":")
+        edit = SetMode(value) if kind == "mode" else room_command(kind, value)
+        if edit is not None:
+            self._post(edit)
 
     def _introduce(self, lecture: bool) -> None:
         """What the question is about; folded in a hall, where somebody tells it."""
@@ -162,6 +172,7 @@ class Panel:
         """Everything in the column that may have changed."""
         self._catalogue.show(self._words.title, picture)
         self._guide.show(picture)
+        self._room.show(picture)
         self._rows.show(picture)
         if self._plants is not None:
             self._plants.show(picture)

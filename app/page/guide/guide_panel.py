@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from types import MappingProxyType
 
 import viser
 
@@ -21,7 +20,7 @@ from ...session.commands.commands import (
     ToggleTheme,
 )
 from ...session.commands.guide import ChooseOption, EndLecture, GoToScene, RecordStop, SaveLecture, SetMode, ToggleGlossary, TurnScene
-from ...session.commands.room import AskTyped, AskTypedAgain, CloseVote, LowerHands, OpenVote, RunSeeds
+from ...session.commands.room import RunSeeds
 from ...session.state.view import Picture
 from ..charts.charts import Chart
 from ..charts.print_sizes import Sizes
@@ -30,12 +29,11 @@ from ..column.knob_widgets import NumberWidget, Widget, make_widget
 from ..viser_private import viser_internals
 from ..viser_private.hidden_input import hidden_input
 from ..viser_private.write_once import write_content
+from ..votes.room_panel import RoomPanel, room_command
 from ..words import phrases
 from .pointing_hand import hand_target
-from .room_card import ask_html, audience_html, room_html
 from .scene_card import card_html, formulas_html, mode_row, verdict_html
 
-VOTES = MappingProxyType({"close": CloseVote, "typed": AskTypedAgain})
 Post = Callable[[Edit], int]
 
 
@@ -58,11 +56,8 @@ class GuidePanel:
                     lambda name, value: post(DrawByHand(name, value)))
         self._formulas = gui.add_html("")
         self._verdict = gui.add_html("")
-        self._room = gui.add_html("") if picture.state.room is not None else None
+        self._room = RoomPanel(client, picture, self._hand)
         self._seeds = gui.add_html("") if picture.state.room is not None else None
-        if self._room is not None:
-            gui.add_html(ask_html(self._hand, picture.state.language) + audience_html(picture))
-            viser_internals.run_script(client, "ask")
         shown = {name for scene in picture.lesson.path for name in scene.figures}
         self.charts = {figure.id: Chart(gui, figure, picture.state.language, Sizes(picture.state), picture.horizon, None, 2)
                        for figure in picture.seen if figure.id in shown}
@@ -81,10 +76,10 @@ class GuidePanel:
             "option": lambda: ChooseOption(_whole(value)), "course": ToggleCourse, "language": SetLanguage, "theme": ToggleTheme,
             "take": ToggleDownloads, "help": ToggleHelp, "terms": ToggleGlossary, "reset": lambda: GoToScene(self._stop),
             "end": EndLecture, "record": RecordStop, "save": SaveLecture, "lesson": lambda: OpenLesson(value),
-            "vote": VOTES.get(value, OpenVote), "ask": lambda: AskTyped(value), "hands": LowerHands,
             RUN_SEEDS: RunSeeds}
-        if kind in edits:
-            self._post(edits[kind]())
+        edit = edits[kind]() if kind in edits else room_command(kind, value)
+        if edit is not None:
+            self._post(edit)
 
     def show(self, picture: Picture) -> None:
         """Show the scene of a picture."""
@@ -99,8 +94,7 @@ class GuidePanel:
         if picture.resting:
             write_content(self._formulas, formulas_html(picture))
         write_content(self._verdict, verdict_html(picture, self._hand))
-        if self._room is not None:
-            write_content(self._room, room_html(picture, self._hand))
+        self._room.show(picture)
         if self._seeds is not None and (picture.resting or picture.many is None):
             write_content(self._seeds, seeds_html(picture, self._hand))
         self._tell_notes(picture)

@@ -87,15 +87,17 @@ def card_html(picture: Picture, hand: str) -> str:
     if isinstance(scene.do, Choose):
         parts.append(_options(picture, scene, hand))
     if words.do and scene.id not in picture.state.done:
-        parts.append(f'<p class="ol-todo">{_emphasised(render_markdown(words.do))}</p>')
+        parts.append(f'<p class="ol-todo">{_emphasised(render_markdown(with_minus(live_numbers(picture, words.do))))}</p>')
     return f'<section class="ol-card" data-scene="{scene.id}">{"".join(parts)}</section>'
 
 
 def _options(picture: Picture, scene: Scene, hand: str) -> str:
     options, _, answer = options_of(picture.lesson, scene, picture.state.language)
     chosen = picture.state.chosen.get(scene.id)
-    lit = answer if picture.votes and scene.id in picture.state.done and not picture.voting else None  # the class has voted
-    marks = [(" ol-chosen" if k == chosen else "") + (" ol-right" if k == lit else "") for k in range(len(options))]
+    told = answer if scene.id in picture.state.done and not picture.voting else None
+    lit = told if picture.votes else None  # the class has voted
+    marks = [(" ol-chosen" if k == chosen else "") + (" ol-true" if k == told else "") + (" ol-right" if k == lit else "")
+             for k in range(len(options))]
     buttons = [f'<button type="button" class="ol-option{marks[k]}" data-to="{hand}" data-value="option:{k}"'
                f'{"" if chosen is None else " disabled"}><b>{LETTERS[k]}</b> {render_markdown(option)}</button>'
                for k, option in enumerate(options)]

@@ -164,11 +164,11 @@ class LtiDoors:
         course = self._courses
         assert course is not None
         try:
-            tokens = self._ledger.add(student, token)
+            tokens, at = self._ledger.add(student, token, self._clock())
             findings = grade(course, self._lessons, [("", each) for each in tokens])
             points = best_points(course, findings).get(student, {})
             given = sum(worth for name, worth in points.items() if lesson in ("", course.items[name].lesson))
-            self._scores.send(platform, lineitem, user, given, points_of(course, lesson))
+            self._scores.send(platform, lineitem, user, given, points_of(course, lesson), at)
         except LtiRefused as problem:
             log.warning("lti: points were not taken: %s", problem.refusal.words)
             return Report(phrases.POINTS_NOT_SENT, True)

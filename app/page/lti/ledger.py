@@ -16,6 +16,8 @@ SCHEMA = """
 CREATE TABLE IF NOT EXISTS nonces (nonce TEXT PRIMARY KEY, used INTEGER NOT NULL) WITHOUT ROWID;
 CREATE TABLE IF NOT EXISTS hand_ins (number INTEGER PRIMARY KEY, student TEXT NOT NULL, token TEXT NOT NULL UNIQUE);
 CREATE INDEX IF NOT EXISTS of_student ON hand_ins (student);
+CREATE TABLE IF NOT EXISTS reports (id INTEGER PRIMARY KEY CHECK (id = 1), ms INTEGER NOT NULL);
+INSERT OR IGNORE INTO reports VALUES (1, 0);
 """
 
 
@@ -42,8 +44,13 @@ class Ledger:
             return database.execute("INSERT OR IGNORE INTO nonces VALUES (?, unixepoch())",
                                     (hashlib.sha256(nonce.encode()).hexdigest(),)).rowcount == 1
 
-    def add(self, student: str, token: str) -> list[str]:
-        """Keep a hand-in of a student's key; all that are kept of it, in the order in which they came."""
+    def add(self, student: str, token: str, now: float) -> tuple[list[str], int]:
+        """Keep a hand-in of a student's key; all that are kept of it in the order in which they came, and the time of that list (ms).
+
+        No two lists have the same time, and a later one holds all that an earlier one does, whichever worker asked.
+        """
         with self._open() as database:
             database.execute("INSERT OR IGNORE INTO hand_ins (student, token) VALUES (?, ?)", (student, token))
-            return [str(row[0]) for row in database.execute("SELECT token FROM hand_ins WHERE student = ? ORDER BY number", (student,))]
+            (ms,) = database.execute("UPDATE reports SET ms = MAX(ms + 1, ?) RETURNING ms", (int(now * 1000),)).fetchone()
+            tokens = database.execute("SELECT token FROM hand_ins WHERE student = ? ORDER BY number", (student,)).fetchall()
+        return [str(row[0]) for row in tokens], int(ms)

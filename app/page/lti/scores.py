@@ -27,18 +27,21 @@ PAUSES_S = (1.0, 4.0)  # s between two tries
 
 
 class Scores:
-    """Access tokens of all platforms, each kept while it holds. `clock` gives seconds since 1970."""
+    """Access tokens of all platforms, each kept while it holds. `clock` gives seconds since 1970, `wait` waits between two tries."""
 
-    def __init__(self, keys: ToolKeys, clock: Callable[[], float], pauses: tuple[float, ...] = PAUSES_S) -> None:
-        self._keys, self._clock, self._pauses = keys, clock, pauses
+    def __init__(self, keys: ToolKeys, clock: Callable[[], float], wait: Callable[[float], object] = time.sleep) -> None:
+        self._keys, self._clock, self._wait = keys, clock, wait
         self._tokens: dict[tuple[str, str], tuple[str, float]] = {}
         self._lock = threading.Lock()
 
-    def send(self, platform: Platform, lineitem: str, user: str, given: float, most: float) -> None:
-        """Tell the platform how many points of `most` a person has. Raises LtiRefused after the last try."""
-        score = {"timestamp": datetime.fromtimestamp(self._clock(), UTC).isoformat(timespec="milliseconds"), "scoreGiven": given,
+    def send(self, platform: Platform, lineitem: str, user: str, given: float, most: float, at: int) -> None:
+        """Tell the platform how many points of `most` a person has at a time (ms since 1970). Raises LtiRefused after the last try.
+
+        A platform keeps the points of the latest time, so that a try that comes late takes nothing back.
+        """
+        score = {"timestamp": datetime.fromtimestamp(at / 1000, UTC).isoformat(timespec="milliseconds"), "scoreGiven": given,
                  "scoreMaximum": most, "activityProgress": "Submitted", "gradingProgress": "FullyGraded", "userId": user}
-        for pause in (*self._pauses, None):
+        for pause in (*PAUSES_S, None):
             try:
                 post_json(score_address(lineitem), score, SCORE_TYPE, self._token(platform))
                 return
@@ -46,7 +49,7 @@ class Scores:
                 self._forget(platform)
                 if pause is None:
                     raise
-                time.sleep(pause)
+                self._wait(pause)
 
     def _token(self, platform: Platform) -> str:
         name = (platform.issuer, platform.client_id)

@@ -15,13 +15,13 @@ from ..charts.style_sheet import clock_decimals
 from ..stage.map_board import MapBoard, map_of
 from ..stage.pole_boards import BoardView
 from ..stage.stage import StageView
-from ..stage.viewpoint import BOARDS_BEHIND, CAMERAS, NARROW, SIGHT, letters
+from ..stage.viewpoint import BOARDS_BEHIND, CAMERAS, NARROW, SIGHT, away, letters
 from ..viser_private import viser_internals
 
 MAX_RECORDED_MOMENTS = 1200  # moments of a run that are kept: the page shows no more than thirty a second
 LARGER = tuple(1.12 ** k for k in range(8))  # how many times larger than on a laptop letters may be wanted on a small stage
 RECORDING_SCRIPTS = ("frames", "keys", "floor")  # of what a page learns, all that matters where nothing can be dragged
-NEARER, LIFTED = 0.78, 0.7  # of the lab's distance from an empty stage, and stage units of its aim above the lab's
+NEARER, LIFTED = 0.9, 0.1  # of the lab's distance from an empty stage, and stage units of its aim above the lab's
 DECIMALS = 4  # of stage units: a tenth of what a pixel shows
 
 
@@ -72,11 +72,12 @@ def _seen_from(camera: tuple[float, ...] | None, full: bool) -> dict[str, Any]:
 
     Where nothing lies in front of the stage, from nearer than the lab, whose transport floats there.
     """
-    position, target = (np.array(place) for place in CAMERAS["all"])
+    position, target = (np.array(place) for place in CAMERAS["map" if full else "all"])
     near = 1.0 if full else NEARER
     lifted = target + np.array((0.0, 0.0, 0.0 if full else LIFTED))
     eye = [*(lifted + near * (position - target)), *lifted] if camera is None else camera
-    return {"eye": [float(number) for number in eye], "near": near * float(target[1] - position[1]), "narrow": NARROW / near}
+    far = near * float(target[1] - position[1])
+    return {"eye": [float(number) for number in eye], "near": far, "narrow": NARROW * away(CAMERAS["all"]) / far}
 
 
 def _boards(client: viser.ClientHandle, picture: Picture, em: float) -> list[BoardView]:

@@ -8,8 +8,9 @@ from ...course.scenes import Choose, Scene
 from ...session.handlers.guide import options_of
 from ...session.state.view import Picture
 from ...text import format_number
-from ..guide.histogram import bars_html
-from ..guide.scene_card import LETTERS, paragraphs
+from ..guide.scene_card import paragraphs
+from ..votes.histogram import LETTERS, bars_html, question_words
+from ..votes.pole_plane import placing_html
 from ..words import phrases
 from ..words.prose import render_markdown
 
@@ -53,10 +54,12 @@ def typed_html(picture: Picture) -> str:
         return ""
     vote, lang = picture.typed[-1], picture.state.language
     assert vote.asked is not None
-    head = f'<h3 class="ol-asked">{html.escape(vote.asked.question)}</h3>'
+    head = f'<h3 class="ol-asked">{html.escape(question_words(vote.asked, lang))}</h3>'
     if not vote.open:
         return f'<section class="ol-typed">{head}{bars_html(picture.typed, lang)}</section>'
-    if vote.numeric:
+    if (grid := vote.asked.grid) is not None:
+        body = placing_html(vote, grid, next((board.title for board in picture.boards if board.id == grid.board), None), lang)
+    elif vote.kind == "number":
         name, send = html.escape(phrases.YOUR_NUMBER(lang), quote=True), html.escape(phrases.SEND(lang))
         body = (f'<p class="ol-number"><input type="number" step="any" aria-label="{name}" placeholder="{name}">'
                 f'<button type="button" class="ol-do" data-room="number:{vote.number}">{send}</button></p>')
@@ -96,4 +99,4 @@ def knobs_html(picture: Picture) -> str:
 def way_html(token: str, language: str) -> str:
     """The link to one's own copy of what is shown, and the button that asks for a slower lecture."""
     return (f'<div class="ol-way"><a class="ol-do" href="{OWN}#{token}">{html.escape(phrases.TRY_YOURSELF(language))}</a>'
-            f'<button type="button" class="ol-do ol-hand" data-room="slower">{html.escape(phrases.SLOWER_PLEASE(language))}</button></div>')
+            f'<button type="button" class="ol-do" data-room="slower">{html.escape(phrases.SLOWER_PLEASE(language))}</button></div>')

@@ -143,9 +143,11 @@ class AudienceScreen(Screen):
         return self._player.go_on(t, end, rate, every)
 
     def _for_followers(self, picture: Picture) -> Picture:
-        """The picture in the followers' language and window, with boards that nobody drags."""
+        """The picture in the followers' language and window, with boards that nobody drags and without the counts of an open vote."""
         if self._outcome is None or self._outcome[0] is not picture.outcome:
             boards = tuple(replace(board, knob=None) for board in picture.outcome.boards)
             self._outcome = picture.outcome, replace(picture.outcome, boards=boards)
         state = replace(picture.state, language=self._language, window=self._window, lecture=False, dark=False, landscape=False)
+        if state.room is not None:
+            state = replace(state, room=replace(state.room, votes=tuple(vote.sealed() for vote in state.room.votes)))
         return replace(picture, outcome=self._outcome[1], state=state, pinned=())

@@ -9,11 +9,11 @@ from typing import Protocol
 
 import viser
 
-from ...classroom.votes import MAX_OPTIONS, is_ballot
-from ...text import Text, format_number
-from ..guide.histogram import LETTERS
+from ...classroom.votes import MAX_OPTIONS, Kind, is_ballot
+from ...text import Text
 from ..viser_private import viser_internals
 from ..viser_private.hidden_input import hidden_input
+from ..votes.histogram import answer_words
 from ..words import phrases
 
 ABOVE_ALL = -1e8  # the order of what stands first on a page
@@ -24,27 +24,34 @@ DECIMAL = re.compile(r"[+-]?(?:\d{1,15}(?:\.\d{0,15})?|\.\d{1,15})(?:[eE][+-]?\d
 
 @dataclass(frozen=True)
 class Ballot:
-    """A vote as a browser sends it: which one, its random number, and the index of an option or a number."""
+    """A vote as a browser sends it: which one, its random number, and the index of an option, a number or a pole."""
 
     vote: int
     ballot: str
-    answer: float
-    numeric: bool = False
+    answer: complex
+    kind: Kind = "choice"
 
 
 def read_ballot(said: str) -> Ballot | None:
-    """The vote in `vote:VOTE:OPTION:BALLOT` or `number:VOTE:NUMBER:BALLOT`; None where that is not one."""
+    """The vote in `vote:VOTE:OPTION:BALLOT`, `number:VOTE:NUMBER:BALLOT` or `pole:VOTE:RE:IM:BALLOT`; None where that is not one."""
     match said.split(":"):
         case ["vote", vote, option, ballot] if is_number(vote) and is_number(option) and is_ballot(ballot):
             return Ballot(int(vote), ballot, int(option)) if int(option) < MAX_OPTIONS else None
-        case ["number", vote, number, ballot] if is_number(vote) and DECIMAL.fullmatch(number) and is_ballot(ballot):
-            return Ballot(int(vote), ballot, float(number), True)
+        case ["number", vote, number, ballot] if is_number(vote) and is_decimal(number) and is_ballot(ballot):
+            return Ballot(int(vote), ballot, float(number), "number")
+        case ["pole", vote, re, im, ballot] if is_number(vote) and is_decimal(re) and is_decimal(im) and is_ballot(ballot):
+            return Ballot(int(vote), ballot, complex(float(re), float(im)), "pole")
     return None
 
 
 def is_number(word: str) -> bool:
     """Whether these are a few digits."""
     return word.isascii() and word.isdigit() and len(word) <= LONGEST_NUMBER
+
+
+def is_decimal(word: str) -> bool:
+    """Whether this is a number, and a finite one."""
+    return DECIMAL.fullmatch(word) is not None
 
 
 class Ears(Protocol):
@@ -64,6 +71,7 @@ class Follower:
         self._hand = viser_internals.node_id(hidden_input(client.gui, self.hear))
         self._waits: viser.GuiHtmlHandle | None = client.gui.add_html(
             f'<h2 class="ol-scene">{phrases.NOT_BEGUN(language)}</h2>')  # until there is a page
+        viser_internals.run_script(client, "plane")
         viser_internals.run_script(client, "room", hand=self._hand)
         client.flush()
 
@@ -95,8 +103,9 @@ class Follower:
             self._ears.cast(ballot, lambda counted: self._tell(ballot, counted))
 
     def _tell(self, ballot: Ballot, counted: bool) -> None:
-        viser_internals.run_script(self._client, "room", vote=ballot.vote, option=ballot.answer, counted=counted)
-        answer = format_number(ballot.answer, ".6g", self.language) if ballot.numeric else LETTERS[int(ballot.answer)]
+        option = int(ballot.answer.real) if ballot.kind == "choice" else -1
+        viser_internals.run_script(self._client, "room", vote=ballot.vote, option=option, counted=counted)
+        answer = answer_words(ballot.kind, ballot.answer, self.language)
         self._say(phrases.VOTE_COUNTED.format(letter=answer) if counted else phrases.VOTE_REFUSED)
 
     def _say(self, words: Text) -> None:

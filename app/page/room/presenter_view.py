@@ -7,8 +7,8 @@ from typing import Any
 import viser
 
 from ...session.state.view import Picture
-from ..guide.room_card import way_back
 from ..screen.screen import Screen
+from ..votes.room_card import way_back
 from .broadcast import Broadcast
 from .follower import ABOVE_ALL
 

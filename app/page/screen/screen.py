@@ -25,6 +25,7 @@ from ..column.left_column import Panel
 from ..guide.guide_panel import GuidePanel
 from ..replay.playback import Player
 from ..replay.transport import PlaybackControls
+from ..stage.body_extent import reach
 from ..stage.map_board import MapBoard, map_of
 from ..stage.pole_boards import BoardView
 from ..stage.screen_size import ScreenSized, follow_camera
@@ -79,7 +80,7 @@ class Screen(Browser):
                                 dark_mode=picture.state.is_dark)
             gui.set_panel_label("Observer Lab")
             self._style = gui.add_html(sheet_of(picture), order=-1e9)
-            self._panel = GuidePanel(self._client, picture, self._post) if picture.guided else Panel(gui, picture, self._post)
+            self._panel = GuidePanel(self._client, picture, self._post) if picture.guided else Panel(self._client, picture, self._post)
             viser_internals.run_script(self._client, "fields", fields=self._panel.fields)
             viser_internals.run_script(self._client, "fill", large=picture.state.lecture)
             viser_internals.run_script(self._client, "tabrow")
@@ -96,7 +97,7 @@ class Screen(Browser):
             bind_shortcuts(self._client, self._post, language)
             fill_palette(self._client, picture, self._post, self.open_figure)
             self._stage.charted = picture.lesson.pick is not None
-            self._compose(picture)
+            self._compose(picture, anew=True)
             self._stage.furnish(picture.state.is_dark)
             self._stage.build(picture.outcome.stage, language, letters(self._client.camera, picture.state.lecture))
             self._player = Player(self._client, self._stage, self._transport)
@@ -140,9 +141,10 @@ class Screen(Browser):
                 self._mark.show(picture)
         self._client.flush()
 
-    def _compose(self, picture: Picture) -> None:
-        charted = picture.lesson.pick is not None
-        self._viewpoint.compose(bool(picture.boards) or charted, charted, picture.state.lecture, Sizes(picture.state).below)
+    def _compose(self, picture: Picture, anew: bool = False) -> None:
+        charted, stage = picture.lesson.pick is not None, picture.outcome.stage if anew else None
+        self._viewpoint.compose(bool(picture.boards) or charted, charted, picture.state.lecture, Sizes(picture.state).below,
+                                None if stage is None else reach(stage))
 
     def _take_room(self, picture: Picture) -> None:
         """The window has another size; in large print the page is laid out anew instead."""

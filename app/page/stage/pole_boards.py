@@ -27,7 +27,7 @@ from .pinned_poles import PinMarks
 from .scene_labels import SceneLabels, Size
 from .trails import PoleTrail
 
-BOARD_WIDTH, BOARD_HEIGHT, BOARD_FOOT = 3.2, 2.5, 2.0
+BOARD_WIDTH, BOARD_HEIGHT, BOARD_FOOT = 3.2, 2.5, 2.6
 BOARD_PLACES = MappingProxyType({"left": ((-1.98, 1.5), 0.13), "right": ((1.98, 1.5), -0.13), "middle": ((0.0, 1.5), 0.0)})
 SNAP = 0.02  # of the window's height: nearer to the real axis than this is on it
 MARGIN = 0.15  # glass around the s-plane

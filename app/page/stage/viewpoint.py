@@ -10,15 +10,20 @@ import numpy as np
 import viser
 
 PHONE = 0.58  # width over height of a canvas below which it is a phone's, whose letters are smaller and whose discs are for fingers
-NARROW = 0.90  # width over height of a canvas that just shows both boards
+NARROW = 1.03  # width over height of a canvas that just shows both boards
 NARROW_PLANT = 1.15  # the same of a canvas that just shows the whole plant from near
 SIGHT = 0.62  # radians of the field of view: the boards stay readable
-ABOVE = 1.55  # times farther away that shows the whole stage in what a sheet leaves of it, however wide that is
+ABOVE = 1.78  # times farther away that shows the whole stage in what a sheet leaves of it, however wide that is
 SHEET_AIM_SHARE = 0.14  # of the way to what is looked at: aim this much lower where a sheet lies over the lower half
-LOWER = 0.04, 0.015  # of the way to what is looked at: aim this much lower above the run in large print, and above a map
+LOWER = 0.02  # of the way to what is looked at: aim this much lower above the run in large print
 BOARDS_BEHIND = 0.9  # stage units from what the composed view looks at to the boards
+LETTER_SHARES = 1 / 48, 1 / 84, 1 / 66  # of the window's height: a letter in large print, on a phone, elsewhere
+LEAST_LETTER = 0.14  # stage units: where boards are large in the window, so are their letters
+USUAL_HALF_WIDTH, USUAL_HEIGHT = 2.6, 3.3  # stage units of a body that "plant" shows
+LEAST_BODY = 0.6  # of that: a smaller body is not looked at from nearer
 CAMERAS = MappingProxyType({
-    "all": ((0.0, -13.4, 3.4), (0.0, 0.6, 1.38)),
+    "all": ((0.0, -11.6, 3.4), (0.0, 0.6, 2.0)),
+    "map": ((0.0, -13.4, 3.6), (0.0, 0.6, 1.5)),  # all where a map lies in front
     "plant": ((0.0, -8.2, 2.9), (0.0, 0.0, 1.0)),
     "bare": ((0.0, -11.2, 2.8), (0.0, 0.3, 0.75)),  # all there is where no boards stand, in the middle of what the run leaves free
     "boards": ((0.0, -10.2, 3.6), (0.0, 1.6, 3.3)),
@@ -35,17 +40,29 @@ def aspect_of(camera: viser.CameraHandle) -> float:
 def letters(camera: viser.CameraHandle, lecture: bool) -> float:
     """The size of letters (stage units) at the boards that is a certain share of the window's height in the composed view.
 
-    1/48 in lecture mode, whatever the window: legible from the last row; else about ten pixels of a laptop or a phone.
+    1/48 in lecture mode, whatever the window: legible from the last row; else twelve pixels of a laptop and ten of a phone, or more
+    where boards are large in the window.
     """
     (_, away, _), (_, near, _) = CAMERAS["all"]
     aspect = aspect_of(camera)
     depth = (near - away) * retreat(aspect) + BOARDS_BEHIND
-    return (1 / 48 if lecture else 1 / 84 if aspect < PHONE else 1 / 72) * 2 * math.tan(SIGHT / 2) * depth
+    hall, phone, usual = (share * 2 * math.tan(SIGHT / 2) * depth for share in LETTER_SHARES)
+    return hall if lecture else phone if aspect < PHONE else max(usual, LEAST_LETTER)
+
+
+def body_scale(box: tuple[float, float]) -> float:
+    """How many times as large as usual a body is that reaches so far to either side and so high."""
+    return max(box[0] / USUAL_HALF_WIDTH, box[1] / USUAL_HEIGHT, LEAST_BODY)
 
 
 def retreat(aspect: float, narrow: float = NARROW) -> float:
     """How many times farther away a narrow window looks from."""
     return max(1.0, narrow / max(aspect, 0.2))
+
+
+def away(place: tuple[Sequence[float], Sequence[float]]) -> float:
+    """How far before what it looks at the eye stands."""
+    return abs(place[0][1] - place[1][1]) or 1.0
 
 
 class Viewpoint:
@@ -55,6 +72,7 @@ class Viewpoint:
         self._client = client
         self._arrived = False  # whether the browser has said that it looks from where it was told to
         self._whole = self._seen_from = CAMERAS["all"]  # from where everything is seen, and from where the stage is
+        self._plant = CAMERAS["plant"]  # from where the plant alone is
         self._aspect, self._lower, self._below = 1.0, 0.0, False
 
     def heard(self) -> None:
@@ -63,7 +81,8 @@ class Viewpoint:
 
     def camera(self, preset: str) -> None:
         """Look from one of the named places."""
-        self._seen_from = self._whole if preset == "all" else CAMERAS.get(preset, self._whole)
+        places = {**CAMERAS, "all": self._whole, "plant": self._plant}
+        self._seen_from = places.get(preset, self._whole)
         self._look()
 
     def look(self, camera: tuple[float, ...] | None) -> None:
@@ -71,14 +90,24 @@ class Viewpoint:
         self._seen_from = self._whole if camera is None else (camera[:3], camera[3:])
         self._look()
 
-    def compose(self, boards: bool, charted: bool, lecture: bool, below: bool = False) -> None:
+    def compose(self, boards: bool, charted: bool, lecture: bool, below: bool = False, body: tuple[float, float] | None = None) -> None:
         """Whether boards stand behind the plant: without them the whole view is nearer; whether a map lies in front; the print;
-        whether a sheet lies over the lower half."""
-        whole, lower = CAMERAS["all" if boards else "bare"], LOWER[0] * lecture + LOWER[1] * charted
+        whether a sheet lies over the lower half; how far the body reaches to either side and how high, None where it is as it was."""
+        whole, lower = CAMERAS["map" if charted else "all" if boards else "bare"], LOWER * lecture
+        if body is not None:
+            self._look_at_body(body_scale(body))
         before, self._whole = self._whole, whole
         if self._seen_from == before != whole or (lower, below) != (self._lower, self._below):
             self._lower, self._below = lower, below
             self._seen_from = whole if self._seen_from == before else self._seen_from
+            self._look()
+
+    def _look_at_body(self, scale: float) -> None:
+        """See the plant from as many times farther off as its body is larger than usual."""
+        before, (eye, target) = self._plant, CAMERAS["plant"]
+        self._plant = (scale * eye[0], scale * eye[1], scale * eye[2]), (scale * target[0], scale * target[1], scale * target[2])
+        if self._seen_from == before != self._plant:
+            self._seen_from = self._plant
             self._look()
 
     def eye(self) -> tuple[float, ...] | None:
@@ -97,9 +126,9 @@ class Viewpoint:
 
     def _fit(self, place: tuple[Sequence[float], Sequence[float]]) -> tuple[float, float]:
         """How many times farther off a narrow window looks from, and how far below the target it aims: what lies over it is below."""
-        narrow = NARROW_PLANT if place == CAMERAS["plant"] else NARROW
+        narrow = NARROW_PLANT if place == self._plant else NARROW * away(CAMERAS["all"]) / away(place)
         back = max(retreat(self._aspect, narrow), ABOVE if self._below else 1.0)
-        return back, (SHEET_AIM_SHARE if self._below else self._lower) * back * abs(place[0][1] - place[1][1])
+        return back, (SHEET_AIM_SHARE if self._below else self._lower) * back * away(place)
 
     def _look(self) -> None:
         self._arrived = False

@@ -20,6 +20,13 @@ class AskTyped:
 
 
 @dataclass(frozen=True)
+class AskPole:
+    """Ask the class to place a pole on the board that is in sight, with a question that was typed or without one."""
+
+    words: object
+
+
+@dataclass(frozen=True)
 class AskTypedAgain:
     """Ask the typed question once more."""
 
@@ -46,4 +53,4 @@ class RoomChanged:
     view: RoomView
 
 
-Lecturing = OpenVote | AskTyped | AskTypedAgain | CloseVote | LowerHands | RoomChanged
+Lecturing = OpenVote | AskTyped | AskPole | AskTypedAgain | CloseVote | LowerHands | RoomChanged

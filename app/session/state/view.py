@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Protocol
 
@@ -64,8 +64,12 @@ class Picture:
 
     @cached_property
     def boards(self) -> tuple[Board, ...]:
-        """The boards as they are shown, with the poles of the pins."""
-        return boards_with_pins(self.outcome.boards, self.pinned) if self.pinned else self.outcome.boards
+        """The boards as they are shown, with the poles of the pins and those that the class has placed."""
+        boards = boards_with_pins(self.outcome.boards, self.pinned) if self.pinned else self.outcome.boards
+        asked, cloud = (self.typed[-1].asked, self.typed[-1].cloud) if self.typed else (None, ())
+        grid = None if asked is None else asked.grid
+        return boards if grid is None or not cloud else tuple(
+            replace(board, placed=cloud) if board.id == grid.board else board for board in boards)
 
     @cached_property
     def asks_second_prediction(self) -> bool:

@@ -10,12 +10,14 @@ from scipy.linalg import expm, solve_continuous_are
 from scipy.optimize import brentq
 from scipy.signal import place_poles
 
-from .shared import INTEGRATOR, POSITION, Given, placed, spring
+from .shared import POSITION, Given, placed, spring
 
 
 # --- virtual-sensor ----------------------------------------------------------------------------------------------------
-def trust(g: Given) -> float:
-    return brentq(lambda L: float(expm(np.array([[(g["a"] - L) * g["t"]]]))[0, 0]) - 0.1, 0.0, 50.0, xtol=1e-12)
+def jump(g: Given) -> float:
+    """The gain on the derivative of y, by placing the dual of the core alone; w is continuous."""
+    A = np.asarray(g["A"])
+    return place_poles(A[:1, :1], A[1:, :1].T, [g["p"]]).gain_matrix[0, 0] * g["v"]
 
 
 def copy(g: Given) -> float:
@@ -76,11 +78,13 @@ def energy(g: Given) -> float:
 
 
 # --- separation --------------------------------------------------------------------------------------------------------
-def trace(g: Given) -> float:
-    B = np.array([[0.0], [1.0]])
-    K = place_poles(INTEGRATOR, B, [g["c1"], g["c2"]]).gain_matrix
-    L = place_poles(INTEGRATOR.T, POSITION.T, [g["o1"], g["o2"]]).gain_matrix.T
-    return np.trace(np.block([[INTEGRATOR, -B @ K], [L @ POSITION, INTEGRATOR - B @ K - L @ POSITION]]))
+def offset(g: Given) -> float:
+    """Plant and observer side by side at rest, under the command and the push."""
+    a, r = np.array([[g["a"]]]), g["r"]
+    K, L = (place_poles(a, np.eye(1), [-g[pole]]).gain_matrix[0, 0] for pole in ("c", "o"))
+    N = 1 / float(np.linalg.solve([[K - g["a"]]], [1.0])[0])
+    M = np.array([[g["a"], -K], [L, g["a"] - K - L]])
+    return -np.linalg.solve(M, [N * r + g["d"], N * r])[0] - r
 
 
 def peak(g: Given) -> float:
@@ -158,7 +162,7 @@ def draft(g: Given) -> float:
 
 
 ORACLES: dict[tuple[str, str], Callable[[Given], float]] = {
-    ("virtual-sensor", "trust"): trust,
+    ("virtual-sensor", "jump"): jump,
     ("virtual-sensor", "copy"): copy,
     ("virtual-sensor", "bias"): bias,
     ("virtual-sensor", "core"): core,
@@ -170,7 +174,7 @@ ORACLES: dict[tuple[str, str], Callable[[Given], float]] = {
     ("observability", "blind"): blind,
     ("observability", "stroboscope"): stroboscope,
     ("observability", "energy"): energy,
-    ("separation", "trace"): trace,
+    ("separation", "offset"): offset,
     ("separation", "peak"): peak,
     ("separation", "own"): own,
     ("separation", "leak"): leak,

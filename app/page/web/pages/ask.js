@@ -5,7 +5,7 @@
   document.addEventListener('click', event => {
     const pressed = event.target?.closest?.('button[data-asks]'), field = pressed?.parentElement.querySelector('textarea');
     if (!field) return;
-    window.observerLabViser.tell(pressed.dataset.asks, `ask:${field.value}`);
+    window.observerLabViser.tell(pressed.dataset.asks, `${pressed.dataset.kind}:${field.value}`);
     field.value = '';
   });
 }

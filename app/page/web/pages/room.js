@@ -24,9 +24,9 @@
     const pressed = event.target?.closest?.('button[data-room]:enabled');
     if (!pressed) return;
     const [kind, number] = pressed.dataset.room.split(':');
-    const typed = pressed.parentElement.querySelector('input')?.value ?? '';
-    if (kind === 'number' && typed === '') return;
-    const value = {vote: `${pressed.dataset.room}:${ballot(number)}`, number: `${pressed.dataset.room}:${typed}:${ballot(number)}`}[kind] ?? kind;
+    const typed = pressed.dataset.answer ?? pressed.parentElement.querySelector('input')?.value;
+    if (typed === '') return;
+    const value = number === undefined ? kind : [pressed.dataset.room, ...(typed === undefined ? [] : [typed]), ballot(number)].join(':');
     window.observerLabViser.tell(lab.hand, value);
   });
 }

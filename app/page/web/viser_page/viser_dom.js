@@ -19,7 +19,7 @@
     iconButton: '.mantine-ActionIcon-root', toolIcon: 'svg:is(.tabler-icon-adjustments,.tabler-icon-arrow-back)',
     slider: '.mantine-Slider-root', sliderTrack: '.mantine-Slider-trackContainer', sliderThumb: '.mantine-Slider-thumb',
     sliderValue: '.mantine-Slider-label', sliderMark: '.mantine-Slider-markLabel',
-    number: '.mantine-NumberInput-root', numberInput: '.mantine-NumberInput-input', textInput: '.mantine-TextInput-input',
+    hint: '.mantine-Tooltip-tooltip', number: '.mantine-NumberInput-root', numberInput: '.mantine-NumberInput-input', textInput: '.mantine-TextInput-input',
     select: '.mantine-Select-input', checkbox: ':is(.mantine-Checkbox-input,.mantine-Checkbox-inner)', progress: '.mantine-Progress-root',
     dialog: '.mantine-Modal-content', dialogHead: '.mantine-Modal-header', besideDialog: ':is(.mantine-Modal-inner,.mantine-Modal-overlay)',
     notices: '.mantine-Notifications-root', notice: '.mantine-Notification-root', noticeClose: '.mantine-Notification-closeButton',

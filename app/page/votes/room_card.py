@@ -5,12 +5,12 @@ from __future__ import annotations
 import html
 
 from ...classroom.room import RoomView
-from ...course.scenes import Choose
+from ...course.scenes import Choose, Move
 from ...session.state.view import Picture
 from ...text import Text
-from ..column.download_dialog import qr_code
 from ..words import phrases
-from .histogram import bars_html
+from ..words.link_code import qr_code
+from .histogram import bars_html, question_words
 
 
 def room_html(picture: Picture, hand: str) -> str:
@@ -35,7 +35,9 @@ def ask_html(hand: str, language: str) -> str:
     hint = html.escape(phrases.TYPE_QUESTION(language), quote=True)
     return (f'<details class="ol-ask"><summary>{html.escape(phrases.ASK_CLASS(language))}</summary>'
             f'<textarea rows="4" maxlength="1500" aria-label="{hint}" placeholder="{hint}"></textarea>'
-            f'<button type="button" class="ol-do" data-asks="{hand}">{html.escape(phrases.OPEN_VOTE(language))}</button></details>')
+            f'<button type="button" class="ol-do" data-asks="{hand}" data-kind="ask">{html.escape(phrases.OPEN_VOTE(language))}</button> '
+            f'<button type="button" class="ol-do" data-asks="{hand}" data-kind="pole">{html.escape(phrases.ASK_POLE(language))}</button>'
+            "</details>")
 
 
 def _typed(picture: Picture, hand: str) -> str:
@@ -46,8 +48,8 @@ def _typed(picture: Picture, hand: str) -> str:
     assert vote.asked is not None
     options = "".join(f"<li>{html.escape(option)}</li>" for option in vote.asked.options)
     button = _button(hand, "vote:close", phrases.CLOSE_VOTE, lang) if vote.open else _button(hand, "vote:typed", phrases.VOTE_AGAIN, lang)
-    return (f'<h3 class="ol-asked">{html.escape(vote.asked.question)}</h3><ol class="ol-letters">{options}</ol>'
-            f"{bars_html(picture.typed, lang)}{button}")
+    return (f'<h3 class="ol-asked">{html.escape(question_words(vote.asked, lang))}</h3><ol class="ol-letters">{options}</ol>'
+            f"{button}{bars_html(picture.typed, lang)}")
 
 
 def way_back(language: str) -> str:
@@ -83,7 +85,10 @@ def _place(picture: Picture, place: str) -> str:
 def _vote(picture: Picture, hand: str) -> str:
     """The button that opens or closes the vote, and the counts while they rise; nothing says which option is right."""
     scene, votes, lang = picture.scene, picture.votes, picture.state.language
+    if scene is not None and isinstance(scene.do, Move) and not picture.typed and (
+            {board.knob for board in picture.boards} & set(scene.do.knobs)):
+        return _button(hand, "pole:", phrases.ASK_POLE, lang)
     if scene is None or not isinstance(scene.do, Choose):
         return ""
     word = phrases.CLOSE_VOTE if picture.voting else phrases.VOTE_AGAIN if votes else phrases.OPEN_VOTE
-    return (bars_html(votes, lang) if votes else "") + _button(hand, "vote:close" if picture.voting else "vote:open", word, lang)
+    return _button(hand, "vote:close" if picture.voting else "vote:open", word, lang) + (bars_html(votes, lang) if votes else "")

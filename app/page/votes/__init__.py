@@ -1,0 +1,1 @@
+"""Show votes: what a presenter sees of the class, histograms, and planes with poles."""

@@ -1,0 +1,135 @@
+"""From where a scene looks at its stage, the plant hides nothing of the boards, all is in sight, and little of the picture is empty."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from contextlib import nullcontext
+from functools import cache
+from types import SimpleNamespace
+from typing import Any, NamedTuple
+
+import numpy as np
+from laws import holds_for_all
+
+from observer_lab.course.lesson import Board, Lesson
+from observer_lab.course.scenes import Scene, entry_values
+from observer_lab.lessons import LESSONS
+from observer_lab.page.stage.body_extent import body_corners, reach
+from observer_lab.page.stage.pole_boards import BOARD_FOOT, BOARD_HEIGHT, BOARD_PLACES, BOARD_WIDTH, board_contains
+from observer_lab.page.stage.viewpoint import SIGHT, Viewpoint, letters
+
+CANVASES = {"laptop": (929, 768), "small laptop": (870, 720), "wall": (1306, 1080)}  # px of the guide's stage
+RUN_BAR = 0.1  # of the canvas' height, at its foot: the row of the run
+MOMENTS = 12
+LEAST_FILLED = 0.57  # of the canvas' height or width: what stands on the stage; a map in front of it takes more
+LEAST_LETTER = 0.0145  # of the canvas' height: a letter on a board, 11 px of 768
+
+
+class Camera(SimpleNamespace):
+    """A browser's camera that goes where it is told."""
+
+    def __init__(self, size: tuple[int, int]) -> None:
+        super().__init__(image_width=size[0], image_height=size[1], position=(0.0, 0.0, 0.0), look_at=(0.0, 0.0, 0.0))
+
+
+def seen(camera: Any, points: np.ndarray) -> np.ndarray:
+    """Where points are seen (k, 2): right and up, the canvas from −1 to 1 on its height, and on its width times its shape."""
+    eye, ahead = np.array(camera.position), np.array(camera.look_at) - np.array(camera.position)
+    ahead = ahead / np.linalg.norm(ahead)
+    right = np.cross(ahead, (0.0, 0.0, 1.0))
+    right /= np.linalg.norm(right)
+    away = points - eye
+    return np.stack([away @ right, away @ np.cross(right, ahead)], axis=1) / (away @ ahead)[:, None] / math.tan(SIGHT / 2)
+
+
+@cache
+def opened(id: str) -> tuple[bool, tuple[float, float]]:
+    """Whether a lesson opens with boards, and how far its body reaches then."""
+    outcome = LESSONS[id].compute(LESSONS[id].start())
+    assert outcome.stage is not None
+    return bool(outcome.boards), reach(outcome.stage)
+
+
+def looked_at(lesson: Lesson, size: tuple[int, int], view: str) -> Any:
+    """The camera of a scene in a canvas of a size."""
+    camera, (boards, body) = Camera(size), opened(lesson.id)
+    client: Any = SimpleNamespace(camera=camera, atomic=nullcontext)
+    place, charted = Viewpoint(client), lesson.pick is not None
+    place.compose(boards or charted, charted, False, body=body)
+    place.camera(view)
+    return camera
+
+
+def board_corners(side: str, em: float) -> np.ndarray:
+    """The corners of a board with the numbers below it, seen from the front (4, 3)."""
+    (x, y), turn = BOARD_PLACES[side]
+    half, top = BOARD_WIDTH / 2, BOARD_FOOT + BOARD_HEIGHT
+    return np.array([[x + a * half * math.cos(turn), y + a * half * math.sin(turn), z]
+                     for a in (-1, 1) for z in (BOARD_FOOT - 0.02 - 0.9 * em, top)])
+
+
+class OnStage(NamedTuple):
+    """A scene, the boards it shows, and the corners of the body in its run."""
+
+    lesson: Lesson
+    scene: Scene
+    boards: tuple[Board, ...]
+    body: np.ndarray
+
+
+@cache
+def scenes_on_stage() -> tuple[OnStage, ...]:
+    """Every scene of every path that has a stage, as it is entered."""
+    found = []
+    for lesson in LESSONS.values():
+        for k, scene in enumerate(lesson.path):
+            outcome = lesson.compute(lesson.apply(lesson.start(), entry_values(lesson.path, k, lesson.start())))
+            if outcome.stage is not None:
+                boards = tuple(board for board in outcome.boards if board.id in scene.boards)
+                found.append(OnStage(lesson, scene, boards, body_corners(outcome.stage, MOMENTS)))
+    return tuple(found)
+
+
+def name(case: OnStage, canvas: str) -> str:
+    return f"{case.lesson.id} {case.scene.id}, {canvas}"
+
+
+def test_a_plant_hides_neither_the_boards_of_a_scene_nor_the_numbers_below_them() -> None:
+    def law(case: OnStage, canvas: str) -> None:
+        camera = looked_at(case.lesson, CANVASES[canvas], case.scene.view)
+        body = seen(camera, case.body)
+        for board in case.boards:
+            corners = seen(camera, board_corners(board.side, letters(camera, False)))
+            before = body[(body[:, 0] > corners[:, 0].min()) & (body[:, 0] < corners[:, 0].max())]
+            assert before[:, 1].max(initial=-1.0) <= corners[:, 1].min() + 0.01, f"{board.id} is hidden"
+    holds_for_all([case for case in itertools.product(scenes_on_stage(), CANVASES) if case[0].boards], law, name)
+
+
+def test_all_that_stands_on_the_stage_is_in_sight_above_the_row_of_the_run_and_fills_the_picture() -> None:
+    def law(case: OnStage, canvas: str) -> None:
+        camera, (across, up) = looked_at(case.lesson, CANVASES[canvas], case.scene.view), CANVASES[canvas]
+        em = letters(camera, False)
+        points = np.concatenate([seen(camera, case.body), *(seen(camera, board_corners(board.side, em)) for board in case.boards)])
+        low, high = points.min(axis=0), points.max(axis=0)
+        assert -across / up <= low[0] and high[0] <= across / up, f"cut at a side: {low[0]:.2f} to {high[0]:.2f}"
+        assert low[1] >= 2 * RUN_BAR - 1 and high[1] <= 1, f"cut above or below: {low[1]:.2f} to {high[1]:.2f}"
+        wide, tall = (high - low) / 2 / (across / up, 1.0)
+        assert max(wide, tall) >= LEAST_FILLED, f"a small picture: {wide:.2f} of the width, {tall:.2f} of the height"
+    holds_for_all(itertools.product(scenes_on_stage(), CANVASES), law, name)
+
+
+def test_a_scene_begins_with_its_poles_on_its_boards() -> None:
+    def law(case: OnStage) -> None:
+        outside = [(board.id, pole) for board in case.boards for pole in (*board.poles, *board.fixed) if not board_contains(board, pole)]
+        assert outside == []
+    holds_for_all([(case,) for case in scenes_on_stage() if case.boards], law, lambda case: f"{case.lesson.id} {case.scene.id}")
+
+
+def test_letters_on_a_board_are_more_than_eleven_pixels_of_a_laptop_in_guide_and_lab() -> None:
+    for size in (*CANVASES.values(), (626, 768)):
+        camera: Any = Camera(size)
+        client: Any = SimpleNamespace(camera=camera, atomic=nullcontext)
+        Viewpoint(client).camera("all")
+        unit = seen(camera, np.array([[0.0, 1.5, BOARD_FOOT], [1.0, 1.5, BOARD_FOOT]]))
+        assert letters(camera, False) * (unit[1, 0] - unit[0, 0]) / 2 >= LEAST_LETTER, size
