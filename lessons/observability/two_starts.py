@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from types import MappingProxyType
 
 import numpy as np
 
@@ -14,7 +15,7 @@ from .cases import Case, Sensed, shown, unit
 
 STARTS_TAB = text("Two starts")
 SAME_READING = 1e-9  # of the difference of the starts: readings nearer than this differ by rounding alone
-DECK_STATES = {"x": 0, "z": 1, "theta": 2}  # of the deck: which state the second start changes
+DECK_STATES = MappingProxyType({"x": 0, "z": 1, "theta": 2})  # of the deck: which state the second start changes
 
 
 @dataclass(frozen=True, eq=False)
