@@ -46,8 +46,9 @@ def ellipsoids(last: np.ndarray, prior: np.ndarray, posterior: np.ndarray | None
     for i, P in enumerate((last if posterior is None else None, prior, posterior)):
         if P is not None:
             values, V = np.linalg.eigh(P[pick] / np.outer(size, size))
+            V = V * np.sign(V[np.argmax(np.abs(V), axis=0), range(3)])  # their signs are the library's, the picture's are not
             halves[i] = np.sqrt(np.maximum(values, 0.0))
-            turns[i] = Rotation.from_matrix(V * np.sign(np.linalg.det(V))).as_quat()[[3, 0, 1, 2]]
+            turns[i] = Rotation.from_matrix(V * np.sign(np.linalg.det(V))).as_quat(canonical=True)[[3, 0, 1, 2]]
     return np.hstack([halves / halves.max(), turns]).ravel()
 
 
