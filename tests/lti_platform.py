@@ -15,6 +15,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import lru_cache
+from html import escape
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Any
 from urllib.parse import parse_qs, parse_qsl, urlencode, urljoin, urlsplit
@@ -142,6 +143,7 @@ class PlatformState:
     scores: list[tuple[str, dict[str, Any]]] = field(default_factory=list)
     failures: int = 0  # so many posts of points are answered by 503 first
     key_sets_given: int = 0
+    pages: dict[str, Callable[[dict[str, str]], str]] = field(default_factory=dict)  # by path: HTML from the fields of the address
 
 
 class LearningPlatform:
@@ -163,6 +165,13 @@ class LearningPlatform:
                 self.wfile.write(data)
 
             def do_GET(self) -> None:
+                path, _, fields = self.path.partition("?")
+                if path in state.pages:
+                    self.send_response(200)
+                    self.send_header("Content-Type", "text/html; charset=utf-8")
+                    self.end_headers()
+                    self.wfile.write(state.pages[path](dict(parse_qsl(fields))).encode())
+                    return
                 state.key_sets_given += 1
                 self.say(200 if self.path == "/keys" else 404, key_set())
 
@@ -212,6 +221,21 @@ class LearningPlatform:
                 f'[[platforms]]\nissuer = "{self.url}"\nclient-id = "{CLIENT}"\n'
                 f'login = "{self.url}/auth"\ntoken = "{self.url}/token"\nkey-set = "{self.url}/keys"\n'
                 f'deployments = ["{DEPLOYMENT}"]\n{more}')
+
+    def show_course(self, lab: str, lesson: str) -> str:
+        """The address of a page of this platform with the lab's lesson, in a frame and behind a link; its login posts the launch."""
+        begin = escape(f"{lab}/lti/login?" + urlencode({
+            "iss": self.url, "login_hint": "hint-1", "target_link_uri": f"{lab}/lti/launch", "client_id": CLIENT}), quote=True)
+        self.state.pages["/frame"] = lambda _: f'<!doctype html><title>Course</title><iframe src="{begin}" width=980 height=640></iframe>'
+        self.state.pages["/link"] = lambda _: f'<!doctype html><title>Course</title><a href="{begin}">Lesson</a>'
+
+        def auth(asked: dict[str, str]) -> str:
+            form = {"id_token": signed(self.claims(asked, lesson=lesson)), "state": asked["state"]}
+            fields = "".join(f'<input type="hidden" name="{name}" value="{value}">' for name, value in form.items())
+            return (f'<!doctype html><form method="post" action="{escape(asked["redirect_uri"], quote=True)}">{fields}</form>'
+                    "<script>document.forms[0].submit()</script>")
+        self.state.pages["/auth"] = auth
+        return self.url
 
     def trust(self, lab: str) -> None:
         """Take the lab's key set from where it stands."""

@@ -84,3 +84,11 @@ def test_no_script_and_no_style_sheet_stands_in_python() -> None:
 def test_the_rule_on_code_in_python_sees_a_breach(code: str) -> None:
     assert CODE.search(code)
     assert not CODE.search('<div class="ol-note">the document. A window (x) {0}</div> {title: x}')
+
+
+def test_what_has_the_colours_of_the_day_alone_is_styled_in_no_sheet_with_themes() -> None:
+    """A rule of the page that stands before the app, in fixed colours, would paint what the app calls the same, in the dark too."""
+    sheets = {path.name: path.read_text("utf-8") for path in (Path(web.__file__).parent / "styles").glob("*.css")}
+    coloured = "".join(re.findall(r"([^{}]+)\{[^}]*\$\w+", sheets.pop("link.css")))
+    fixed, themed = (set(re.findall(r"\.(ol-[\w-]+)", words)) for words in (coloured, "".join(sheets.values())))
+    assert len(fixed) >= 3 and fixed & themed == set()

@@ -37,7 +37,7 @@ def _transmissibility(outcome: Outcome[Study], i: int) -> LineFigure:
         said = _said(f, closed, float(bare.max()))
     curves.append(Curve(text("as the ground"), np.ones(len(f)), "reference", "dot", 1.4))
     return over_frequency(f"transmissibility-{name}", text("{title} transmissibility, deck over ground", title=title), f, tuple(curves),
-                          "|T|", caption=said, tab=TRANSMISSIBILITY_TAB, window=(1e-6, 1e3))
+                          "|T|", caption=said, tab=TRANSMISSIBILITY_TAB, window=(1e-7, 1e3))
 
 
 def _said(f: np.ndarray, closed: np.ndarray, bare: float) -> Text:

@@ -21,10 +21,13 @@ def _valley(lot: SeededDraws) -> ExamItem:
     return ExamItem({"a": a, "W": W, "V": V, "L": L}, (W + L * L * V) / (2 * (a + L)))
 
 
-def _worse(lot: SeededDraws) -> ExamItem:
-    """P(L) = P(0) at L = W/(a V)."""
-    a, W, V = float(lot.whole(2, 6)), float(lot.whole(2, 39)), lot.one(SMALL_INTENSITIES)
-    return ExamItem({"a": a, "W": W, "V": V}, W / (a * V))
+def _force(lot: SeededDraws) -> ExamItem | None:
+    """ẋ = u + w, y = x + v, u = −K x̂: the largest L at which K e has the deviation s at most, from P(L) = (W + L² V)/(2 L)."""
+    W, V, K = float(lot.whole(2, 20)), lot.one(SMALL_INTENSITIES), float(lot.whole(2, 8))
+    s = round(K * math.sqrt(lot.one((1.3, 1.6, 2.0)) * math.sqrt(W * V)), 1)
+    most = s * s / (K * K)
+    inside = most**2 - W * V
+    return ExamItem({"W": W, "V": V, "K": K, "s": s}, (most + math.sqrt(inside)) / V, {"most": most}) if inside > 0.2 * W * V else None
 
 
 def _samples(lot: SeededDraws) -> ExamItem:
@@ -37,6 +40,6 @@ def _samples(lot: SeededDraws) -> ExamItem:
 EXAMS = (
     Exam("least", decimals(2), _least),
     Exam("valley", decimals(2), _valley),
-    Exam("worse", significant(3), _worse),
+    Exam("force", significant(3), _force),
     Exam("samples", significant(3), _samples),
 )

@@ -16,6 +16,7 @@ from .criteria import DET
 from .initial_state import SIGMAS_FOR_95_PERCENT
 from .knob_sweep import LOWEST, Sweep, decades
 from .study import NEARLY_HIDDEN_DISTANCE, Study
+from .two_starts import starts_figures
 
 MATRIX_TAB, CLOUD_TAB, MODES_TAB = text("Matrix"), text("Ellipsoid"), text("Modes")
 CIRCLE_ANGLES_RAD = np.linspace(0.0, 2 * np.pi, 73)
@@ -29,7 +30,8 @@ YES, NO, NO_ANSWER = text("yes"), text("no"), text("says nothing")
 def figures(outcome: Outcome[Study]) -> tuple[Figure, ...]:
     """Everything on the right of the stage."""
     found, design = outcome.study, outcome.design
-    return (_matrix(found), _sizes(found, design["tolerance"]), _start(found),
+    return (*starts_figures(found.case, found.sensed, found.twins, design["noise"]),
+            _matrix(found), _sizes(found, design["tolerance"]), _start(found),
             _ellipses(found), _halves(found), _energy(found),
             _modes(found), *(() if found.sweep is None else (_sweep(found.sweep, found),)), _criteria(found, design["criterion"]))
 

@@ -53,5 +53,10 @@ KNOBS = (
            hint=text("White noise over the run, as a share of a typical reading.")),
     Choice("criterion", "", text("criterion for “observable”"), default="det", options=CRITERIA,
            hint=text("One of these sentences is what the notes derive from C e^{At}, and it is no criterion.")),
+    Choice("second", "", text("the second start differs in"), default="z", when=("plant", (DECK_CASE,)),
+           options=(("z", text("height")), ("theta", text("pitch")), ("x", text("horizontal position"))),
+           hint=text("The tab Two starts runs the deck from two starts that differ in this alone.")),
+    Number("apart", r"\Delta", text("difference of the two starts"), low=0.0, high=2.0, default=1.0, step=0.05,
+           hint=text("In typical sizes: 2 mm or 10 mrad on the deck. Elsewhere it is in the direction that the readings show least.")),
     Number("seed", r"s_0", text("noise seed"), low=0, high=9999, default=1, scale="integer", hidden=True),
 )

@@ -21,11 +21,12 @@ from .derive import derived
 from .initial_state import learn, rebuild
 from .knobs import KNOBS
 from .study import Study, checks_of, cloud_of, formulas_of, live_of, metrics_of
+from .two_starts import two_starts
 
 SWITCHES = 6  # outputs with a switch; what a plant has beyond these stays on
 OBSERVED_INSTANTS, FEW_INSTANTS = 120, 50  # instants, for few states and for many
 MAX_GROWTH_EXPONENT = 5.0  # how many times e a run may grow
-SHARED = ("tolerance", "reading", "noise", "criterion", "seed")  # knobs taken from the lesson as they are
+SHARED = ("tolerance", "reading", "noise", "criterion", "apart", "seed")  # knobs taken from the lesson as they are
 
 
 def case_of(model: Model) -> Case:
@@ -77,7 +78,7 @@ def compute(model: Model, case: Case, design: Design) -> Outcome[Study]:
     found = Study(case, s, rebuild(s, start, int(design["rows"]), design["reading"], design["tolerance"], seed),
                   learn(s, start, design["noise"], seed), start, criteria(s, full),
                   min(s.seen.modes, key=lambda m: (m.visible, m.distance)),
-                  full, None)
+                  full, None, two_starts(s, start, design))
     metrics = metrics_of(found)
     return Outcome(design, {}, {"plant": np.array([m.pole for m in s.seen.modes])}, metrics, checks_of(metrics),
                    stage=_stage(model, found), formulas=formulas_of(found), words=live_of(found, metrics), study=found)

@@ -11,6 +11,7 @@ PATH = (
     Scene("recall", Choose(answer=1), minutes=0.5),
     Scene("meet", Press("play"), set={"left_on": False, "across_on": True, **ALL_ROWS}, minutes=1.0),
     Scene("twins", Choose(answer=1), minutes=1.5),
+    Scene("both", Move(("left_on",)), knobs=("left_on", "apart"), figures=("two-readings", "two-states"), minutes=1.5),
     Scene("predict", Choose(Question.FIRST), set={"left_on": True, "across_on": False}, minutes=1.5),
     Scene("why", figures=("matrix",), formulas=("rank",), minutes=2.0),
     Scene("move", Move(("left",)), knobs=("left",), figures=("modes",), minutes=2.0),

@@ -18,6 +18,7 @@ from .criteria import Criterion, criteria
 from .initial_state import SIGMAS_FOR_95_PERCENT, Belief, Rebuilt, learn, rebuild
 from .knob_sweep import Sweep, sweep
 from .knobs import DECK_CASE, MANY_MASSES
+from .two_starts import TwoStarts, two_starts
 
 NEARLY_HIDDEN_DISTANCE = 0.02  # a mode nearer than this to being hidden (in typical sizes) is called nearly hidden
 
@@ -35,6 +36,7 @@ class Study:
     weakest: Mode
     rank: int
     sweep: Sweep | None
+    twins: TwoStarts
 
 
 def judged(found: Study) -> str:
@@ -60,7 +62,7 @@ def compute(design: Design) -> Outcome[Study]:
     belief = learn(s, start, design["noise"], seed)
     weakest = min(s.seen.modes, key=lambda m: (m.visible, m.distance))
     full = s.seen.matrix_rank(design["tolerance"]) if s.seen.singular_values[0] > 0 else 0
-    found = Study(case, s, built, belief, start, criteria(s, full), weakest, full, sweep(design))
+    found = Study(case, s, built, belief, start, criteria(s, full), weakest, full, sweep(design), two_starts(s, start, design))
     metrics = metrics_of(found)
     return Outcome(design, {}, {"plant": np.array([m.pole for m in s.seen.modes])}, metrics, checks_of(metrics),
                    stage=_stage(design, found), formulas=formulas_of(found), words=live_of(found, metrics), study=found)
@@ -106,7 +108,7 @@ def metrics_of(found: Study) -> dict[str, float]:
         "weakest": found.weakest.distance if found.weakest.visible else 0.0, "hidden": float(n - s.seen.rank),
         "known": float(found.belief.known), "longest": float(found.belief.halves[-1, 0]),
         "rebuild_error": float(np.linalg.norm(found.rebuilt.guess - found.start) / np.linalg.norm(found.start)),
-        "least_energy": float(s.heard[-1, 0]),
+        "least_energy": float(s.heard[-1, 0]), "reading_gap": found.twins.gap,
     }
 
 

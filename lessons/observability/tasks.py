@@ -8,9 +8,11 @@ from observer_lab.text import text
 
 from .criteria import DET, GRAMIAN
 from .study import Study
+from .two_starts import SAME_READING
 
 CLEARLY, MAX_WEAKEST_DISTANCE = 0.05, 0.053  # distance of the weakest mode asked of one sensor
 HALF_AXIS_BAND, MIN_NOISE = (0.09, 0.1), 0.03  # half axis of the cloud that two sensors are to leave, and the least noise they have
+MIN_DIFFERENCE = 1.0  # of two starts, in typical sizes
 BLIND_DISTANCE = 0.002  # distance below which a direction of the notes' sensor counts as blind
 MIN_TOLERANCE = 1e-12  # tolerance above which a rank is cut by choice and not by rounding
 PAPER_RANK_DISTANCE = 1e-5  # distance at which full rank is only on paper
@@ -37,6 +39,18 @@ def _one_sensor(outcome: Outcome[Study]) -> Verdict:
         return Verdict(False, text("The weakest mode is {d:.3g} from hidden, more than is wanted: {clearly:g} to {most:g}.", d=d,
                                    clearly=CLEARLY, most=MAX_WEAKEST_DISTANCE))
     return Verdict(True, text("One sensor sees all three modes; the weakest is {d:.2g} from hidden.", d=d))
+
+
+def _untold(outcome: Outcome[Study]) -> Verdict:
+    """Two starts of the deck that one vertical sensor in the middle cannot tell apart."""
+    design, gap = outcome.design, outcome.metrics["reading_gap"]
+    on = [k for k in SENSOR_KNOBS if design[f"{k}_on"]]
+    if design["plant"] != "deck" or on != ["left"] or design["left"] != 0 or design["apart"] < MIN_DIFFERENCE:
+        return Verdict(False, text("Take the deck with the left sensor alone, at 0 m, and a difference of {least:g} or more.",
+                                   least=MIN_DIFFERENCE))
+    if gap > SAME_READING:
+        return Verdict(False, text("The readings differ by up to {gap:.2g} of a typical reading; they should be the same.", gap=gap))
+    return Verdict(True, text("The two readings agree at every time, although the starts differ by {apart:g}.", apart=design["apart"]))
 
 
 def _two_sensors(outcome: Outcome[Study]) -> Verdict:
@@ -112,6 +126,7 @@ TOLL = Typed("(p-a)*(q-a)/(b-a)", ("a", "b", "p", "q"), slips=(
 
 TASKS = (
     Task("one-sensor", _one_sensor, {"left": -0.115}),
+    Task("untold", _untold, {"second": "theta"}),
     Task("two-sensors", _two_sensors, {"across_on": True, "left": -0.106}),
     Task("find-the-error", _wrong_sentence, {"plant": "notes", "criterion": GRAMIAN, "angle": 55.5}),
     Task("on-paper", _on_paper, {"plant": "pair", "gap": 1.41e-5}),

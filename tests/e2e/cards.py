@@ -60,8 +60,10 @@ def take(tab: Tab, name: str) -> Image.Image:
             tab.type_number("time t [s]", f"{moment:.3g}")
         tab.page.evaluate("document.activeElement.blur()")
         tab.key("2")
+        tab.page.evaluate("window.observerLabDraws = true")
         tab.drawn()
         before, seen = shown(), tab.page.screenshot()
+        tab.page.evaluate("window.observerLabDraws = false")
         return seen if before and shown() else b""
     picture = Image.open(io.BytesIO(eventually(shot, bool, f"the moment {moment:.3g} s")))
     left, right = tab.page.evaluate(BETWEEN)
@@ -103,7 +105,7 @@ def main() -> None:
                 draw(name).save(path, quality=QUALITY, method=6)
                 continue
             context = browser.new_context(viewport={"width": WINDOW[0], "height": WINDOW[1]}, reduced_motion="reduce")
-            take(Tab(context.new_page(), address), name).save(path, quality=QUALITY, method=6)
+            take(Tab(context.new_page(), address, drawn=False), name).save(path, quality=QUALITY, method=6)
             print(f"{path.name} of {name}: {path.stat().st_size} bytes", flush=True)
             context.close()
         browser.close()

@@ -22,7 +22,7 @@ from tab import FLAGS, Tab
 ROOT = Path(__file__).parents[2]
 ARTEFACTS = ROOT / "artefacts"
 WIDE = 800  # px from which on a window is laid out as a wide one
-START = 60.0  # s until a server must have printed its address
+START = 180.0  # s until a server must have printed its address
 PASSED = pytest.StashKey[bool]()
 LOGS: list[IO[bytes]] = []  # of the servers that run
 LOOKED_AT: list[Tab] = []  # the tabs of the test that runs

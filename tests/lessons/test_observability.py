@@ -5,7 +5,7 @@ from __future__ import annotations
 import mpmath
 import numpy as np
 import pytest
-from scipy.integrate import quad_vec
+from scipy.integrate import quad_vec, solve_ivp
 from scipy.linalg import expm
 
 from observer_lab.course.figures.records import PlaneFigure
@@ -282,3 +282,24 @@ def test_a_rank_cut_by_a_coarse_tolerance_is_not_called_rounding():
     assert task.check(outcome(plant="many", count=20)).solved
     coarse = task.check(outcome(plant="many", count=4, tolerance=0.1))
     assert not coarse.solved and "rounding" in coarse.text("en")
+
+
+@pytest.mark.parametrize("second", ["x", "z", "theta"])
+@pytest.mark.parametrize("sensors", [{}, {"left_on": False, "across_on": True}, {"left": 0.1}, {"across_on": True}], ids=str)
+def test_two_starts_read_alike_exactly_where_their_difference_is_in_the_kernel(sensors: dict, second: str) -> None:
+    """The gap of the readings by scipy's integrator in metres, beside what the caption says; the kernel by numpy's svd of O."""
+    o = LESSON.compute(LESSON.apply(LESSON.start(), {**sensors, "second": second}))
+    plant, twins = o.study.sensed.plant, o.study.twins
+    run = solve_ivp(lambda t, x: plant.A @ x, (0, o.study.sensed.t[-1]), twins.v, t_eval=o.study.sensed.t, rtol=1e-10, atol=1e-13)
+    gap = np.abs(plant.C @ run.y).max()
+    assert twins.gap == pytest.approx(gap, abs=1e-8)
+    O = np.vstack([plant.C @ np.linalg.matrix_power(plant.A, k) for k in range(plant.n)])
+    hidden = np.abs(O @ twins.v).max() < 1e-9 * np.abs(O).max()
+    said = next(f for f in LESSON.figures(o) if f.id == "two-readings").caption("en")
+    assert ("agree at every time" in said) == hidden == (twins.gap < 1e-9)
+
+
+def test_a_plant_that_is_barely_observable_is_not_said_to_read_alike() -> None:
+    o = LESSON.compute(LESSON.apply(LESSON.start(), {"plant": "pair", "gap": 1e-8}))
+    said = next(f for f in LESSON.figures(o) if f.id == "two-readings").caption("en")
+    assert "less than their noise" in said and "agree" not in said

@@ -37,7 +37,7 @@ def choice_page(launch: Launch, lessons: Mapping[str, Lesson], course: Course | 
     code = web_code(language)
     return (f'<!doctype html><html lang="{code}"><head><meta charset="utf-8"><title>{APP_NAME}</title>'
             f'<meta name="viewport" content="width=device-width"><style>{web.coloured_text("link.css")}</style></head>'
-            f'<body><main class="ol-choice"><h1>{html.escape(phrases.CHOOSE_LESSON(language))}</h1>'
+            f'<body><main class="ol-linking"><h1>{html.escape(phrases.CHOOSE_LESSON(language))}</h1>'
             f'<form method="post" action="{html.escape(launch.returns)}">{buttons}</form></main></body></html>')
 
 

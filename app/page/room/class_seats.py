@@ -40,4 +40,6 @@ class ClassSeats:
         for client, follower in followers.items():
             own = None if runs is None else runs.runs.get(self._seats[client])
             content = "" if runs is None or own is None else own_run_html(runs, own, follower.language)
+            if loop.is_closed():  # the server ends
+                return
             loop.call_soon_threadsafe(partial(follower.show_run, content))

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import control
 import numpy as np
 from scipy.integrate import quad
-from scipy.linalg import expm, solve_discrete_lyapunov
+from scipy.linalg import expm, solve_continuous_lyapunov, solve_discrete_lyapunov
 from scipy.optimize import brentq
 from scipy.stats import norm, uniform
 
@@ -52,10 +52,12 @@ def valley(g: Given) -> float:
     return control.lyap(np.array([[-g["a"] - g["L"]]]), np.array([[g["W"] + g["L"] ** 2 * g["V"]]]))[0, 0]
 
 
-def worse(g: Given) -> float:
-    none = valley({**g, "L": 0.0})
-    bottom = least(g)
-    return brentq(lambda L: valley({**g, "L": L}) - none, bottom, 1e4, xtol=1e-11)
+def force(g: Given) -> float:
+    """The deviation of K e by Lyapunov's equation, as the gain grows beyond that of the Kalman filter."""
+    def beyond(L: float) -> float:
+        P = solve_continuous_lyapunov(np.array([[-L]]), -np.array([[g["W"] + L * L * g["V"]]]))[0, 0]
+        return g["K"] * np.sqrt(P) - g["s"]
+    return brentq(beyond, np.sqrt(g["W"] / g["V"]), 1e4, xtol=1e-11)
 
 
 def samples(g: Given) -> float:
@@ -162,7 +164,7 @@ ORACLES: dict[tuple[str, str], Callable[[Given], float]] = {
     ("saturation", "fastest"): fastest,
     ("saturation", "believed"): believed,
     ("noise", "valley"): valley,
-    ("noise", "worse"): worse,
+    ("noise", "force"): force,
     ("noise", "samples"): samples,
     ("noise", "least"): least,
     ("kalman", "steady"): steady,
