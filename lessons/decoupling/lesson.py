@@ -23,5 +23,5 @@ LESSON = Lesson("decoupling", 11, KNOBS, compute, figures, answer=2, answering="
                 place=COURSE_PLACES["decoupling"],
                 again=SecondPrediction(("mix",), 3, {"mix": "best"}, ("spectrum-rotation", "velocity-rotation")),
     words=read_prose(Path(__file__).parent), key=("vertical", "horizontal", "pitch"),
-    aside=("f_low", "f_high", "lower", "ground", "noise", "sensors", "corner", "knee", "tilt"), pick=pick,
+    aside=("lag", "lead", "roll_off", "f_low", "f_high", "lower", "ground", "noise", "sensors", "corner", "knee", "tilt"), pick=pick,
     derived=derived, path=PATH, code=code)

@@ -27,5 +27,5 @@ LESSON = Lesson(
     place=COURSE_PLACES["nonlinear"],
     again=SecondPrediction(("sensor",), 2, {"sensor": 0.1}, ("nees", "nis", "verdicts", "errors")),
     words=read_prose(Path(__file__).parent), key=("case", "filter", "size"),
-    aside=("alpha", "beta", "kappa", "redraw", "line"), job=JOB, seeds=run_seeds, code=code,
+    aside=("force", "wind", "steer", "alpha", "beta", "kappa", "redraw", "line"), job=JOB, seeds=run_seeds, code=code,
     derived=derived, path=PATH)

@@ -25,5 +25,5 @@ LESSON = Lesson(
     place=COURSE_PLACES["observability"],
     again=SecondPrediction(("noise",), 0, {"noise": 0.003}, ("ellipses", "halves", "energy")),
     words=read_prose(Path(__file__).parent), key=("plant", "left", "right_on", "angle", "gap", "count"),
-    aside=("tolerance", "reading", "noise", "second", "apart"), adapt=adapted, code=code,
+    aside=("criterion", "tolerance", "reading", "noise", "second", "apart"), adapt=adapted, code=code,
     derived=derived, path=PATH)

@@ -37,7 +37,8 @@ def build(model: Model) -> Lesson:
         tasks=TASKS, exams=EXAMS, source="Lessons 1 to 10, with their sources; example plants in app/plants/data",
         place=COURSE_PLACES["sandbox"],
         again=SecondPrediction(("belief",), 1, {"belief": 1000.0}, ("nis", "gain", "lights")),
-    words=read_prose(Path(__file__).parent), key=("method", "limited", "noisy"), aside=("sensor", "belief", "tolerance"), job=job_on(model),
+    words=read_prose(Path(__file__).parent), key=("method", "limited", "noisy"), aside=("r", "v", "sensor", "belief", "tolerance"),
+        job=job_on(model),
         adapt=adapted, universal=True, derived=partial(derived), path=PATH)
 
 

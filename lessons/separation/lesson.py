@@ -34,7 +34,7 @@ LESSON = Lesson(
     again=SecondPrediction(("stiffness_error",), 3, {"stiffness_error": 10.0}, ("spectrum", "blocks"), numbers=True),
     words=read_prose(Path(__file__).parent),
     key=("stiffness_error", "delay", "noise"),
-    aside=("limited", "u_max"),
+    aside=("r", "v", "command", "integral", "limited", "u_max"),
     adapt=adapted,
     derived=derived,
     path=PATH,

@@ -26,5 +26,5 @@ LESSON = Lesson(
     place=COURSE_PLACES["showdown"],
     again=SecondPrediction(("damping",), 1, {"damping": -90.0}, ("suppression", "sizes", "channel_rotation")),
     words=read_prose(Path(__file__).parent), key=("play", "sensor", "test"), aside=(
-        "limited", "limit", "driver", "bandwidth", "adc", "drift", "friction", "stiffness", "damping", "placement"), job=JOB,
+        "delay", "limited", "limit", "driver", "bandwidth", "adc", "drift", "friction", "stiffness", "damping", "placement"), job=JOB,
     seeds=run_seeds, derived=derived, path=PATH, code=code)

@@ -22,7 +22,8 @@ TIMELESS = {  # A, B, C and D alone say it, whatever the period; of the first on
     "systems.transmission_zeros", "observers.UnknownInputObserver.residuals", "observers.existence", "feedback.to_tf",
     "feedback.compensator", "design.series", "design.in_natural_units",
     "aliases.ctrb", "aliases.obsv", "aliases.poles", "aliases.zeros",
-    "observers.decoupling", "observers.reduced_observer", "observers.unknown_input_observer",  # without zeros here; with zeros see test_unknown_input
+    "observers.decoupling", "observers.reduced_observer",
+    "observers.unknown_input_observer",  # without zeros here; with zeros see test_unknown_input
 }
 
 
