@@ -24,7 +24,7 @@ deadline = 2026-12-18T23:59:00+01:00
 
 [[lessons]]
 lesson = "kalman"
-exams = ["step", "nis"]
+exams = ["sheet", "nis"]
 tasks = "all"
 points = 2.5
 """
@@ -41,12 +41,12 @@ def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return path
 
 
-def answer(file: Path, student: str, exam_id: str = "step") -> str:
+def answer(file: Path, student: str, exam_id: str = "sheet") -> str:
     exam = next(exam for exam in LESSONS["kalman"].exams if exam.id == exam_id)
     return exam.digits.written(student_item(course_in(str(file)), student, "kalman", exam).answer)
 
 
-def signed(file: Path, student: str, said: str, exam: str = "step", issued: int = ON_TIME) -> str:
+def signed(file: Path, student: str, said: str, exam: str = "sheet", issued: int = ON_TIME) -> str:
     course = course_in(str(file))
     return write_hand_in(course, HandIn(course.id, f"kalman exam {exam}", student, said, issued))
 
@@ -66,16 +66,16 @@ def signed(file: Path, student: str, said: str, exam: str = "step", issued: int 
     ("2026-12-18T23:59:00+01:00", '"soon"', "deadline must be"),
     ('lesson = "kalman"', 'lesson = "calman"', "lesson 1, lesson names no lesson (calman)"),
     ('lesson = "kalman"', "", "lesson 1, lesson names no lesson"),
-    ('["step", "nis"]', '["step", "nip"]', "lesson 1, exams names nip"),
-    ('["step", "nis"]', "3", "lesson 1, exams must be a list"),
-    ('["step", "nis"]', '["step", "step"]', "lesson 1, exams names step of kalman a second time"),
+    ('["sheet", "nis"]', '["sheet", "nip"]', "lesson 1, exams names nip"),
+    ('["sheet", "nis"]', "3", "lesson 1, exams must be a list"),
+    ('["sheet", "nis"]', '["sheet", "sheet"]', "lesson 1, exams names sheet of kalman a second time"),
     ("points = 2.5", "points = 0", "lesson 1, points must be a positive number"),
     ("points = 2.5", "tries = 1.5", "lesson 1, tries must be a whole number"),
     ("points = 2.5", "tries = true", "lesson 1, tries must be a whole number"),
     ("points = 2.5", 'mode = "open"', "lesson 1, mode must be"),
     ("points = 2.5", "point = 2", "lesson 1, point is no key"),
     ("[[lessons]]", "[lessons]", "lessons is missing"),
-    ('exams = ["step", "nis"]\ntasks = "all"', "", "lesson 1, exams and tasks are missing"),
+    ('exams = ["sheet", "nis"]\ntasks = "all"', "", "lesson 1, exams and tasks are missing"),
 ])
 @pytest.mark.parametrize("command", [("grade", "olh1.x.y"), ("variant", "s1"), ("serve", "--port", "0")])
 def test_a_bad_course_file_is_one_sentence_with_file_and_key(capsys, file: Path, command: tuple[str, ...], old: str, new: str,
@@ -103,12 +103,12 @@ def test_what_a_lesson_says_stands_before_what_the_head_says() -> None:
 def test_variant_prints_anybodys_items_with_answers(capsys, file: Path) -> None:
     assert main(["variant", " S1 ", "--course", str(file)]) == 0
     told = capsys.readouterr().out
-    for exam in ("step", "nis"):
+    for exam in ("sheet", "nis"):
         assert f"## {LESSONS['kalman'].words['en'].exams[exam].title}\n" in told and f"\n**{answer(file, 's1', exam)}**\n" in told
     assert "[[" not in told and told.count("## ") == 2 and SECRET not in told
     assert main(["variant", "s1", "--course", str(file), "--lesson", "kalman", "--json"]) == 0
     record = json.loads(capsys.readouterr().out)
-    assert [item["answer"] for item in record["items"]] == [answer(file, "s1", exam) for exam in ("step", "nis")]
+    assert [item["answer"] for item in record["items"]] == [answer(file, "s1", exam) for exam in ("sheet", "nis")]
     assert "no exam here" in refused(capsys, "variant", "s1", "--course", str(file), "--lesson", "lqg")
     assert "is empty" in refused(capsys, "variant", "  ", "--course", str(file))
 
@@ -133,7 +133,7 @@ def test_grade_names_each_kind_and_writes_both_tables(capsys, file: Path, tmp_pa
     assert told.startswith("hand-ins: 7, counted: 2, students: 2; not counted: ")
     for kind in ("doubled", "late", "forged", "another course", "not asked"):
         assert told.count(f"  {kind}: ") == 1
-    names = ["kalman exam step", "kalman exam nis", *(f"kalman task {task.id}" for task in LESSONS["kalman"].tasks)]
+    names = ["kalman exam sheet", "kalman exam nis", *(f"kalman task {task.id}" for task in LESSONS["kalman"].tasks)]
     with out.open(encoding="utf-8", newline="") as moodle:
         none = ["-"] * (len(names) - 1)
         assert list(csv.reader(moodle)) == [["ID number", *names], ["S1", "2.5", *none], ["s2", "0", *none]]
@@ -148,7 +148,7 @@ def test_grade_is_status_0_where_all_count_and_json_says_all(capsys, file: Path)
     right = signed(file, "s1", answer(file, "s1"))
     assert main(["grade", right, "--course", str(file), "--json"]) == 0
     record = json.loads(capsys.readouterr().out)
-    assert record["points"] == {"s1": {"kalman exam step": 2.5}} and record["hand_ins"][0]["verdict"] == "counts"
+    assert record["points"] == {"s1": {"kalman exam sheet": 2.5}} and record["hand_ins"][0]["verdict"] == "counts"
 
 
 def test_grade_takes_a_folder_with_anything_in_it(capsys, file: Path, tmp_path: Path) -> None:

@@ -115,10 +115,11 @@ def lead(m: Study, one: Lead) -> float | None:
 
 
 def _leads(m: Study) -> TableFigure:
-    rows = tuple((str(one.figure), SIGNALS[one.column], SHORT_NAMES[ORDER.index(one.player)], SHORT_NAMES[ORDER.index(one.beside)],
+    rows = tuple((str(one.figure), SIGNALS[one.column],
+                  text("{lower} below {upper}", lower=SHORT_NAMES[ORDER.index(one.player)], upper=SHORT_NAMES[ORDER.index(one.beside)]),
                   _range(one.low, one.high, ".0f"), "–" if (ours := lead(m, one)) is None else format_number(ours, ".1f")) for one in LEADS)
-    return TableFigure("report_leads", text("by how many dB one controller lies below another"),
-                       (text("figure"), text("signal"), text("lower"), text("upper"), text("report"), text("ours, area 0.5–3 Hz")), rows,
+    return TableFigure("report_leads", text("one controller below another in dB; ours: area over 0.5–3 Hz"),
+                       (text("figure"), text("signal"), text("controllers"), text("report"), text("ours")), rows,
                        tab=REPORT_TAB, caption=said_of_figure_24(m))
 
 

@@ -31,7 +31,7 @@ points = 5
 
 [[lessons]]
 lesson = "kalman"
-exams = ["step"]
+exams = ["sheet"]
 """
 expect.set_options(timeout=PATIENCE)
 Serve = Callable[..., AbstractContextManager[str]]
@@ -245,7 +245,7 @@ def test_a_class_on_redis_runs_one_seed_each_and_an_answer_is_handed_in_and_grad
     assert main(["grade", token, "--course", str(file), "-o", str(tmp_path / "grades.csv")]) == 0
     assert "hand-ins: 1, counted: 1, students: 1" in capsys.readouterr().out
     with (tmp_path / "grades.csv").open(encoding="utf-8", newline="") as table:
-        assert list(csv.DictReader(table)) == [{"ID number": "s1", "kalman exam step": "5"}]
+        assert list(csv.DictReader(table)) == [{"ID number": "s1", "kalman exam sheet": "5"}]
 
 
 def handed_in(copy: Tab, course: str, capsys: pytest.CaptureFixture[str]) -> str:
@@ -255,7 +255,7 @@ def handed_in(copy: Tab, course: str, capsys: pytest.CaptureFixture[str]) -> str
     copy.unfold(phrases.EXAM("en"))
     copy.row("your key").locator("input").fill("s1")
     copy.answered()
-    copy.unfold(f"1 {LESSONS['kalman'].words['en'].exams['step'].title}")
+    copy.unfold(f"1 {LESSONS['kalman'].words['en'].exams['sheet'].title}")
     copy.row("answer").locator("input").fill(str(item["answer"]))
     copy.answered()
     copy.press("hand in")

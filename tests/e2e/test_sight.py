@@ -36,7 +36,7 @@ ROOM = """() => {
   const rows = {}, sheet = document.querySelector('.mantine-Tabs-root:has(.ol-parts)');
   const row = [...document.querySelectorAll('.mantine-Flex-root')]
     .find(each => each.querySelectorAll(':scope > .mantine-Button-root').length > 6);
-  for (const {offsetTop} of row.children) rows[offsetTop] = (rows[offsetTop] ?? 0) + 1;
+  for (const {offsetTop, offsetHeight} of row.children) if (offsetHeight) rows[offsetTop] = (rows[offsetTop] ?? 0) + 1;
   return {head: (sheet?.offsetHeight ?? 0) / innerHeight, rows: Object.values(rows), beyond: row.scrollWidth - row.clientWidth,
     free: free.filter(Boolean).length / free.length, covered};
 }"""

@@ -54,7 +54,7 @@ def test_the_section_for_lecturers_works_as_it_stands(tmp_path: Path) -> None:
             with WireTab(url) as tab:
                 tab.update("your key", value="s1234567")
                 tab.answered()  # a new key brings new numbers and an empty field
-                tab.update("answer", value=answers["kalman exam step"])  # the first exam of the lesson
+                tab.update("answer", value=answers["kalman exam sheet"])  # the first exam of the lesson
                 tab.press("hand in")
                 tab.until(lambda: shown_tokens(tab), "the hand-in")
                 (written,) = shown_tokens(tab)
@@ -75,4 +75,4 @@ def test_the_section_for_lecturers_works_as_it_stands(tmp_path: Path) -> None:
     (tmp_path / "hand-ins" / "s1234567.txt").write_text(written, encoding="utf-8")
     assert "counted: 1" in told(grade)
     with (tmp_path / "grades.csv").open(encoding="utf-8", newline="") as table:
-        assert list(csv.DictReader(table)) == [{"ID number": "s1234567", "kalman exam step": "5", "kalman exam nis": "-"}]
+        assert list(csv.DictReader(table)) == [{"ID number": "s1234567", "kalman exam sheet": "5", "kalman exam nis": "-"}]
