@@ -17,5 +17,5 @@ PATH = (
     Scene("command", Move(("integral",)), set={"command": 3.0}, knobs=("command", "integral"), figures=("command",),
           minutes=2.5, core=False),
     Scene("task", Solve("fast-observer"), set={"command": 0.0}, boards=BOARDS, minutes=2.5),
-    Scene("remember", figures=("blocks",), minutes=1.0),
+    Scene("remember", set={"stiffness_error": 0.0, "command": 0.0, "integral": False}, figures=("blocks",), minutes=1.0),
 )
