@@ -12,7 +12,7 @@ from .two_starts import SAME_READING
 
 CLEARLY, MAX_WEAKEST_DISTANCE = 0.05, 0.053  # distance of the weakest mode asked of one sensor
 HALF_AXIS_BAND, MIN_NOISE = (0.09, 0.1), 0.03  # half axis of the cloud that two sensors are to leave, and the least noise they have
-MIN_DIFFERENCE = 1.0  # of two starts, in typical sizes
+MIN_DIFFERENCE = 1.5  # of two starts, in typical sizes
 BLIND_DISTANCE = 0.002  # distance below which a direction of the notes' sensor counts as blind
 MIN_TOLERANCE = 1e-12  # tolerance above which a rank is cut by choice and not by rounding
 PAPER_RANK_DISTANCE = 1e-5  # distance at which full rank is only on paper
@@ -126,7 +126,7 @@ TOLL = Typed("(p-a)*(q-a)/(b-a)", ("a", "b", "p", "q"), slips=(
 
 TASKS = (
     Task("one-sensor", _one_sensor, {"left": -0.115}),
-    Task("untold", _untold, {"second": "theta"}),
+    Task("untold", _untold, {"second": "theta", "apart": 1.5}),
     Task("two-sensors", _two_sensors, {"across_on": True, "left": -0.106}),
     Task("find-the-error", _wrong_sentence, {"plant": "notes", "criterion": GRAMIAN, "angle": 55.5}),
     Task("on-paper", _on_paper, {"plant": "pair", "gap": 1.41e-5}),

@@ -87,6 +87,23 @@ def test_on_a_phone_a_long_verdict_is_in_sight(opened: Callable[..., Page]) -> N
     expect(page.locator(".ol-option:visible")).to_have_count(2)
 
 
+def test_the_card_of_another_scene_begins_at_its_top_in_a_hall_too(opened: Callable[..., Page]) -> None:
+    """However far a hand has slid the column, and though figures there snap to its edge in the lab."""
+    page, path = opened("--lesson", "virtual-sensor", size=SIZES[1]), LESSONS["virtual-sensor"].path
+    page.get_by_role("button", name="Present", exact=True).click(timeout=PATIENCE)
+    at = next(k for k, scene in enumerate(path) if len(scene.figures) == 2)
+    turn(page, path[1].id)
+    page.locator(".ol-dot").nth(at).click(timeout=PATIENCE)
+    expect(page.locator(f".ol-card[data-scene={path[at].id}]")).to_be_visible(timeout=PATIENCE)
+    page.locator(".ol-card").hover()
+    page.mouse.wheel(0, 2000)
+    slid = "() => document.querySelector('.ol-card').closest('[data-ol-view]').scrollTop"
+    page.wait_for_function(f"({slid})() > 50", timeout=PATIENCE)
+    page.locator(".ol-way button").first.click(timeout=PATIENCE)
+    expect(page.locator(f".ol-card[data-scene={path[at - 1].id}]")).to_be_visible(timeout=PATIENCE)
+    page.wait_for_function(f"({slid})() === 0", timeout=PATIENCE)
+
+
 def test_a_newcomer_starts_and_the_page_performs_what_was_predicted(opened: Callable[..., Page]) -> None:
     page = opened()
     page.locator(".ol-begin .ol-next").click(timeout=PATIENCE)

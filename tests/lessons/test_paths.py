@@ -165,7 +165,7 @@ def wording(lesson: Lesson, scene: Scene, language: str, metrics: object) -> Ite
             yield f"verdict of {len(words_of(found.say))} words"
         if len(words_of(found.title)) > MAX_TITLE_WORDS:
             yield f"title of {len(words_of(found.title))} words"
-    elif len(re.sub(r"\$[^$]+\$", "式", found.text)) > MAX_CHINESE:
+    elif len(re.sub(r"\[\[[^]]+\]\]", "1.23", re.sub(r"\$[^$]+\$", "式", found.text))) > MAX_CHINESE:
         yield f"text of {len(found.text)} characters"
     if not found.text or not found.title or not found.note:
         yield "lacks its text, title or speaker's note"

@@ -1,8 +1,9 @@
-// Brings a verdict or a second question that has just come into view, clear of the pinned knobs, once the hand has let go.
+// Brings a verdict or a second question that has just come into view, clear of the pinned knobs, once the hand has let go. The card of
+// another scene begins at its top.
 () => {
   if (window.observerLabNews) return;
   const viser = window.observerLabViser, NEWS = '.ol-again,.ol-right,.ol-wrong', GAP = 10;
-  let held = false, due = 0, known = null, speaks = '';
+  let held = false, due = 0, known = null, speaks = '', scene = null;
   const told = () => [...document.querySelectorAll(NEWS)].filter(each => each.checkVisibility() && !each.closest(viser.parts.dialog));
   const words = element => element.textContent.trim();
   const bring = element => {
@@ -25,6 +26,9 @@
     const stands = document.querySelector('.ol-mark')?.dataset.stands === '1', now = told(), tongue = document.documentElement.lang;
     const before = known, fresh = stands && before !== null && tongue === speaks;
     if (held) return;  // looked at again when the hand lets go
+    const card = stands ? document.querySelector('.ol-card .ol-scene') : null;
+    if (card && scene !== null && scene !== words(card) && tongue === speaks) card.closest(viser.parts.view)?.scrollTo(0, 0);
+    if (card) scene = words(card);
     known = stands ? new Set(now.map(words)) : null;
     speaks = tongue;
     const news = fresh ? now.filter(each => !each.matches('.ol-stale') && !before.has(words(each))) : [];
