@@ -321,6 +321,7 @@ def test_a_class_places_poles_in_the_lab_and_the_board_shows_their_cloud(enter: 
     follower.until(lambda: card(follower), "the card")
     ask(presenter, "mode:lab")
     presenter.until(lambda: "ol-part-knobs" in str(presenter.widgets), "the lab")
+    presenter.settle()  # the head of the lab is there, and the guide's is gone
 
     def plane() -> str:
         return part(follower, '<section class="ol-typed"')
