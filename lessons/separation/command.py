@@ -19,7 +19,10 @@ RATES = 9.0  # that the integrator's own pole has in the length of a run: what i
 
 @dataclass(frozen=True)
 class Target:
-    """The signal that follows the command: its axis and unit, c (1×n) and d (1×m) of z = c x + d u, and r in SI of a design."""
+    """The signal z = c x + d u that follows the command r, with its axis, unit and scale.
+
+    `of` gives c (1×n) and d (1×m) of a plant; `value` gives r of a design, in SI.
+    """
 
     axis: Text | str
     unit: str

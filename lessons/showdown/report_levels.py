@@ -25,7 +25,7 @@ SAME_SIZE_DB = 3.0
 
 @dataclass(frozen=True)
 class Level:
-    """What the text beside a figure says of a peak: the controller, the columns, from and to in (m/s)²/Hz."""
+    """A peak in the report's text: figure, controller, columns, and its range in (m/s)²/Hz."""
 
     figure: int
     player: str
@@ -36,7 +36,7 @@ class Level:
 
 @dataclass(frozen=True)
 class Lead:
-    """What it says of a difference in dB: by how much `player` lies below `beside` in a column, from and to."""
+    """A difference in the report's text: how many dB `player` is below `beside` in a column, as a range."""
 
     figure: int
     player: str
@@ -80,7 +80,7 @@ def peak(m: Study, player: str, columns: tuple[int, ...]) -> float | None:
 
 
 def above(ours: float, low: float, high: float) -> float:
-    """How many dB a level lies above a range of levels; 0 within it."""
+    """Level above a range of levels in dB; 0 within the range."""
     return 10 * float(np.log10(ours / min(max(ours, low), high)))
 
 
@@ -106,7 +106,7 @@ def _range(low: float, high: float, form: str) -> str:
 
 
 def lead(m: Study, one: Lead) -> float | None:
-    """By how many dB the area over 0.5–3 Hz of a player lies below that of another in our plant; None where one is unstable."""
+    """Reduction in dB of the area over 0.5–3 Hz, one controller against another; None if one is unstable."""
     i, j = ORDER.index(one.player), ORDER.index(one.beside)
     if not (m.spectra[i].stable and m.spectra[j].stable):
         return None

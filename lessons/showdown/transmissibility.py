@@ -19,7 +19,7 @@ TRANSMISSIBILITY_TAB = text("Transmissibility")
 AXES = (("vertical", text_in("channel", "vertical")), ("horizontal", text_in("channel", "horizontal")))
 LAST_HZ = 100.0  # above it the samples fold the ground's noise back
 NO_NOISE = 1e-30  # (m/s)² s
-GROUND = 2.0  # µm²/Hz, one-sided, of white ground of 1e-12 m² s
+GROUND = 2.0  # µm²/Hz, one-sided, of white ground of 10⁻¹² m² s
 
 
 def transmissibility(m: Study, i: int) -> np.ndarray | None:
