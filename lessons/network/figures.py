@@ -266,7 +266,7 @@ def _growth(outcome: Outcome[Study]) -> PlaneFigure:
     better = (text("with nothing lost there is no difference") if hold_now == zero_now else
               text("holding is the better stand-in there") if hold_now < zero_now else
               text("zero is the better stand-in there"))
-    words = text("Growth of E‖x‖² per sample under u = −Kx; below 1 it dies out. At {loss_u:.0f} % lost: "
+    words = text("Growth of E‖x‖² per sample under u = −Kx; below 1 it decays. At {loss_u:.0f} % lost: "
                  "{now:.3f}; {better}.",
                  loss_u=100 * d["loss_u"], now=now, better=better)
     return PlaneFigure("growth", text("inputs lost: hold or zero"),

@@ -47,10 +47,10 @@ def _other_side(outcome: Outcome[Study]) -> Verdict:
                                    "{wanted:.3g} m/s.",
                                    velocity_rms=m["velocity_rms"], wanted=wanted))
     if abs(gap) > 0.05:
-        return Verdict(False, text("σ = {velocity_rms:.3g} m/s; the slow twin has {wanted:.3g} m/s. Come within 5 "
+        return Verdict(False, text("σ = {velocity_rms:.3g} m/s; the slow observer has {wanted:.3g} m/s. Come within 5 "
                                    "%.",
                                    velocity_rms=m["velocity_rms"], wanted=wanted))
-    return Verdict(True, text("{numbers} for the slow twin: equally bad, but now {sensor_share:.0f} % is sensor "
+    return Verdict(True, text("{numbers} for the slow observer: equally bad, but now {sensor_share:.0f} % is sensor "
                               "noise.",
                               numbers=numbers, sensor_share=100 * m["sensor_share"]))
 

@@ -20,8 +20,7 @@ def feel_the_core(outcome: Outcome[Study]) -> Verdict:
     """The core within 1 K after 2.2 s, from the given start, with the right model and a quiet sensor."""
     d, after = outcome.design, outcome.metrics["known_after"]
     if d["guess_core"] or d["guess_case"] or d["air_error"] or d["noise"] or d["plant"] != STABLE_ID:
-        return Verdict(False, text("Keep both guesses at 0 K, the model right, the sensor quiet and the chip that "
-                                   "cools."))
+        return Verdict(False, text("Keep both guesses at 0 K, the model right, no sensor noise and the chip that cools."))
     if 2.1 <= after <= 2.2:
         return Verdict(True, text("The core is known within 1 K after {after:.2f} s, with L up to "
                                   "{largest_gain:.3g} and a first guess that shoots to {largest_guess:.0f} K.",
