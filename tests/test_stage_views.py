@@ -13,12 +13,13 @@ import numpy as np
 from laws import holds_for_all
 
 from observer_lab.course.figures.records import MapFigure
-from observer_lab.course.lesson import Board, Lesson
+from observer_lab.course.lesson import Board, Lesson, Stage
 from observer_lab.course.scenes import Scene, entry_values
 from observer_lab.lessons import LESSONS
 from observer_lab.page.stage.body_extent import body_corners, reach
 from observer_lab.page.stage.map_board import NEARER, place, written
 from observer_lab.page.stage.pole_boards import BOARD_FOOT, BOARD_HEIGHT, BOARD_PLACES, BOARD_WIDTH, board_contains
+from observer_lab.page.stage.stage import factors, factors_at
 from observer_lab.page.stage.viewpoint import SIGHT, Viewpoint, letters
 
 CANVASES = {"laptop": (929, 768), "small laptop": (870, 720), "wall": (1306, 1080)}  # px of the guide's stage
@@ -54,13 +55,14 @@ def opened(id: str) -> tuple[bool, tuple[float, float]]:
 
 
 class OnStage(NamedTuple):
-    """A scene, the boards it shows, the map it shows, if any, and the corners of the body in its run."""
+    """A scene, the boards and the map it shows, the corners of the body in its run, and where the words about its size end, if any."""
 
     lesson: Lesson
     scene: Scene
     boards: tuple[Board, ...]
     map: MapFigure | None
     body: np.ndarray
+    words: np.ndarray
 
 
 def looked_at(case: OnStage, size: tuple[int, int]) -> Any:
@@ -87,6 +89,10 @@ def map_corners(figure: MapFigure, em: float) -> np.ndarray:
     return np.array([*(place(x, y) for x in (0, 1) for y in (0, 1)), *(each.at for each in words)])
 
 
+def _words(stage: Stage, charted: bool) -> np.ndarray:
+    return np.array([factors_at(stage, charted)] if factors(stage.body, "en") else []).reshape(-1, 3)
+
+
 @cache
 def scenes_on_stage() -> tuple[OnStage, ...]:
     """Every scene of every path that has a stage, as it is entered."""
@@ -98,7 +104,8 @@ def scenes_on_stage() -> tuple[OnStage, ...]:
                 boards = tuple(board for board in outcome.boards if board.id in scene.boards)
                 named = [f for f in lesson.figures(outcome) if f.id in scene.figures] if lesson.pick is not None else []
                 maps = [f for f in named if isinstance(f, MapFigure)]
-                found.append(OnStage(lesson, scene, boards, next(iter(maps), None), body_corners(outcome.stage, MOMENTS)))
+                found.append(OnStage(lesson, scene, boards, next(iter(maps), None), body_corners(outcome.stage, MOMENTS),
+                                     _words(outcome.stage, bool(maps))))
     return tuple(found)
 
 
@@ -124,6 +131,7 @@ def test_all_that_stands_on_the_stage_is_in_sight_above_the_row_of_the_run_and_f
         points = np.concatenate([seen(camera, case.body), *(seen(camera, board_corners(board.side, em)) for board in case.boards),
                                  *([] if case.map is None else [seen(camera, map_corners(case.map, em))])])
         low, high = points.min(axis=0), points.max(axis=0)
+        assert (seen(camera, case.words)[:, 0] <= across / up).all(), "the words about its size are cut"
         assert -across / up <= low[0] and high[0] <= across / up, f"cut at a side: {low[0]:.2f} to {high[0]:.2f}"
         assert low[1] >= 2 * RUN_BAR - 1 and high[1] <= 1, f"cut above or below: {low[1]:.2f} to {high[1]:.2f}"
         wide, tall = (high - low) / 2 / (across / up, 1.0)

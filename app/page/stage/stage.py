@@ -34,12 +34,21 @@ INSIDE = 0.985  # the ghost is drawn this much smaller: where it agrees, it vani
 Place = tuple[int, tuple[int, ...]]  # the sample of the run that is shown, and of each pin's run
 BELOW: Vector = (0.0, 0.0, -9.0)
 GHOST_COLOUR = COLOURS["estimate"]
+
+
 def factors(body: Body, language: str) -> str:
     """How many times motion and arrows of a body are exaggerated, nothing where they are not; in lines, to stand beside it."""
     times = ((phrases.EXAGGERATED, body.gain), (phrases.LONGER, body.forces))
     return fold_lines(
         phrases.AND(language).join(phrase.format(factor=factor)(language) for phrase, factor in times if factor != 1), FACTORS
     )
+
+
+def factors_at(stage: Stage, charted: bool) -> Vector:
+    """Where the end of these words stands: a small body is looked at from nearer, and so are they."""
+    scale = 1.0 if charted else body_scale(reach(stage))
+    x, y, z = FACTORS_AT[charted]
+    return scale * x, scale * y, z
 
 
 class StageView:
@@ -105,9 +114,7 @@ class StageView:
                                       receive_shadow=False)
             for i, _ in enumerate(body.anchors(stage.xhat[0].tolist(), body.gain))]
         said = factors(body, language)
-        scale = 1.0 if self.charted else body_scale(reach(stage))  # a small body is looked at from nearer, and so are these words
-        x, y, z = FACTORS_AT[self.charted]
-        self._letters.write("/factor", said, (scale * x, scale * y, z), "bottom-right", visible=bool(said))
+        self._letters.write("/factor", said, factors_at(stage, self.charted), "bottom-right", visible=bool(said))
         self._say(stage, language)
         self._called = [(label_in_language(words, language), place) for words, place in body.labels]
         self._names = [self._letters.write(f"/name/{i}", *name, "top-center") for i, name in enumerate(stagger_names(self._called, em))]
