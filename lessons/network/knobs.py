@@ -119,7 +119,7 @@ KNOBS = (
     Choice(
         "told",
         "",
-        text("the observer counts with"),
+        text("input of the observer"),
         default=TOLD_APPLIED,
         group=ACTUATOR_GROUP,
         options=(

@@ -16,7 +16,7 @@ KNOBS = (
                     (PENDULUM_CASE, text("pole in the fog")),
                     (FALL_CASE, text("falling body, radar"))),
            hint=text("The last one is the classic of Athans, Wishner and Bertolini, and of Julier and Uhlmann.")),
-    Choice("filter", "", text("the ghost is the"), default=EKF,
+    Choice("filter", "", text("filter of the ghost"), default=EKF,
            options=((KF, text("KF, expanded once")),
                     (EKF, text("EKF, expanded at every estimate")),
                     (UKF, text("UKF, sigma points"))),
