@@ -80,6 +80,7 @@ def test_sentences_of_markdown_stand_at_their_lines() -> None:
 def test_a_sentence_ends_at_its_stop() -> None:
     assert sentences("The gain is 0.5 by D. G. Luenberger. Is it? “Yes.” It is {x}. $K$ grows.") == [
         "The gain is 0.5 by D. G. Luenberger.", "Is it?", "“Yes.”", "It is {x}.", "$K$ grows."]
+    assert sentences("The error is up to [[e:.2g]] K. The core cools.") == ["The error is up to [[e:.2g]] K.", "The core cools."]
     assert sentences("The core is at 5 K. The force is 2 N. It rests.") == ["The core is at 5 K.", "The force is 2 N.", "It rests."]
 
 
@@ -100,5 +101,6 @@ def test_no_sentence_has_to_be_decoded() -> None:
 @pytest.mark.slow
 def test_every_kind_of_source_is_read() -> None:
     files = {one.file for one in every_sentence()}
-    wanted = {"README.md", "CONTRIBUTING.md", "CHANGELOG.md", "en.md", "teacher.md", "phrases.py", "serve.py", "options.py", "own.py"}
+    wanted = {"README.md", "CONTRIBUTING.md", "CHANGELOG.md", "en.md", "path.md", "teacher.md", "phrases.py", "serve.py", "options.py",
+              "own.py"}
     assert {name for name in wanted if not any(file.endswith(name) for file in files)} == set()

@@ -9,7 +9,8 @@ from types import MappingProxyType
 MAX_WORDS = 24  # of a sentence; the median is to be 14 at most
 MASK = "x"  # in place of code, formulas and places for values, each counted as one word
 
-MASKED = re.compile(r"\$\$.+?\$\$|\$[^$\n]+\$|`[^`\n]+`|\[\[\w+\]\]|https?://\S+|doi:\S+|(?<!\{)\{[a-z_]\w*(?:[:!][^{}]*)?\}", re.S)
+MASKED = re.compile(r"\$\$.+?\$\$|\$[^$\n]+\$|`[^`\n]+`|\[\[\w+(?::[^\]]*)?\]\]|https?://\S+|doi:\S+|(?<!\{)\{[a-z_]\w*(?:[:!][^{}]*)?\}",
+                    re.S)
 LINK = re.compile(r"!?\[([^\]\n]*)\]\([^)\n]*\)")
 TAG = re.compile(r"</?[A-Za-z][^<>]*>")
 WORD = re.compile(r"[^\W\d_][\w'’-]*")
