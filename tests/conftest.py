@@ -5,12 +5,14 @@ from __future__ import annotations
 import gc
 import logging
 import os
+import sys
 import warnings
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
+from dealing import dealt
 from hypothesis import HealthCheck, Phase, settings
 
 if TYPE_CHECKING:
@@ -18,11 +20,10 @@ if TYPE_CHECKING:
 
 HERE = Path(__file__).parent
 SLOW = frozenset({"e2e", "wire"})  # folders in which a server or a browser is started; elsewhere a test says so itself
-FIRST = ("test_package.py",  # the longest of all begins first, so that no worker is left alone with it at the end
-         "test_kernels.py",  # a compiler of low priority, which waits for whatever else runs
-         "test_architecture.py", "test_public_names.py", "test_reached.py", "test_text.py")  # one worker reads the house for all these
 
 os.environ["OBSERVER_LAB_KERNELS"] = "off"  # no server of a test compiles anything; tests/engine/kernels does
+if os.environ.pop("PYTHONDONTWRITEBYTECODE", None):  # tests start some forty servers and commands: compiled once, not each time
+    sys.dont_write_bytecode = False
 
 LONGEST = 200  # letters of a test's name
 
@@ -35,14 +36,18 @@ settings.load_profile("here")
 pytest.register_assert_rewrite("all_replays", "lesson_checks", "pole_requests", "laws")
 
 
+def folder_of(item: pytest.Item) -> str:
+    """The room of the tests in which a test stands; its file where that is in none."""
+    return item.path.relative_to(HERE).parts[0]
+
+
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     strange = sorted({item.nodeid.split("[")[0] for item in items if len(item.name) > LONGEST or " at 0x" in item.name})
     if strange:
         raise pytest.UsageError(f"a test's name must be short and the same in every worker; these want ids=: {', '.join(strange)}")
-    place = {name: k for k, name in enumerate(FIRST)}
-    items.sort(key=lambda item: place.get(item.path.name, len(FIRST)))  # stable
+    items[:] = dealt(items, int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "1")), lambda item: (folder_of(item), item.path.name))
     for item in items:
-        if item.path.relative_to(HERE).parts[0] in SLOW:
+        if folder_of(item) in SLOW:
             item.add_marker(pytest.mark.slow)
 
 

@@ -13,11 +13,11 @@ from collections.abc import Callable, Generator, Iterator
 from contextlib import AbstractContextManager, contextmanager, suppress
 from pathlib import Path
 from tempfile import NamedTemporaryFile
-from typing import IO
+from typing import IO, Any
 
 import pytest
 from playwright.sync_api import Browser, Error, Page, sync_playwright
-from tab import FLAGS, Tab
+from tab import FLAGS, UNDRAWN, Tab
 
 ROOT = Path(__file__).parents[2]
 ARTEFACTS = ROOT / "artefacts"
@@ -89,6 +89,13 @@ def server() -> Iterator[str]:
 
 
 @pytest.fixture(scope="session")
+def guide() -> Iterator[str]:
+    """The address of the app as people start it, with the guide, served for the whole session."""
+    with serving(0, "--view", "guide") as address:
+        yield address
+
+
+@pytest.fixture(scope="session")
 def browser() -> Iterator[Browser]:
     """One headless Chromium."""
     with sync_playwright() as playwright:
@@ -103,6 +110,21 @@ def blank(browser: Browser) -> Iterator[Page]:
     page = browser.new_page()
     yield page
     page.close()
+
+
+@pytest.fixture
+def still_page(browser: Browser) -> Iterator[Callable[..., Page]]:
+    """Opens pages of people who were never here, and closes them: they ask for calm, and their scene is drawn for pictures alone."""
+    pages: list[Page] = []
+
+    def opened(width: int = 1366, height: int = 768, **more: Any) -> Page:
+        context = browser.new_context(viewport={"width": width, "height": height}, reduced_motion="reduce", **more)
+        context.add_init_script(f"({UNDRAWN})()")
+        pages.append(context.new_page())
+        return pages[-1]
+    yield opened
+    for page in pages:
+        page.context.close()
 
 
 @pytest.fixture(scope="session")

@@ -11,9 +11,9 @@ from contextlib import AbstractContextManager
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Browser, Page, expect
+from playwright.sync_api import Page, expect
 from redis_server import RedisServer
-from tab import UNDRAWN, Tab
+from tab import Tab
 
 from observer_lab.classroom.kept_room import open_room
 from observer_lab.classroom.room_store import RoomStore
@@ -37,15 +37,16 @@ expect.set_options(timeout=PATIENCE)
 Serve = Callable[..., AbstractContextManager[str]]
 
 
-def opened(browser: Browser, address: str, size: tuple[int, int]) -> Page:
-    """A page whose stage is drawn for pictures alone; a narrow one is touched."""
-    context = browser.new_context(viewport={"width": size[0], "height": size[1]}, reduced_motion="reduce", has_touch=size[0] < 500)
-    context.set_default_timeout(PATIENCE)
-    page = context.new_page()
-    page.add_init_script(f"({UNDRAWN})()")
-    page.goto(address)
-    page.wait_for_selector(".ol-scene")
-    return page
+@pytest.fixture
+def opened(still_page: Callable[..., Page]) -> Callable[..., Page]:
+    """Opens an address; a narrow page is touched."""
+    def make(address: str, size: tuple[int, int] = (1366, 768)) -> Page:
+        page = still_page(*size, has_touch=size[0] < 500)
+        page.set_default_timeout(PATIENCE)
+        page.goto(address)
+        page.wait_for_selector(".ol-scene")
+        return page
+    return make
 
 
 def kept_pictures(kind: str, **pages: Page) -> None:
@@ -80,59 +81,56 @@ def vote(page: Page, option: int, letter: str) -> None:
     expect(page.get_by_text(f"Your answer {letter} is counted.").last).to_be_visible()
 
 
-def test_a_class_votes_places_poles_tries_for_itself_comes_back_and_survives_a_restart(browser: Browser, serve: Serve,
-                                                                                      tmp_path: Path) -> None:
+def open_a_typed_vote(presenter: Page, question: str) -> None:
+    presenter.get_by_text("Ask the class a question of your own").click()
+    presenter.locator(".ol-ask textarea").fill(question)
+    presenter.locator(".ol-ask").get_by_role("button", name="Open the vote").click()
+
+
+def test_a_class_votes_places_poles_tries_for_itself_comes_back_and_survives_a_restart(opened: Callable[..., Page],
+                                                                                      serve: Serve, tmp_path: Path) -> None:
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         port = probe.getsockname()[1]
     options = ("--view", "guide", "--lesson", "separation", "--room", "--data-dir", str(tmp_path), "--exact-port")
-    pages: list[Page] = []
-    try:
-        with serve(port, *options) as address:
-            secret = RoomStore(tmp_path).secret
-            laptop = opened(browser, address, (1366, 768))
-            pages.append(laptop)
-            expect(laptop.get_by_text("The lecture has not begun yet.")).to_be_visible()
-            presenter, phone = opened(browser, f"{address}/?present={secret}", (1366, 768)), opened(browser, address, (390, 844))
-            pages += [presenter, phone]
-            assert secret not in presenter.url, "the word leaves the address bar"
-            for page in (presenter, laptop, phone):
-                shows(page, "recall")
-            presenter.get_by_text("The audience's link and its code").click()
-            expect(presenter.locator(".ol-code")).to_be_visible()
-            expect(presenter.get_by_text(f"{address}/", exact=True)).to_be_visible()
-            presenter.get_by_text("The audience's link and its code").click()
-            phone.get_by_role("button", name="Slower, please").click()
-            expect(presenter.locator(".ol-slower")).to_contain_text("slower, please: 1")
-            vote_on_the_scene_twice(presenter, laptop, phone, tmp_path)
-            laptop.get_by_role("link", name="Try it myself").click()
-            back = laptop.get_by_role("link", name="Back to the lecture")
-            expect(back).to_be_visible()
-            shows(laptop, "predict")
-            laptop.locator(".ol-dot").nth(PREDICT + 1).click()
-            shows(laptop, "why")
-            shows(presenter, "predict")
-            back.click()
-            shows(laptop, "predict")
-        with serve(port, *options):
-            for page in (laptop, phone, presenter):
-                expect(page.locator(".ol-lost")).to_be_hidden()
-                expect(page.locator(".ol-cover")).to_be_hidden()
-                shows(page, "predict")
-            presenter.get_by_role("button", name="Close the vote").click()
-            expect(laptop.locator(".ol-poll")).to_have_count(2)
-            presenter.get_by_text("Ask the class a question of your own").click()
-            presenter.locator(".ol-ask textarea").fill("How many poles has the loop?")
-            presenter.locator(".ol-ask").get_by_role("button", name="Open the vote").click()
-            phone.get_by_role("spinbutton", name="your number").fill("12")
-            phone.get_by_role("button", name="Send").click()
-            expect(phone.get_by_text("Your answer 12 is counted.")).to_be_visible()
-            kept_pictures("typed-", presenter=presenter, phone=phone)
-            place_poles_in_guide_and_lab(presenter, laptop, phone, tmp_path)
-            assert [each.total for each in RoomStore(tmp_path).votes()] == [6, 6, 1, 6, 1]
-    finally:
-        for page in pages:
-            page.context.close()
+    with serve(port, *options) as address:
+        secret = RoomStore(tmp_path).secret
+        laptop = opened(address)
+        expect(laptop.get_by_text("The lecture has not begun yet.")).to_be_visible()
+        presenter, phone = opened(f"{address}/?present={secret}"), opened(address, (390, 844))
+        assert secret not in presenter.url, "the word leaves the address bar"
+        for page in (presenter, laptop, phone):
+            shows(page, "recall")
+        presenter.get_by_text("The audience's link and its code").click()
+        expect(presenter.locator(".ol-code")).to_be_visible()
+        expect(presenter.get_by_text(f"{address}/", exact=True)).to_be_visible()
+        presenter.get_by_text("The audience's link and its code").click()
+        phone.get_by_role("button", name="Slower, please").click()
+        expect(presenter.locator(".ol-slower")).to_contain_text("slower, please: 1")
+        vote_on_the_scene_twice(presenter, laptop, phone, tmp_path)
+        laptop.get_by_role("link", name="Try it myself").click()
+        back = laptop.get_by_role("link", name="Back to the lecture")
+        expect(back).to_be_visible()
+        shows(laptop, "predict")
+        laptop.locator(".ol-dot").nth(PREDICT + 1).click()
+        shows(laptop, "why")
+        shows(presenter, "predict")
+        back.click()
+        shows(laptop, "predict")
+    with serve(port, *options):
+        for page in (laptop, phone, presenter):
+            expect(page.locator(".ol-lost")).to_be_hidden()
+            expect(page.locator(".ol-cover")).to_be_hidden()
+            shows(page, "predict")
+        presenter.get_by_role("button", name="Close the vote").click()
+        expect(laptop.locator(".ol-poll")).to_have_count(2)
+        open_a_typed_vote(presenter, "How many poles has the loop?")
+        phone.get_by_role("spinbutton", name="your number").fill("12")
+        phone.get_by_role("button", name="Send").click()
+        expect(phone.get_by_text("Your answer 12 is counted.")).to_be_visible()
+        kept_pictures("typed-", presenter=presenter, phone=phone)
+        place_poles_in_guide_and_lab(presenter, laptop, phone, tmp_path)
+        assert [each.total for each in RoomStore(tmp_path).votes()] == [6, 6, 1, 6, 1]
 
 
 def vote_on_the_scene_twice(presenter: Page, laptop: Page, phone: Page, folder: Path) -> None:
@@ -202,9 +200,7 @@ def place_poles_in_guide_and_lab(presenter: Page, laptop: Page, phone: Page, fol
     kept_pictures("poles-", presenter=presenter, phone=phone)
     presenter.get_by_role("button", name="Lab", exact=True).click()
     presenter.wait_for_selector(".ol-question")
-    presenter.get_by_text("Ask the class a question of your own").click()
-    presenter.locator(".ol-ask textarea").fill("How many states?")
-    presenter.locator(".ol-ask").get_by_role("button", name="Open the vote").click()
+    open_a_typed_vote(presenter, "How many states?")
     phone.get_by_role("spinbutton", name="your number").fill("6")
     phone.get_by_role("button", name="Send").click()
     expect(phone.get_by_text("Your answer 6 is counted.")).to_be_visible()
@@ -215,33 +211,27 @@ def place_poles_in_guide_and_lab(presenter: Page, laptop: Page, phone: Page, fol
 
 
 def test_a_class_on_redis_runs_one_seed_each_and_an_answer_is_handed_in_and_graded(
-        browser: Browser, serve: Serve, tmp_path: Path, redis_server: RedisServer, capsys: pytest.CaptureFixture[str]) -> None:
+        opened: Callable[..., Page], serve: Serve, tmp_path: Path, redis_server: RedisServer, capsys: pytest.CaptureFixture[str]) -> None:
     redis_server.empty()
     file = tmp_path / "course.toml"
     file.write_text(COURSE, encoding="utf-8")
-    pages: list[Page] = []
-    try:
-        with serve(0, "--view", "guide", "--lesson", "kalman", "--room", "--room-store", redis_server.address,
-                   "--course", str(file)) as address:
-            presenter = opened(browser, f"{address}/?present={open_room(redis_server.address).secret}", (1366, 768))
-            laptop, phone = opened(browser, address, (1366, 768)), opened(browser, address, (390, 844))
-            pages += [presenter, laptop, phone]
-            expect(presenter.locator(".ol-here")).to_contain_text("2 here · following: 2")
-            presenter.get_by_role("button", name="Run one seed for each follower").click()
-            expect(presenter.locator(".ol-seeds")).to_contain_text("average NEES")
-            expect(presenter.locator(".ol-seeds circle")).to_have_count(2)
-            for page in (laptop, phone):
-                expect(page.locator(".ol-own-run")).to_contain_text("Your run")
-            assert laptop.locator(".ol-own-run svg").inner_html() != phone.locator(".ol-own-run svg").inner_html()
-            kept_pictures("cloud-", presenter=presenter, phone=phone)
-            laptop.get_by_role("link", name="Try it myself").click()
-            expect(laptop.get_by_role("link", name="Back to the lecture")).to_be_visible()
-            laptop.get_by_role("button", name="Lab", exact=True).click()
-            token = handed_in(OwnCopy(laptop, address), str(file), capsys)
-            expect(presenter.locator(".ol-here")).to_contain_text("2 here · following: 1")
-    finally:
-        for page in pages:
-            page.context.close()
+    with serve(0, "--view", "guide", "--lesson", "kalman", "--room", "--room-store", redis_server.address,
+               "--course", str(file)) as address:
+        presenter = opened(f"{address}/?present={open_room(redis_server.address).secret}")
+        laptop, phone = opened(address), opened(address, (390, 844))
+        expect(presenter.locator(".ol-here")).to_contain_text("2 here · following: 2")
+        presenter.get_by_role("button", name="Run one seed for each follower").click()
+        expect(presenter.locator(".ol-seeds")).to_contain_text("average NEES")
+        expect(presenter.locator(".ol-seeds circle")).to_have_count(2)
+        for page in (laptop, phone):
+            expect(page.locator(".ol-own-run")).to_contain_text("Your run")
+        assert laptop.locator(".ol-own-run svg").inner_html() != phone.locator(".ol-own-run svg").inner_html()
+        kept_pictures("cloud-", presenter=presenter, phone=phone)
+        laptop.get_by_role("link", name="Try it myself").click()
+        expect(laptop.get_by_role("link", name="Back to the lecture")).to_be_visible()
+        laptop.get_by_role("button", name="Lab", exact=True).click()
+        token = handed_in(OwnCopy(laptop, address), str(file), capsys)
+        expect(presenter.locator(".ol-here")).to_contain_text("2 here · following: 1")
     assert main(["grade", token, "--course", str(file), "-o", str(tmp_path / "grades.csv")]) == 0
     assert "hand-ins: 1, counted: 1, students: 1" in capsys.readouterr().out
     with (tmp_path / "grades.csv").open(encoding="utf-8", newline="") as table:

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from urllib.parse import urlsplit
 
 import pytest
-from playwright.sync_api import Browser, Frame, Page
-from tab import HARMLESS, eventually
+from playwright.sync_api import Frame, Page
+from tab import DRAWN, HARMLESS, eventually
 
 from observer_lab import notebook
 from observer_lab.notebook import Lab
@@ -68,6 +68,14 @@ def frame_of(page: Page) -> Frame:
     return eventually(standing, bool, "the lesson")[0]
 
 
+def keep_a_picture(page: Page, frame: Frame, path: Path) -> None:
+    """For people to look at: the stage is drawn once."""
+    frame.evaluate("window.observerLabDraws = true")
+    eventually(lambda: frame.evaluate(DRAWN), bool, "a drawn stage")
+    page.screenshot(path=path)
+    frame.evaluate("window.observerLabDraws = false")
+
+
 def knob(frame: Frame) -> str | None:
     """What the first slider says."""
     return frame.locator("[role=slider]").first.get_attribute("aria-valuenow")
@@ -88,51 +96,46 @@ def drag(page: Page, frame: Frame, by: int) -> str | None:
     return eventually(lambda: knob(frame), lambda now: now != before, "the knob under the hand")
 
 
-def test_a_notebook_shows_the_lesson_and_no_other_origin_does(browser: Browser, site: str, artefacts: Path) -> None:
+def test_a_notebook_shows_the_lesson_and_no_other_origin_does(still_page: Callable[..., Page], site: str, artefacts: Path) -> None:
     address = Lab("kalman").address_for(site)
-    page = browser.new_page(viewport={"width": 1000, "height": 700}, reduced_motion="reduce")
+    page = still_page(1000, 700)
     complaints = opened(page, site, address)
     frame = frame_of(page)
     assert "token" not in frame.url and frame.title().endswith("Observer Lab")
     eventually(lambda: frame.locator(".ol-scene").count(), bool, "the first scene")
-    page.screenshot(path=artefacts / "notebook.png")
+    keep_a_picture(page, frame, artefacts / "notebook.png")
     assert complaints == []
-    other = browser.new_page()
+    other = still_page()
     other.goto(site.replace("localhost", "127.0.0.1") + "/other")
     other.set_content(f'<iframe src="{address}"></iframe>')
     eventually(lambda: [frame.url for frame in other.frames[1:]], lambda urls: urls and urls[0].startswith("chrome-error:"), "a refusal")
-    for each in (page, other):
-        each.context.close()
 
 
-def test_the_stage_alone_fills_its_frame(browser: Browser, site: str, artefacts: Path) -> None:
-    page = browser.new_page(viewport={"width": 1000, "height": 700}, reduced_motion="reduce")
+def test_the_stage_alone_fills_its_frame(still_page: Callable[..., Page], site: str, artefacts: Path) -> None:
+    page = still_page(1000, 700)
     opened(page, site, Lab("separation", "stage").address_for(site))
     frame = frame_of(page)
     eventually(lambda: frame.evaluate("[...document.querySelectorAll('canvas[data-engine]')].map(c => c.clientWidth / innerWidth)"),
                lambda shares: shares and shares[0] > 0.98, "a stage as wide as the frame")
     assert not frame.locator(".ol-question").first.is_visible()
-    page.screenshot(path=artefacts / "stage-alone.png")
-    page.context.close()
+    keep_a_picture(page, frame, artefacts / "stage-alone.png")
 
 
-def test_a_frame_of_another_site_keeps_its_word_in_a_partitioned_cookie(browser: Browser, site: str) -> None:
+def test_a_frame_of_another_site_keeps_its_word_in_a_partitioned_cookie(still_page: Callable[..., Page], site: str) -> None:
     """`localhost` and `127.0.0.1` are two sites; a strict cookie would not come with the frame's own requests."""
     address = Lab("kalman").address_for(site).replace("//localhost", "//127.0.0.1")
-    page = browser.new_page(viewport={"width": 1000, "height": 700}, reduced_motion="reduce")
+    page = still_page(1000, 700)
     complaints = opened(page, site, address)
     frame_of(page)
     (cookie,) = [each for each in page.context.cookies() if each["name"] == f"observer-lab-{urlsplit(address).port}"]
     assert cookie["httpOnly"] and cookie["secure"] and cookie["sameSite"] == "None" and cookie.get("partitionKey")
     assert complaints == []
-    page.context.close()
 
 
-def test_a_lesson_survives_that_the_browser_stores_nothing(browser: Browser, site: str) -> None:
+def test_a_lesson_survives_that_the_browser_stores_nothing(still_page: Callable[..., Page], site: str) -> None:
     address = Lab("separation", "lab").address_for(site)
-    context = browser.new_context(viewport={"width": 1000, "height": 700}, reduced_motion="reduce")
-    context.add_init_script(REFUSE)
-    page = context.new_page()
+    page = still_page(1000, 700)
+    page.context.add_init_script(REFUSE)
     complaints = opened(page, site, address)
     frame = frame_of(page)
     assert frame.evaluate("window.refusals") > 0, "the page has asked"
@@ -142,4 +145,3 @@ def test_a_lesson_survives_that_the_browser_stores_nothing(browser: Browser, sit
     eventually(lambda: frame.evaluate("window.before === undefined") and frame.evaluate(STOOD), bool, "the lesson after the reload")
     eventually(lambda: knob(frame), lambda now: now is not None, "its knob")
     assert moved is not None and drag(page, frame, -25) is not None and complaints == []
-    context.close()

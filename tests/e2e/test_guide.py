@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from contextlib import AbstractContextManager
 from typing import Any
 
 import pytest
 from axe_playwright_python.sync_playwright import Axe
-from playwright.sync_api import Browser, Page, expect
+from playwright.sync_api import Page, expect
+from tab import eventually
 
 from observer_lab.course.lectures import PREPARED_FOLDER, read_lecture
 from observer_lab.lessons import LESSONS
+from observer_lab.session.state.saved_state import SavedState
+from observer_lab.session.state.token import write_token
 
 PATIENCE = 60_000  # ms: a busy machine is slow
 SIZES = ((1366, 768), (1280, 720), (1920, 1080), (390, 844))
@@ -31,27 +34,20 @@ THEMES = (("light", "en"), ("dark", "zh"))
 
 
 @pytest.fixture
-def opened(browser: Browser, serve: Callable[..., AbstractContextManager[str]]) -> Iterator[Callable[..., Page]]:
-    """Opens the guide of a lesson, or the front door without one, in a window of some size and theme."""
-    contexts, servers = [], []
+def opened(still_page: Callable[..., Page], guide: str) -> Callable[..., Page]:
+    """Opens the guide of a lesson in a window of some size and theme."""
+    def make(name: str = "separation", language: str = "en", size: tuple[int, int] = SIZES[0], dark: bool = False) -> Page:
+        lesson, page = LESSONS[name], still_page(*size, color_scheme="dark" if dark else "light")
+        return shown(page, f"{guide}#{write_token(lesson, SavedState(lesson.start(), language, mode='guide', scene=lesson.path[0].id))}")
+    return make
 
-    def make(*options: str, size: tuple[int, int] = SIZES[0], dark: bool = False) -> Page:
-        server = serve(0, "--view", "guide", *options)
-        servers.append(server)
-        address = server.__enter__()
-        context = browser.new_context(viewport={"width": size[0], "height": size[1]}, reduced_motion="reduce",
-                                      color_scheme="dark" if dark else "light")
-        contexts.append(context)
-        page = context.new_page()
-        page.goto(address)
-        page.wait_for_selector(".ol-scene", timeout=PATIENCE)
-        expect(page.locator(".ol-cover")).to_be_hidden(timeout=PATIENCE)
-        return page
-    yield make
-    for context in contexts:
-        context.close()
-    for server in servers:
-        server.__exit__(None, None, None)
+
+def shown(page: Page, address: str) -> Page:
+    """The page of an address, once its scene stands."""
+    page.goto(address)
+    page.wait_for_selector(".ol-scene", timeout=PATIENCE)
+    expect(page.locator(".ol-cover")).to_be_hidden(timeout=PATIENCE)
+    return page
 
 
 def answer(page: Page, right: int) -> None:
@@ -66,19 +62,22 @@ def turn(page: Page, scene: str) -> None:
     expect(page.locator(f".ol-card[data-scene={scene}]")).to_be_visible(timeout=PATIENCE)
 
 
-@pytest.mark.parametrize("size", SIZES, ids=lambda size: f"{size[0]}x{size[1]}")
+@pytest.mark.parametrize("sizes", [SIZES[:-1], SIZES[-1:]], ids=["wide", "phone"])
 @pytest.mark.parametrize(("theme", "language"), THEMES)
-def test_stage_and_card_are_in_sight(opened: Callable[..., Page], size: tuple[int, int], theme: str, language: str) -> None:
-    page = opened("--lesson", "separation", "--lang", language, size=size, dark=theme == "dark")
+def test_stage_and_card_are_in_sight(opened: Callable[..., Page], sizes: tuple[tuple[int, int], ...], theme: str, language: str) -> None:
+    page = opened("separation", language, sizes[0], dark=theme == "dark")
     answer(page, 1)
-    found = page.evaluate(MEASURE)
-    assert found["stage"] >= (STAGE_ON_A_PHONE if size[0] < 897 else STAGE), found
-    assert found["top"] >= 0 and found["left"] >= 0 and found["bottom"] <= found["high"] and found["right"] <= found["wide"], found
+    for width, height in sizes:
+        page.set_viewport_size({"width": width, "height": height})
+        eventually(lambda: page.evaluate(MEASURE), lambda found, wide=width, high=height: (found["wide"], found["high"]) == (wide, high)
+                   and found["stage"] >= (STAGE_ON_A_PHONE if wide < 897 else STAGE)
+                   and found["top"] >= 0 and found["left"] >= 0 and found["bottom"] <= high and found["right"] <= wide,
+                   f"stage and card in sight at {width}×{height}")
 
 
 def test_on_a_phone_a_long_verdict_is_in_sight(opened: Callable[..., Page]) -> None:
     """The options that were neither chosen nor right make room for it."""
-    page = opened("--lesson", "separation", size=SIZES[-1])
+    page = opened(size=SIZES[-1])
     for scene in LESSONS["separation"].path[1:7]:
         turn(page, scene.id)
     answer(page, 1)
@@ -89,7 +88,7 @@ def test_on_a_phone_a_long_verdict_is_in_sight(opened: Callable[..., Page]) -> N
 
 def test_the_card_of_another_scene_begins_at_its_top_in_a_hall_too(opened: Callable[..., Page]) -> None:
     """However far a hand has slid the column, and though figures there snap to its edge in the lab."""
-    page, path = opened("--lesson", "virtual-sensor", size=SIZES[1]), LESSONS["virtual-sensor"].path
+    page, path = opened("virtual-sensor", size=SIZES[1]), LESSONS["virtual-sensor"].path
     page.get_by_role("button", name="Present", exact=True).click(timeout=PATIENCE)
     at = next(k for k, scene in enumerate(path) if len(scene.figures) == 2)
     turn(page, path[1].id)
@@ -104,15 +103,15 @@ def test_the_card_of_another_scene_begins_at_its_top_in_a_hall_too(opened: Calla
     page.wait_for_function(f"({slid})() === 0", timeout=PATIENCE)
 
 
-def test_a_newcomer_starts_and_the_page_performs_what_was_predicted(opened: Callable[..., Page]) -> None:
-    page = opened()
+def test_a_newcomer_starts_and_the_page_performs_what_was_predicted(still_page: Callable[..., Page], guide: str) -> None:
+    page = shown(still_page(), guide)
     page.locator(".ol-begin .ol-next").click(timeout=PATIENCE)
     expect(page.locator(".mantine-Modal-content")).to_have_count(0, timeout=PATIENCE)
     assert page.locator(".ol-card").is_visible()
 
 
 def test_a_prediction_is_performed_before_its_verdict(opened: Callable[..., Page]) -> None:
-    page, path = opened("--lesson", "separation"), LESSONS["separation"].path
+    page, path = opened(), LESSONS["separation"].path
     for scene in path[1:4]:
         turn(page, scene.id)
     assert page.locator(".ol-answer").inner_text().strip() == ""
@@ -121,24 +120,19 @@ def test_a_prediction_is_performed_before_its_verdict(opened: Callable[..., Page
     expect(page.locator(".ol-option.ol-chosen")).to_have_count(1)
 
 
-@pytest.mark.parametrize("way", ["Escape", "cross", "beside"])
-def test_a_dialog_closes_by_escape_by_its_cross_and_by_a_press_beside_it(opened: Callable[..., Page], way: str) -> None:
-    page = opened("--lesson", "separation")
-    page.locator(".ol-menu").click(timeout=PATIENCE)
+def test_a_dialog_closes_by_escape_by_its_cross_and_by_a_press_beside_it(opened: Callable[..., Page]) -> None:
+    page = opened()
     dialog = page.locator(".mantine-Modal-content")
-    expect(dialog).to_have_count(1, timeout=PATIENCE)
-    expect(page.locator(".ol-close")).to_be_visible(timeout=PATIENCE)
-    if way == "Escape":
-        page.keyboard.press("Escape")
-    elif way == "cross":
-        page.locator(".ol-close").click()
-    else:
-        page.mouse.click(5, 5)
-    expect(dialog).to_have_count(0, timeout=PATIENCE)
+    for close in (lambda: page.keyboard.press("Escape"), page.locator(".ol-close").click, lambda: page.mouse.click(5, 5)):
+        page.locator(".ol-menu").click(timeout=PATIENCE)
+        expect(dialog).to_have_count(1, timeout=PATIENCE)
+        expect(page.locator(".ol-close")).to_be_visible(timeout=PATIENCE)
+        close()
+        expect(dialog).to_have_count(0, timeout=PATIENCE)
 
 
 def test_a_term_is_explained_where_it_stands_by_pointer_key_and_tap_and_in_a_list(opened: Callable[..., Page]) -> None:
-    page = opened("--lesson", "separation", "--lang", "en")
+    page = opened()
     term, tip = page.locator(".ol-card .ol-term").first, page.locator("#ol-tip")
     ways = (term.hover, lambda: page.mouse.move(300, 300)), (term.focus, term.blur), (term.click, lambda: page.keyboard.press("Escape"))
     for show, hide in ways:
@@ -153,7 +147,7 @@ def test_a_term_is_explained_where_it_stands_by_pointer_key_and_tap_and_in_a_lis
 
 
 def test_the_switch_between_guide_lab_and_present_is_in_sight_in_all_of_them(opened: Callable[..., Page]) -> None:
-    page = opened("--lesson", "separation")
+    page = opened()
     for mode, sign in (("lab", ".ol-question"), ("present", ".ol-present"), ("lab", ".ol-question"), ("guide", ".ol-card")):
         page.locator(f".ol-mode[data-value='mode:{mode}']").click(timeout=PATIENCE)
         expect(page.locator(sign).first).to_be_visible(timeout=PATIENCE)
@@ -162,7 +156,7 @@ def test_the_switch_between_guide_lab_and_present_is_in_sight_in_all_of_them(ope
 
 
 def test_nothing_of_the_frame_that_has_no_name_or_address_shows(opened: Callable[..., Page]) -> None:
-    page = opened("--lesson", "separation")
+    page = opened()
     assert page.evaluate(NAMELESS) == []
     assert "ws://" not in page.inner_text("body") and "WebGL" not in page.inner_text("body")
 
@@ -181,8 +175,14 @@ SMALL_PRINT = """() => {
 
 
 @pytest.mark.parametrize("language", ["en", "zh"])
-def test_a_lecture_is_given_in_letters_for_a_hall_with_notes_in_a_window_of_their_own(opened: Callable[..., Page], language: str) -> None:
-    page = opened("--lecture", str(LECTURE), "--lang", language, size=(1920, 1080))
+def test_a_lecture_is_given_in_letters_for_a_hall_with_notes_in_a_window_of_their_own(
+        still_page: Callable[..., Page], serve: Callable[..., AbstractContextManager[str]], language: str) -> None:
+    with serve(0, "--view", "guide", "--lecture", str(LECTURE), "--lang", language) as address:
+        give_a_lecture(shown(still_page(1920, 1080), address), language)
+
+
+def give_a_lecture(page: Page, language: str) -> None:
+    """To its second stop, by a key in the window of the notes."""
     expect(page.locator(".ol-where span").first).to_have_text("1/7", timeout=PATIENCE)
     assert page.evaluate(SMALL_PRINT) == []
     page.locator(".ol-more summary").click()
@@ -202,7 +202,7 @@ def test_a_lecture_is_given_in_letters_for_a_hall_with_notes_in_a_window_of_thei
 
 @pytest.mark.parametrize("size", [SIZES[0], SIZES[-1]], ids=["wide", "phone"])
 def test_the_rules_of_accessibility_find_nothing_serious(opened: Callable[..., Page], size: tuple[int, int]) -> None:
-    page = opened("--lesson", "separation", size=size)
+    page = opened(size=size)
     assert serious(page) == []
     page.locator(".ol-menu").click(timeout=PATIENCE)
     expect(page.locator(".ol-close")).to_be_visible(timeout=PATIENCE)

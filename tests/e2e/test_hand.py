@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable
 
 import pytest
-from playwright.sync_api import Browser, Page, expect
+from playwright.sync_api import Page, expect
 
 from observer_lab.course.figures.records import LineFigure
 from observer_lab.course.scenes import Move, Press
@@ -28,10 +28,8 @@ UNDER = """() => {  // what the hand points at
 
 
 @pytest.fixture
-def page(browser: Browser) -> Iterator[Page]:
-    context = browser.new_context(viewport={"width": 1366, "height": 768}, reduced_motion="reduce")
-    yield context.new_page()
-    context.close()
+def page(still_page: Callable[..., Page]) -> Page:
+    return still_page()
 
 
 def opened(page: Page, server: str, lesson_id: str, scene: str) -> None:

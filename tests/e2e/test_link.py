@@ -25,7 +25,7 @@ NO_NEWS = "window.Worker = class extends EventTarget { postMessage() {} terminat
 
 @pytest.fixture
 def page(browser: Browser) -> Iterator[Page]:
-    context = browser.new_context(viewport={"width": 900, "height": 560})
+    context = browser.new_context(viewport={"width": 900, "height": 560}, reduced_motion="reduce")
     yield context.new_page()
     context.close()
 

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
 from lti_platform import LearningPlatform, pem
-from playwright.sync_api import Browser, expect
-from tab import UNDRAWN
+from playwright.sync_api import Page, expect
 
 from observer_lab.lessons import LESSONS
 from observer_lab.page.access.addresses import listen
@@ -40,13 +39,11 @@ def lab_for(platform: LearningPlatform, folder: Path, framed: bool) -> Iterator[
 
 
 @pytest.mark.parametrize("framed", [False, True], ids=["window", "frame"])
-def test_a_launch_of_another_site_opens_the_lesson(browser: Browser, tmp_path: Path, framed: bool) -> None:
+def test_a_launch_of_another_site_opens_the_lesson(still_page: Callable[..., Page], tmp_path: Path, framed: bool) -> None:
     platform = LearningPlatform()
     with lab_for(platform, tmp_path, framed) as lab:
-        context = browser.new_context(viewport={"width": 1000, "height": 700}, reduced_motion="reduce")
-        context.set_default_timeout(PATIENCE)
-        page = context.new_page()
-        page.add_init_script(f"({UNDRAWN})()")
+        page = still_page(1000, 700)
+        page.set_default_timeout(PATIENCE)
         refused = page.goto(lab)
         assert refused is not None and refused.status == 401, "nobody comes in without a launch"
         course = platform.show_course(lab, LESSON)
@@ -59,5 +56,5 @@ def test_a_launch_of_another_site_opens_the_lesson(browser: Browser, tmp_path: P
             assert page.url.startswith(f"{lab}/") and "token" not in page.url
             page.reload()
             expect(page.locator(".ol-question")).to_have_text(LESSONS[LESSON].words["en"].question, timeout=PATIENCE)
-        context.close()
+        page.close()
     platform.close()

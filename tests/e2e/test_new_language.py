@@ -74,7 +74,7 @@ def test_a_page_in_a_new_language_is_whole(browser: Browser, serve: Callable[...
                                            artefacts: Path) -> None:
     write_language(tmp_path)
     with serve(0, "--lang", CODE, OBSERVER_LAB_LOCALE=str(tmp_path)) as address:
-        context = browser.new_context(viewport={"width": 1366, "height": 768})
+        context = browser.new_context(viewport={"width": 1366, "height": 768}, reduced_motion="reduce")
         tab = Tab(context.new_page(), address, drawn=False)
         wrong: dict[str, object] = {}
         for name in OPENED:

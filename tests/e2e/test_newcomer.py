@@ -5,14 +5,13 @@ One lesson or a few here; all of them by `python tests/e2e/newcomer.py` and, eve
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager
+from collections.abc import Callable
 
 import pytest
 from follow_cards import open_lesson, start, walk
 from newcomer import WANTED, play, stands_still
-from playwright.sync_api import Browser, Page
-from tab import UNDRAWN, Tab, eventually
+from playwright.sync_api import Page
+from tab import Tab, eventually
 
 from observer_lab.lessons import LESSONS
 
@@ -25,21 +24,9 @@ MOST_ACTIONS = 4  # of a newcomer's hand, from the page of lessons to the end of
 SAMPLED = ("separation", "hidden-modes", "kalman")  # lessons whose core path is walked here: crosses, a list, sliders
 
 
-@pytest.fixture(scope="module")
-def guide(serve: Callable[..., AbstractContextManager[str]]) -> Iterator[str]:
-    """The address of the app as people start it, with the guide."""
-    with serve(0, "--view", "guide") as address:
-        yield address
-
-
 @pytest.fixture
-def page(browser: Browser) -> Iterator[Page]:
-    """A page of somebody who was never here."""
-    context = browser.new_context(viewport={"width": 1366, "height": 768}, reduced_motion="reduce")
-    opened = context.new_page()
-    opened.add_init_script(f"({UNDRAWN})()")
-    yield opened
-    context.close()
+def page(still_page: Callable[..., Page]) -> Page:
+    return still_page()
 
 
 def test_a_newcomer_drags_with_the_fourth_action_and_comes_to_the_end_of_the_first_lesson(page: Page, guide: str) -> None:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from pathlib import Path
 
 from all_replays import state_in
-from playwright.sync_api import Browser, Request
-from tab import HARMLESS, UNDRAWN, eventually
+from playwright.sync_api import Page, Request
+from tab import HARMLESS, eventually
 
 from observer_lab.cli.entry import main
 from observer_lab.lessons import LESSONS
@@ -26,15 +27,13 @@ def moved(before: dict[str, list[float]], now: dict[str, list[float]]) -> set[st
     return {name.split("/")[1] for name in before if math.dist(now[name], before[name]) > ROUNDED}
 
 
-def test_a_page_plays_from_its_file_without_a_network(browser: Browser, tmp_path: Path) -> None:
+def test_a_page_plays_from_its_file_without_a_network(still_page: Callable[..., Page], tmp_path: Path) -> None:
     file, words = tmp_path / "run.html", LESSONS[LESSON].words["zh"]
     assert main(["replay", LESSON, "--set", f"{KNOB}={VALUE}", "--lang", "zh", "--dark", "-o", str(file)]) == 0
     saved = read_token(state_in(file.read_text(encoding="utf-8")), LESSONS)
     assert saved.language == "zh" and saved.design[KNOB] == VALUE
-    context = browser.new_context(viewport={"width": 900, "height": 560}, reduced_motion="reduce")
-    context.set_offline(True)
-    page, asked, complaints = context.new_page(), list[Request](), list[str]()
-    page.add_init_script(f"({UNDRAWN})()")
+    page, asked, complaints = still_page(900, 560), list[Request](), list[str]()
+    page.context.set_offline(True)
     page.on("request", lambda request: asked.append(request))
     page.on("pageerror", lambda error: complaints.append(str(error)))
     page.on("console", lambda said: complaints.append(said.text)
@@ -59,4 +58,3 @@ def test_a_page_plays_from_its_file_without_a_network(browser: Browser, tmp_path
     assert {request.url.split(":")[0] for request in asked} <= {"file", "data", "blob"} and asked[0].url == file.as_uri()
     assert sum(request.url.startswith("file:") for request in asked) == 1
     assert not complaints, complaints
-    context.close()

@@ -17,7 +17,7 @@ STIFFNESS = {"en": "stiffness error in the model [%]", "zh": "模型刚度误差
 
 
 def open_link(browser: Browser, link: str) -> Tab:
-    return Tab(browser.new_context(viewport={"width": 900, "height": 560}).new_page(), link, drawn=False)
+    return Tab(browser.new_context(viewport={"width": 900, "height": 560}, reduced_motion="reduce").new_page(), link, drawn=False)
 
 
 def address(tab: Tab) -> str:
@@ -89,7 +89,7 @@ def test_a_link_copied_in_one_browser_opens_the_same_in_another(tab: Tab, browse
 
 def test_what_a_browser_keeps_is_there_in_a_new_tab_after_the_server_was_restarted(
         serve: Callable[..., AbstractContextManager[str]], browser: Browser) -> None:
-    context = browser.new_context(viewport={"width": 900, "height": 560})
+    context = browser.new_context(viewport={"width": 900, "height": 560}, reduced_motion="reduce")
     with serve() as address:
         tab = Tab(context.new_page(), address, drawn=False)
         tab.predict("A")

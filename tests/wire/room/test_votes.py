@@ -1,0 +1,77 @@
+"""Votes in a room: each counts once, few are hidden, a typed question has options or a number, and what is no vote is refused."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from lecture import Enter, Present, ask, card, counts, number_of_the_vote, part, say, typed
+
+from observer_lab.classroom.room_store import RoomStore
+from observer_lab.classroom.votes import HIDDEN_BELOW
+from observer_lab.page.room.follower import read_ballot
+
+
+def test_votes_count_once_are_hidden_below_five_and_light_the_right_option_at_the_end(enter: Enter, present: Present,
+                                                                                      tmp_path: Path) -> None:
+    presenter, follower = present(), enter()
+    ask(presenter, "vote:open")
+    vote = number_of_the_vote(follower)
+    for k in range(HIDDEN_BELOW - 1):
+        say(follower, f"vote:{vote}:0:ballot{k:04d}")
+    follower.until(lambda: len(follower.notes) == HIDDEN_BELOW - 1, "every acknowledgement")
+    presenter.until(lambda: "fewer than 5 votes" in counts(presenter), "a vote that is counted")
+    assert "ol-bar" not in counts(presenter)
+    say(follower, f"vote:{vote}:1:ballot0000")  # the same browser, another answer
+    say(follower, f"vote:{vote}:1:ballot0009")
+    presenter.until(lambda: "5 votes" in (room := counts(presenter)) and "ol-bar" in room, "the counts")
+    assert "ol-right" not in card(presenter) + card(follower) and "ol-bar" not in card(follower)
+    assert RoomStore(tmp_path).votes()[-1].counts == (3, 2, 0)
+    ask(presenter, "vote:close")
+    follower.until(lambda: "ol-right" in card(follower), "the right option")
+    follower.until(lambda: "ol-bar" in part(follower, '<div class="ol-answer"'), "the histogram")
+    say(follower, f"vote:{vote}:1:ballot0010")
+    follower.until(lambda: "closed" in follower.notes[-1], "that it is too late")
+    assert RoomStore(tmp_path).votes()[-1].counts == (3, 2, 0)
+    ask(presenter, "vote:open")
+    again = number_of_the_vote(follower)
+    for k in range(HIDDEN_BELOW):
+        say(follower, f"vote:{again}:1:another{k}")
+    follower.until(lambda: sum("is counted" in note for note in follower.notes) == 2 * HIDDEN_BELOW + 1, "the second round")
+    ask(presenter, "vote:close")
+    follower.until(lambda: part(follower, '<div class="ol-answer"').count("<figure") == 2, "both histograms")
+
+
+def test_a_typed_question_is_answered_by_options_or_a_number(enter: Enter, present: Present) -> None:
+    presenter, follower = present(), enter()
+    follower.until(lambda: card(follower), "the card")
+    ask(presenter, "ask:Which <b>gain</b>?\nK\nL\n")
+    follower.until(lambda: typed(follower).count('data-room="vote:') == 2, "two options")
+    assert "&lt;b&gt;gain" in typed(follower) and "<b>gain" not in typed(follower), "what is typed is no HTML"
+    ask(presenter, "ask:How large is it?")
+    vote = number_of_the_vote(follower, "number")
+    for k in range(6):
+        say(follower, f"number:{vote}:{0.5 + k / 10}:ballot{k:04d}")
+    for odd in ("nan", "inf", "1e99999", "0x10", "", "1_000", "9" * 40):
+        say(follower, f"number:{vote}:{odd}:ballot9999")
+    follower.until(lambda: sum("is counted" in note for note in follower.notes) == 6, "six numbers")
+    presenter.until(lambda: "6 votes" in counts(presenter) and "ol-bar" in counts(presenter), "the histogram")
+    before = card(presenter)
+    ask(presenter, "vote:close")
+    follower.until(lambda: "ol-bar" in typed(follower), "the histogram for all")
+    assert card(presenter) == before and "ol-right" not in card(follower), "closing it answers no question of the scene"
+    ask(presenter, "vote:typed")
+    assert number_of_the_vote(follower, "number") != vote, "the same question again is another vote"
+    ask(presenter, "ask:only\none")
+    presenter.until(lambda: any("two to 8 short options" in note for note in presenter.notes), "what to type")
+    ask(presenter, "vote:close")
+
+
+@pytest.mark.parametrize("said", ["pole:1:nan:0:ballot0001", "pole:1:0:1e999:ballot0001", "pole:1:0:ballot0001", "pole:1:0:0:b",
+                                  "pole:x:0:0:ballot0001", "number:1:nan:ballot0001", "number:1::ballot0001",
+                                  "number:1:1e999:ballot0001", "", "vote",
+                                  "vote:1:0", "vote:1:9:ballot0001", "vote:-1:0:ballot0001", "vote:1:0:b",
+                                  "vote:1:0:ballot 001", "vote:1234567890:0:ballot0001", "vote:1:0:ballot0001:more",
+                                  "vote:\u0661:0:ballot0001"])
+def test_what_is_no_vote_is_not_taken(said: str) -> None:
+    assert read_ballot(said) is None
