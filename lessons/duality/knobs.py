@@ -13,8 +13,8 @@ from ..toolkit.knobs import BY_POLES, BY_WEIGHTS, run_knobs
 
 MODEL = MODELS["spring-damper"]
 HINTS = MappingProxyType({
-    "q": text("Q = α_Q I: how dear a deviation of the state is."),
-    "r": text("R = α_R: how dear the input is."),
+    "q": text("Q = α_Q I: how much a deviation of the state costs."),
+    "r": text("R = α_R: how much the input costs."),
     "w": text("W = α_W I: how hard unknown forces shake the plant."),
     "v": text("V = α_V: how noisy the sensor is."),
 })

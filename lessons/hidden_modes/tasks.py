@@ -78,8 +78,9 @@ def _gentle_cure(outcome: Outcome[Case]) -> Verdict:
         return Verdict(False, text("Start with the common part of {centre:g} m, without a kick.", centre=CENTRE))
     settled, force = settle_time(run.t, np.abs(run.x[:, :2]).max(axis=1)), float(np.max(np.abs(run.u_asked)))
     if settled is None:
-        return Verdict(False, text("The blocks are not home by the end of the run."))
-    found = text("Both blocks are home, below 2 % of their largest excursion, after {settled:.2f} s, with a force of up to {force:.3g} N",
+        return Verdict(False, text("The blocks are not at rest by the end of the run."))
+    found = text("Both blocks are at rest, below 2 % of their largest excursion, after {settled:.2f} s, with a force of up to "
+                 "{force:.3g} N",
                  settled=settled, force=force)
     return check_gentle_settling(found, settled, SETTLING_BAND_S, force, MAX_FORCE_N)
 

@@ -208,7 +208,7 @@ def _error(outcome: Outcome[Study]) -> LineFigure:
                   meter=_big(meter)))
     return LineFigure("error", text("estimation error, in σ₀"), times(outcome),
                       (Curve(text("error"), _lines(s.size), "error"),
-                       Curve(text("of an observer told everything"), _lines(s.promised), "reference", "dash", 1.6)),
+                       Curve(text("of an observer that gets the applied input"), _lines(s.promised), "reference", "dash", 1.6)),
                       "‖e‖/σ₀", log_y=True, window=(0.1, 10.0), caption=words, tab=WALL_TAB)
 
 

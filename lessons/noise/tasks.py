@@ -66,7 +66,7 @@ def _quiet_start(outcome: Outcome[Study]) -> Verdict:
     if m["peak"] > MAX_PEAK_M_S or m["settled_after"] > MAX_SETTLING_S:
         return Verdict(False, text("{numbers}; wanted at most {peak:g} m/s and {settled:g} s.",
                                    numbers=numbers, peak=MAX_PEAK_M_S, settled=MAX_SETTLING_S))
-    return Verdict(True, text("{numbers}: fast enough, and the estimate never leaps.", numbers=numbers))
+    return Verdict(True, text("{numbers}: fast enough, and the estimate has no large peak.", numbers=numbers))
 
 
 def _bargain(outcome: Outcome[Study]) -> Verdict:

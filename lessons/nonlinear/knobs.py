@@ -34,7 +34,7 @@ KNOBS = (
     Number("sensor", "r", text("sensor noise σ, times"), low=0.1, high=10.0, default=1.0, scale="log",
            hint=text("True value and value in every filter.")),
     Switch("steer", "", text("LQR on the estimate"), default=False, when=("case", (PLATFORM,)),
-           hint=text("The deck is steered by the ghost's estimate; the pole always is.")),
+           hint=text("Feedback of the ghost's estimate moves the deck; the pole always has this feedback.")),
     Number("alpha", r"\alpha", text("UKF spread α"), low=0.1, high=1.0, default=1.0, step=0.05,
            hint=text("Distance of the sigma points from the mean: √(α²(n + κ)) standard deviations.")),
     Number("beta", r"\beta", text("UKF weight β"), low=0.0, high=4.0, default=2.0, step=0.1,

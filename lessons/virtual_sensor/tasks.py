@@ -61,8 +61,8 @@ def wrong_fan(outcome: Outcome[Study]) -> Verdict:
     """A right core in spite of a wrong fan: the core's entry of L is 1."""
     d, error = outcome.design, outcome.metrics["core_error"]
     if abs(d["air_error"]) < 30 or d["plant"] != STABLE_ID or d["power"] < 10 or d["noise"]:
-        return Verdict(False, text("Make the resistance wrong by 30 % or more, on the chip that cools, at 10 W or "
-                                   "more and with a quiet sensor."))
+        return Verdict(False, text("Make the resistance wrong by 30 % or more, on the chip that cools, at 10 W or more and without "
+                                   "sensor noise."))
     first = float(outcome.gains["L"][0, 0])
     if error <= 0.05:
         return Verdict(True, text("The core error is at most {error:.2g} K at the end; the core's entry of L is "

@@ -23,7 +23,8 @@ DECODED = (  # sentences and phrases on which readers stumbled
     "That the sensor is noisy makes no difference.", "Never does the estimate leave the band.", "Filters do not hear, they weigh.",
     "The filters promise too much.", "the loop keeps believing all sensors", "claimed in vain", "the output is listened to",
     "J does not see N", "The window forgets at its edge.", "a wrong start is forgotten", "The error dies out.", "the slow twin",
-    "The member keeps quiet.", "a lie of the sensor", "The estimate claims 2 N m.", "the sensor is blind for two motions",
+    "The member keeps quiet.", "a lie of the sensor", "the observer is still told the force", "The blocks are not home.",
+    "The estimate claims 2 N m.", "the sensor is blind for two motions",
     "Nor does any later one.", "In the middle of the deck stands a sensor.", "So does the observer.",
     "It costs 1.3e+02.", "A change of -39.6 is seen.", "It is 67000 % off.", "The cost is −6.3·10⁻¹⁰ % larger.", "It is 3 .",
     "The input is 12,000 % larger.", "A peak of 5 () is seen.")

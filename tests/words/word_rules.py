@@ -46,6 +46,7 @@ PATTERNS: MappingProxyType[str, tuple[str, ...]] = MappingProxyType({
         _may("(?:believe|forgive|promise|know|hear|tremble|owe|want|hope|listen(?! on)|notice|feel|fear)"),
         _one("(?:claims|claimed|forgets|forgot|remembers|cares|sees)", SENSOR), _several("(?:claim|forget|remember|care|see)", SENSOR),
         _may("(?:claim|forget|remember|care|see)", SENSOR), r"\b(?:believing|believed|forgotten|blind|a lie|surviv\w+)\b",
+        r"\b(?:is|are|was|were|observers?|controllers?|filters?) (?:not |still |all |never )?told\b",
         r"\b(?:is|are|was|were|been|being|be) (?:heard|believed|forgiven|promised|owed|told|accused|deaf|silent)\b",
         r"\b(?:lying|dishonest|honest(?:ly)?|innocent|guilty|accus\w+|liars?|witness(?:es)?|deaf|shy|bold|timid)\b(?! (?:on|in|at)\b)",
         r"\b(?:sensors?|filters?|observers?|models?|readings?|pages?) (?:that )?(?:lies?|lied)\b(?! (?:in|on|at|between|within|near|above|"
@@ -56,9 +57,10 @@ PATTERNS: MappingProxyType[str, tuple[str, ...]] = MappingProxyType({
         r"\bsays? no\b", r"\blets? (?:nothing|everything|no \w+) through\b", r"\bhas (?:no|a|its) say\b", r"\bwithout a say\b",
     ),
     "an idiom": (
-        r"\b(?:die|dies|died|dying) (?:out|away|down)\b", r"\bin vain\b", r"\balive\b", r"\btwins?\b", r"\b(?:keep|stay|remain)s? quiet\b",
+        r"\b(?:die|dies|died|dying) (?:out|away|down)\b", r"\bin vain\b", r"\b(?:alive|dear|twins?)\b", r"\b(?:keep|stay|remain)s? quiet\b",
         r"\bmend(?:s|ed|ing)?\b", r"\bbears?\b(?= (?:a|an|the|it|its|no|any|delays?|gains?|less|more|only|\d|x\b)|[.,;:]|$)", r"\bborne\b",
-        r"\bbolted\b", r"\bcomes? home\b", r"\b(?:fall|falls|fell) silent\b", r"\b(?:stays?|sensor is|remains?) silent\b",
+        r"\b(?:comes?|is|are) (?:not )?home\b",
+        r"\bbolted\b", r"\b(?:fall|falls|fell) silent\b", r"\b(?:stays?|sensor is|remains?) silent\b",
         r"\bon (?:its|their) side\b", r"\b(?:paid|pays?) (?:once|for|per|twice)\b", r"\bloud(?:ly|er|est)?\b", r"\banew\b",
         r"\bget(?:s)? there\b", r"\bdeparts?\b(?! from)", r"(?:^|[/;,] ?|\b(?:it|run|loop|error|that) )settles(?=[ ]?[./;,]|$)",
         r"(?:\d|\bx) long\b", r"\btold of\b", r"\btold the (?:wish|truth)\b", r"\bthe wish\b", r"\bmay be lost\b",
