@@ -23,13 +23,14 @@ IN_FIELD = """label => {
   const name = Array.from(document.querySelectorAll('label')).find(l => l.textContent === label);
   return name !== undefined && (held.id === name.htmlFor || held.closest('[id="' + name.htmlFor + '"]') !== null);
 }"""
-IN_ROW = """label => {
+IN_ROW = f"""label => {{  // the field that has the label, or one beside it in a row that has no other
+  if (({IN_FIELD})(label)) return true;
   const held = document.activeElement;
   if (held?.tagName !== 'INPUT') return false;
   const rows = Array.from(document.querySelectorAll('.mantine-Flex-root')).filter(row => row.contains(held));
   return rows.some(row => Array.from(row.querySelectorAll('label')).some(l => l.textContent === label)
     && row.querySelectorAll('label').length === 1 && row.querySelectorAll('input').length <= 3);
-}"""
+}}"""
 OPTION = "letter => document.activeElement?.matches?.('button.ol-option') && document.activeElement.dataset.value === letter"
 EXPANDED = "() => document.activeElement?.getAttribute('aria-expanded')"
 ON_PAGE = "() => document.activeElement?.blur()"
@@ -100,16 +101,11 @@ def open_folder(tab: Tab, head: str) -> None:
 
 def enter(tab: Tab, label: str, words: str) -> None:
     """Walk to the number field of a label and type into it."""
-    for field in (IN_FIELD, IN_ROW):
-        tab.page.evaluate(ON_PAGE)
-        for _ in range(REACH):
-            tab.page.keyboard.press("Tab")
-            if tab.page.evaluate(field, label):
-                tab.page.keyboard.press("Control+a")
-                tab.page.keyboard.type(words)
-                tab.key("Enter")
-                return
-    raise AssertionError(f"the field of {label} is not reached")
+    tab.page.evaluate(ON_PAGE)
+    walk_to(tab, IN_ROW, label)
+    tab.page.keyboard.press("Control+a")
+    tab.page.keyboard.type(words)
+    tab.key("Enter")
 
 
 def checked(tab: Tab, task: str) -> None:
