@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+from inspect import cleandoc
 from pathlib import Path
 
 import pytest
@@ -12,6 +13,7 @@ from course_makers import COURSE, EXAM, TASK, course_of, right_answer, token
 
 from observer_lab.cli.courses import course_in
 from observer_lab.cli.entry import main
+from observer_lab.course.handin import course_file
 from observer_lab.course.handin.gradebooks import canvas_table, moodle_table
 from observer_lab.course.handin.hand_in import HandIn, write_hand_in
 from observer_lab.course.handin.served_course import student_item
@@ -84,6 +86,14 @@ def test_a_bad_course_file_is_one_sentence_with_file_and_key(capsys, file: Path,
     file.write_text(FILE.replace(old, new), encoding="utf-8")
     said = refused(capsys, *command, "--course", str(file))
     assert says in said and ("course.toml" in said or "none" in said) and "0123456789abcdef" not in said
+
+
+@pytest.mark.parametrize("page", ["README.md", "course_file.py"])
+def test_a_course_file_that_a_reader_copies_can_be_read(page: str) -> None:
+    readme = (Path(__file__).parent.parent / "README.md").read_text("utf-8")
+    shown = readme if page == "README.md" else cleandoc(course_file.__doc__ or "").replace("\n    ", "\n") + "```"
+    text = shown[shown.index('course = "'):].partition("```")[0]
+    assert course_file.read_course(text, LESSONS, lambda _: SECRET).items
 
 
 def test_serve_takes_a_course_or_exam(capsys, file: Path) -> None:

@@ -12,17 +12,20 @@ from typing import Any, NamedTuple
 import numpy as np
 from laws import holds_for_all
 
-from observer_lab.course.lesson import Board, Lesson
+from observer_lab.course.figures.records import MapFigure
+from observer_lab.course.lesson import Board, Lesson, Stage
 from observer_lab.course.scenes import Scene, entry_values
 from observer_lab.lessons import LESSONS
 from observer_lab.page.stage.body_extent import body_corners, reach
+from observer_lab.page.stage.map_board import NEARER, place, written
 from observer_lab.page.stage.pole_boards import BOARD_FOOT, BOARD_HEIGHT, BOARD_PLACES, BOARD_WIDTH, board_contains
+from observer_lab.page.stage.stage import factors, factors_at
 from observer_lab.page.stage.viewpoint import SIGHT, Viewpoint, letters
 
 CANVASES = {"laptop": (929, 768), "small laptop": (870, 720), "wall": (1306, 1080)}  # px of the guide's stage
 RUN_BAR = 0.1  # of the canvas' height, at its foot: the row of the run
 MOMENTS = 12
-LEAST_FILLED = 0.57  # of the canvas' height or width: what stands on the stage; a map in front of it takes more
+LEAST_FILLED = 0.57  # of the canvas' height or width: what stands on the stage, and the map in front of it
 LEAST_LETTER = 0.0145  # of the canvas' height: a letter on a board, 11 px of 768
 
 
@@ -51,13 +54,24 @@ def opened(id: str) -> tuple[bool, tuple[float, float]]:
     return bool(outcome.boards), reach(outcome.stage)
 
 
-def looked_at(lesson: Lesson, size: tuple[int, int], view: str) -> Any:
+class OnStage(NamedTuple):
+    """A scene, the boards and the map it shows, the corners of the body in its run, and where the words about its size end, if any."""
+
+    lesson: Lesson
+    scene: Scene
+    boards: tuple[Board, ...]
+    map: MapFigure | None
+    body: np.ndarray
+    words: np.ndarray
+
+
+def looked_at(case: OnStage, size: tuple[int, int]) -> Any:
     """The camera of a scene in a canvas of a size."""
-    camera, (boards, body) = Camera(size), opened(lesson.id)
+    camera, (boards, body) = Camera(size), opened(case.lesson.id)
     client: Any = SimpleNamespace(camera=camera, atomic=nullcontext)
-    place, charted = Viewpoint(client), lesson.pick is not None
-    place.compose(boards or charted, charted, False, body=body)
-    place.camera(view)
+    view, charted = Viewpoint(client), case.map is not None
+    view.compose(boards or charted, charted, False, body=body)
+    view.camera(case.scene.view)
     return camera
 
 
@@ -69,13 +83,14 @@ def board_corners(side: str, em: float) -> np.ndarray:
                      for a in (-1, 1) for z in (BOARD_FOOT - 0.02 - 0.9 * em, top)])
 
 
-class OnStage(NamedTuple):
-    """A scene, the boards it shows, and the corners of the body in its run."""
+def map_corners(figure: MapFigure, em: float) -> np.ndarray:
+    """The corners of a map in front of the stage, and where its words hang (k, 3)."""
+    words = written(figure, "en", em * NEARER).values()
+    return np.array([*(place(x, y) for x in (0, 1) for y in (0, 1)), *(each.at for each in words)])
 
-    lesson: Lesson
-    scene: Scene
-    boards: tuple[Board, ...]
-    body: np.ndarray
+
+def _words(stage: Stage, charted: bool) -> np.ndarray:
+    return np.array([factors_at(stage, charted)] if factors(stage.body, "en") else []).reshape(-1, 3)
 
 
 @cache
@@ -87,7 +102,10 @@ def scenes_on_stage() -> tuple[OnStage, ...]:
             outcome = lesson.compute(lesson.apply(lesson.start(), entry_values(lesson.path, k, lesson.start())))
             if outcome.stage is not None:
                 boards = tuple(board for board in outcome.boards if board.id in scene.boards)
-                found.append(OnStage(lesson, scene, boards, body_corners(outcome.stage, MOMENTS)))
+                named = [f for f in lesson.figures(outcome) if f.id in scene.figures] if lesson.pick is not None else []
+                maps = [f for f in named if isinstance(f, MapFigure)]
+                found.append(OnStage(lesson, scene, boards, next(iter(maps), None), body_corners(outcome.stage, MOMENTS),
+                                     _words(outcome.stage, bool(maps))))
     return tuple(found)
 
 
@@ -97,7 +115,7 @@ def name(case: OnStage, canvas: str) -> str:
 
 def test_a_plant_hides_neither_the_boards_of_a_scene_nor_the_numbers_below_them() -> None:
     def law(case: OnStage, canvas: str) -> None:
-        camera = looked_at(case.lesson, CANVASES[canvas], case.scene.view)
+        camera = looked_at(case, CANVASES[canvas])
         body = seen(camera, case.body)
         for board in case.boards:
             corners = seen(camera, board_corners(board.side, letters(camera, False)))
@@ -108,10 +126,12 @@ def test_a_plant_hides_neither_the_boards_of_a_scene_nor_the_numbers_below_them(
 
 def test_all_that_stands_on_the_stage_is_in_sight_above_the_row_of_the_run_and_fills_the_picture() -> None:
     def law(case: OnStage, canvas: str) -> None:
-        camera, (across, up) = looked_at(case.lesson, CANVASES[canvas], case.scene.view), CANVASES[canvas]
+        camera, (across, up) = looked_at(case, CANVASES[canvas]), CANVASES[canvas]
         em = letters(camera, False)
-        points = np.concatenate([seen(camera, case.body), *(seen(camera, board_corners(board.side, em)) for board in case.boards)])
+        points = np.concatenate([seen(camera, case.body), *(seen(camera, board_corners(board.side, em)) for board in case.boards),
+                                 *([] if case.map is None else [seen(camera, map_corners(case.map, em))])])
         low, high = points.min(axis=0), points.max(axis=0)
+        assert (seen(camera, case.words)[:, 0] <= across / up).all(), "the words about its size are cut"
         assert -across / up <= low[0] and high[0] <= across / up, f"cut at a side: {low[0]:.2f} to {high[0]:.2f}"
         assert low[1] >= 2 * RUN_BAR - 1 and high[1] <= 1, f"cut above or below: {low[1]:.2f} to {high[1]:.2f}"
         wide, tall = (high - low) / 2 / (across / up, 1.0)

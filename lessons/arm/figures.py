@@ -66,7 +66,7 @@ def _load(outcome: Outcome[Study]) -> LineFigure:
 
 def _false_words(outcome: Outcome[Study]) -> Text:
     m = outcome.metrics
-    return claim(text("Before the load came it had claimed up to {false:.2g} N m.", false=m["false_load"]), m["false_load"],
+    return claim(text("Before the load came it was up to {false:.2g} N m.", false=m["false_load"]), m["false_load"],
                  above=1e-3)
 
 
@@ -131,7 +131,7 @@ def _gear_words(outcome: Outcome[Study]) -> Text:
     on = text("At the end the arm rests on one flank, {apart:.3g}° from the motor.",
               apart=abs(degrees(float(run.x[-1, ANGLE_INDEX] - outcome.study.played.motor[-1]))))
     flank = claim(on, rests, below=0.5, otherwise=text("In the last tenth of the run the contact still changes."))
-    unseen = text("The encoder at the joint sees the arm itself.") if design["encoder"] == JOINT else text(
+    unseen = text("The encoder at the joint measures the arm itself.") if design["encoder"] == JOINT else text(
         "The encoder on the motor does not measure it, however fast the observer.")
     changed = text("Changes of contact: {count}.", count=int(m["changes"]))
     return joined(flank if outcome.study.played.contact[-1] else NO_WORDS, changed, unseen)
@@ -158,7 +158,7 @@ def _speeds(outcome: Outcome[Study]) -> PlaneFigure:
     tried = tuple(each for each in outcome.study.tried if each.found is not None)
     x = np.array([each.found for each in tried], dtype=float)
     false, stray = (np.minimum([getattr(each, name) for each in tried], BEYOND["load"]) for name in ("false", "stray"))
-    curves = (Curve(text("claimed before it came"), false, "error", x=x),
+    curves = (Curve(text("largest estimate before it came"), false, "error", x=x),
               Curve(text("strays at the end"), stray, "disturbance", "dash", x=x))
     points = tuple(Point(float(a), float(b), role, "dot") for a, y, role in ((x, false, "error"), (x, stray, "disturbance"))
                    for a, b in zip(x, y, strict=True))
@@ -174,10 +174,10 @@ def _speed_words(outcome: Outcome[Study]) -> Text:
         return text("Not computed for this design yet: press the button under the knobs.")
     lost = sum(each.found is None for each in tried)
     slow, fast = tried[0], tried[-1]
-    said = text("From {slow:.2g} to {fast:.2g} times the speed: the estimate claims {least:.2g} N m in vain, then {most:.2g} N m.",
+    said = text("From {slow:.2g} to {fast:.2g} times the speed: without a load the estimate is up to {least:.2g} N m, then {most:.2g} N m.",
                 slow=slow.speed, fast=fast.speed, least=slow.false, most=fast.false)
     missed = text("{lost} of {count} never find the load to 5 %.", lost=lost, count=len(tried))
-    ideal = text("Gear and encoder are ideal: nothing is claimed in vain, at whatever speed.")
+    ideal = text("Gear and encoder are ideal: without a load the estimate is zero, at any speed.")
     return joined(claim(said, fast.false, above=1e-6, otherwise=ideal), missed if lost else NO_WORDS)
 
 

@@ -69,7 +69,7 @@ KNOBS = (
             (MOTOR, text("counting, on the motor")),
             (JOINT, text("counting, at the joint")),
         ),
-        hint=text("On the motor a turn of the joint has 91/6 times as many counts; at the joint the encoder sees the arm itself."),
+        hint=text("On the motor a turn of the joint has 91/6 times as many counts; at the joint the encoder measures the arm itself."),
     ),
     Number(
         "counts",

@@ -137,7 +137,7 @@ def _live(design: Design, m: Mapping[str, float], run: Run) -> Text:
         return text("This loop is lost after {end:.2f} s.", end=run.diverged_at or 0.0)
     load = _load_words(design, m)
     rests = text("In the last tenth of the run the arm is up to {angle:.2g}° from its target.", angle=m["angle_error"])
-    hidden = text("The arm stands up to {apart:.2g}° off the motor, and the encoder on the motor does not see it.", apart=m["apart"])
+    hidden = text("The arm stands up to {apart:.2g}° off the motor, and the encoder on the motor does not measure it.", apart=m["apart"])
     seen = design["gap"] > 0 and design["encoder"] in (EXACT_ENCODER, "motor")
     return joined(load, rests, claim(hidden, m["apart"], above=0.0)) if seen else joined(load, rests)
 

@@ -60,10 +60,12 @@ def _play(outcome: Outcome[Study]) -> Verdict:
         return Verdict(False, text("In the last tenth of the run the arm is {angle:.2g}° from its target; at most 0.1°.",
                                    angle=m["angle_error"]))
     if m["false_load"] > 0.1:
-        return Verdict(False, text("Before the load came the estimate had claimed {false:.2g} N m; at most 0.1.", false=m["false_load"]))
+        return Verdict(False, text("Before the load came the estimate was up to {false:.2g} N m; it may be 0.1 at "
+                                   "most.", false=m["false_load"]))
     if m["found_after"] > 0.45:
         return Verdict(False, text("The load is found after {late:.3f} s; at most 0.45 s.", late=m["found_after"]))
-    return Verdict(True, text("{angle:.2g}° from the target, {false:.2g} N m claimed in vain, the load found after {late:.3f} s.",
+    return Verdict(True, text("{angle:.2g}° from the target, up to {false:.2g} N m estimated without a load, the load found after "
+                              "{late:.3f} s.",
                               angle=m["angle_error"], false=m["false_load"], late=m["found_after"]))
 
 

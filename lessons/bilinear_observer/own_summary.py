@@ -41,18 +41,18 @@ def live(design: Design, s: Story, m: Mapping[str, float]) -> Text:
     fixed = tuple(map(complex, s.poles)) if o.case == 2 else s.wanted.bolted
     right = [p for p in fixed if p.real >= 0]
     if right and o.case == 2:
-        return text("Case 2: one L only, and its pole {poles} is not on the left, so ε does not die out. Measure more, or want another "
+        return text("Case 2: one L only, and its pole {poles} is not on the left, so ε does not decay. Measure more, or want another "
                     "g.", poles=pole_words(right))
     if right:
-        return text("Case 3: a family of L, but the pole {poles} stays put in all of them, so ε does not die out. Measure other "
+        return text("Case 3: a family of L, but the pole {poles} stays put in all of them, so ε does not decay. Measure other "
                     "states, or want another g.", poles=pole_words(right))
     if m["slowest"] >= 0:
-        return text("An observer pole is not on the left, so ε does not die out: drag it left.")
+        return text("An observer pole is not on the left, so ε does not decay: drag it left.")
     if design["noise"]:
         return claim(text("The sensors' noise moves ĝ by {rms:.2g} of g (rms, second half of the run); at rest and u = 0 its law says "
                           "{promised:.2g}.", rms=m["noise_rms"], promised=m["noise_promised"]), m["noise_rms"], above=0.0)
     poles = pole_words(listed(s.poles)[:6])
-    follows = text("Case {case}: an observer of order {order} watches g, and ε dies out under this u; poles: {poles}.",
+    follows = text("Case {case}: an observer of order {order} estimates g, and ε decays under this u; poles: {poles}.",
                    case=o.case, order=o.order, poles=poles)
     return claim(follows, m["law_gap"], below=LAW, otherwise=text(
         "The poles are {poles}, but something still drives ε: when the run ends it is {late:.2g} of g.", poles=poles, late=late))

@@ -184,6 +184,6 @@ def _live(design: Design, o: BilinearObserver, m: Mapping[str, float]) -> Text:
     if design["noise"]:
         return claim(text("The sensors' noise moves ĝ by {rms:.2g} (rms, second half of the run); at rest and u = 0 its law says "
                           "{promised:.2g}.", rms=m["noise_rms"], promised=m["noise_promised"]), m["noise_rms"], above=0.0)
-    return claim(text("Case {case}: one state watches g, and ε dies out as e^({pole}t) under this u.", case=o.case, pole=pole),
+    return claim(text("Case {case}: one state estimates g, and ε decays as e^({pole}t) under this u.", case=o.case, pole=pole),
                  m["law_gap"], below=1e-6, otherwise=text(
                      "The pole is {pole}, but something still drives ε: it ends at {late}.", pole=pole, late=late))

@@ -13,7 +13,7 @@ PATH = (
     Scene("why", Read(), figures=ROTATION, formulas=("law",), minutes=2.0),
     Scene("coil", Move(("lower",)), knobs=("lower",), figures=ROTATION, minutes=2.0),
     Scene("surprise", Choose(Question.SECOND), set={"lower": 0.0}, play={"mix": "best"}, minutes=2.0),
-    Scene("band", Move(("f_low",)), knobs=("f_low",), figures=("index", *ROTATION), minutes=3.0, core=False),
+    Scene("band", Move(("f_low",)), knobs=("f_low",), figures=("index", *ROTATION), camera="bare", minutes=3.0, core=False),
     Scene("poles", Move(("control_poles", "observer_poles")), boards=("control", "observer"), formulas=("E",), minutes=4.0, core=False,
           set={"f_low": 0.1, "mix": "none", "horizontal": "poles"}),
     Scene("sensors", Move(("corner",)), knobs=("corner",), figures=("transmissibility-vertical", "sensor-noise"), minutes=3.0, core=False,

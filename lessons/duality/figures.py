@@ -15,7 +15,7 @@ from .dual_quantities import Setting, Twins, weights_of
 from .finite_horizon import HORIZON_TAB, horizon_figure
 from .root_locus import LOCUS_TAB, locus_figures
 
-TWINS_TAB, ELLIPSES_TAB = text("Twins"), text("Ellipses")
+DUAL_TAB, ELLIPSES_TAB = text("Dual quantities"), text("Ellipses")
 MOST_ROWS = 12  # of a table
 CIRCLE_ANGLES_RAD = np.linspace(0.0, 2 * np.pi, 121)
 
@@ -27,7 +27,7 @@ def all_figures(here: Setting, outcome: Outcome[Twins]) -> FigureSet:
     return FigureSet(
         tab_figures(TIME_TAB, lambda: state_figures(here.model, run, 2)),
         tab_figures(ERROR_TAB, lambda: (error_figure(run), input_figure(run, here.model))),
-        tab_figures(TWINS_TAB, lambda: (_gain_table(outcome, twins), _riccati_table(here, outcome, twins),
+        tab_figures(DUAL_TAB, lambda: (_gain_table(outcome, twins), _riccati_table(here, outcome, twins),
                                  _pairing(twins, twins.pairing_gap))),
         tab_figures(LOCUS_TAB, lambda: locus_figures(here, design)),
         tab_figures(HORIZON_TAB, lambda: (_horizon(here, design, twins),)),
@@ -47,7 +47,7 @@ def _gain_table(outcome: Outcome[Twins], twins: Twins) -> TableFigure:
     return TableFigure(
         "gains", text("one gain, found twice"),
         (same(""), text("L, own equation"), text("K_dᵀ of (Aᵀ, Cᵀ)"),
-         text("difference")), rows, tab=TWINS_TAB,
+         text("difference")), rows, tab=DUAL_TAB,
         caption=text("Left board: {left}. Right board: {right}.", left=left, right=right))
 
 
@@ -59,7 +59,7 @@ def _riccati_table(here: Setting, outcome: Outcome[Twins], twins: Twins) -> Tabl
     return TableFigure(
         "riccati", text("one Riccati equation, read twice"),
         (same(""), text("P of LQE (W, V)"), text("S of LQR on (Aᵀ, Cᵀ)"),
-         text("difference")), tuple(rows), tab=TWINS_TAB,
+         text("difference")), tuple(rows), tab=DUAL_TAB,
         caption=text("Q₁₁ = {q:.3g}, R₁₁ = {r:.3g}: slowest LQR pole at Re s = {slow}. W₁₁ = {w:.3g}, V₁₁ = "
                      "{v:.3g}: slowest LQE pole at Re s = {slow2}.",
                      q=Q[0, 0], r=R[0, 0], slow=_entry(slow[0]), w=W[0, 0], v=V[0, 0], slow2=_entry(slow[1])))
@@ -72,7 +72,7 @@ def _pairing(twins: Twins, relative: float) -> LineFigure:
         (Curve(same("‖e(t)‖"), np.linalg.norm(twins.pair.e, axis=1), "error"),
          Curve(same("‖x_d(T − t)‖"), np.linalg.norm(twins.pair.z, axis=1), "second", "dash"),
          Curve(same("x_d(T − t)ᵀ e(t)"), twins.pairing, "reference", "solid", 2.6)),
-        "‖e‖, ‖x_d‖, x_dᵀe", window=(-0.5, 1.5), tab=TWINS_TAB,
+        "‖e‖, ‖x_d‖, x_dᵀe", window=(-0.5, 1.5), tab=DUAL_TAB,
         caption=text("The product stays at {value} to {relative:.0e} of the size of its factors.",
                      value=value, relative=relative))
 

@@ -13,8 +13,8 @@ from ..toolkit.knobs import BY_POLES, BY_WEIGHTS, run_knobs
 
 MODEL = MODELS["spring-damper"]
 HINTS = MappingProxyType({
-    "q": text("Q = α_Q I: how dear a deviation of the state is."),
-    "r": text("R = α_R: how dear the input is."),
+    "q": text("Q = α_Q I: how much a deviation of the state costs."),
+    "r": text("R = α_R: how much the input costs."),
     "w": text("W = α_W I: how hard unknown forces shake the plant."),
     "v": text("V = α_V: how noisy the sensor is."),
 })
@@ -35,7 +35,7 @@ KNOBS = (
     Number("sensor", r"\varphi", text("sensor turned by"), "°", low=0.0, high=90.0, default=0.0, step=1.0,
            hint=text("y = q cos φ + v sin φ: the position at 0°, the velocity at 90°.")),
     Number("window", "T", text("window of the ellipses"), "s", low=0.5, high=12.0, default=4.0, step=0.1,
-           hint=text("How long the input may push, and how long the output is listened to.")),
+           hint=text("How long the input acts, and how long the output is measured.")),
     _weight("q", r"\alpha_Q", text("state weight α_Q"), 4.0, True),
     _weight("r", r"\alpha_R", text("input weight α_R"), 1.0, True),
     Switch("mirror", "", text("mirror the weights: W = Q, V = R"), default=True,

@@ -61,6 +61,6 @@ def own_knobs(model: Model, window: Window, hand: bool) -> tuple[Knob, ...]:
                   hint=text("Drag a cross on either board: both boards hold the same poles."))
     span = Number("window", "T", text("window of the ellipses"), "s", low=model.horizon / 30, high=model.horizon,
                   default=model.horizon / 3, hint=text(
-                      "How long the input may push, and how long the output is listened to."))
+                      "How long the input acts, and how long the output is measured."))
     weights = [k for k in KNOBS if k.name in ("q", "r", "mirror", "w", "v")]
     return (method, *((poles,) if hand else ()), span, *weights, *run_knobs(model.horizon))

@@ -64,7 +64,7 @@ def _checks(m: Mapping[str, float]) -> tuple[Check, ...]:
     sentences = (
         ("transpose", "gain_gap", text("L = K_dᵀ to rounding")),
         ("riccati", "riccati_gap", text("P of the filter = S of the transposed plant")),
-        ("gramians", "gramian_gap", text("each Gramian = its twin's")),
+        ("gramians", "gramian_gap", text("each Gramian = that of the dual plant")),
         ("pairing", "pairing_gap", text("x_d(T − t)ᵀ e(t) is constant")),
     )
     return tuple(Check(name, words, m[key] <= DUAL_RTOL, m[key]) for name, key, words in sentences)

@@ -30,8 +30,8 @@ def figures(here: Setting, outcome: Outcome[Study]) -> tuple[Figure, ...]:
 def _force(here: Setting, run: Run) -> LineFigure:
     peak, unit = float(np.max(np.abs(run.u_applied))), here.model.input_unit
     calm = 0.5 * here.model.u_max if here.model.controller is not None else 1.0
-    return LineFigure("force", text("force on the block, told to the observer") if here.notes else
-                      text("input, told to the observer"), run.t,
+    return LineFigure("force", text("force on the block, given to the observer") if here.notes else
+                      text("input, given to the observer"), run.t,
                       (Curve(text("force") if here.notes else text("input"), run.u_applied[:, 0], "force"),),
                       f"u [{unit}]", tab=TIME_TAB, window=(-calm, calm),
                       caption=text("Largest input: {peak:.3g} {unit}.", peak=peak, unit=unit))
@@ -63,7 +63,7 @@ def _components(here: Setting, outcome: Outcome[Study], run: Run, quiet: Run) ->
              text("error in two signals"))
     calm = (-1.0, 1.0) if here.notes else None
     return LineFigure("components", title, run.t, tuple(curves), f"e [{', '.join(units)}]", tab=ERROR_TAB, window=calm,
-                      caption=text("Largest gap between the curves and their twins without input: {error_moved:.1e}.",
+                      caption=text("Largest gap between the curves with and without input: {error_moved:.1e}.",
                                    error_moved=m["error_moved"]))
 
 

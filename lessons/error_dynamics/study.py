@@ -102,7 +102,7 @@ def compute(here: Setting, design: Design) -> Outcome[Study]:
     checks = (
         Check("independent", text("the error does not depend on the input"),
               left_alone(metrics), metrics["error_moved"]),
-        Check("observer", text("the error dies out by itself"), metrics["slowest_observer"] < 0,
+        Check("observer", text("the error decays by itself"), metrics["slowest_observer"] < 0,
               metrics["slowest_observer"]),
     )
     return Outcome(design, {"L": L}, {"observer": poles, "plant": plant.poles}, metrics, checks, run,

@@ -57,7 +57,7 @@ def code(outcome: Outcome[Study]) -> Code:
             GivenValue("window", s.test.window),
             GivenValue("rate", s.test.rate, "false-alarm rate of one window of one member"),
             GivenValue("hold", ALARM_HOLD_SAMPLES, "samples that one pattern of alarms must last"),
-            GivenValue("fade", FADE, "samples in which the bank forgets a kick"),
+            GivenValue("fade", FADE, "samples until a kick has no more effect on the bank"),
             GivenValue("power", DETECTION_POWER),
             GivenValue("seed", int(d["seed"])),
             GivenValue("first_errors", ignoring, "of the members that ignore a coil: drawn in one of many bases, the page's"),
@@ -80,7 +80,7 @@ def code(outcome: Outcome[Study]) -> Code:
                 for name in ("threshold", "dof", "needed", "accused", "right_verdict", "delay", "expected_delay", "pitch")
             ),
         ),
-        "Shares over many runs, the cumulative sum, and how small a fault the banks see",
+        "Shares over many runs, the cumulative sum, and how small a fault the banks detect",
         (
             GivenValue("w", noise.w),
             GivenValue("v", noise.v),

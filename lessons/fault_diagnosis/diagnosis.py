@@ -15,7 +15,7 @@ from .runs import Record
 ENERGY, MEAN = "energy", "mean"
 NO_FAULT, UNCLEAR_FAULT = -1, -2  # what `isolate` says beside the column of a fault
 ALARM_HOLD_SAMPLES = 10  # samples that one pattern of alarms must last before anyone is accused
-FADE = 100  # samples in which the bank forgets a kick
+FADE = 100  # samples until a kick has no more effect on the bank
 DETECTION_POWER = 0.99
 
 

@@ -115,8 +115,8 @@ def _unclear(alarms: np.ndarray) -> Text:
         return text("Every member gives an alarm: this is none of the seven faults alone.")
     names = listed(map(same, quiet[:3]))
     if len(quiet) > 3:
-        return text("No row fits. Quiet ({count}): {names} …", count=len(quiet), names=names)
-    return text("No row fits. Quiet: {names}.", names=names)
+        return text("No row fits. Below the threshold ({count}): {names} …", count=len(quiet), names=names)
+    return text("No row fits. Below the threshold: {names}.", names=names)
 
 
 def _members() -> TableFigure:
@@ -163,7 +163,7 @@ def _forces(s: Study) -> LineFigure:
     curves = tuple(Curve(same(COIL_IDS[j]), s.record.applied[:, j], *looks[j]) for j in range(3))
     said = (text("Open loop: only the known force is commanded.") if s.case.loop == KEEP_LOOP_OPEN else
             _acted(s) if s.case.loop == SWITCH_LOOP else
-            text("The loop keeps believing all four sensors."))
+            text("The loop goes on using all four sensors."))
     return LineFigure("forces", text("forces delivered"), TIMES_S, curves, "u [N]", window=(-1.0, 1.0), caption=said,
                       tab=LOOP_TAB)
 
@@ -288,8 +288,8 @@ def _least(s: Study) -> TableFigure:
         cells = [short(scale * v) for v in values[:, j]]
         rows.append((f"{name} [{unit}]", *cells))
     weak = int(np.argmax(np.where(np.isfinite(values[:, 0]), values[:, 0], 0)))
-    said = text("Bias, or missing amplitude at {tone:.2g} Hz. A lie of VL is hardest to see for {names}: it looks "
+    said = text("Bias, or missing amplitude at {tone:.2g} Hz. An error of VL is hardest to detect for {names}: it looks "
                 "almost like what that member ignores.",
                 tone=s.case.tone, names=MEMBER_NAMES[weak])
-    return TableFigure("least", text("least fault that each member sees with 99 %"),
+    return TableFigure("least", text("least fault that each member detects with 99 %"),
                        (text("fault"), *(same(n) for n in MEMBER_NAMES)), tuple(rows), said, REACH_TAB)

@@ -39,7 +39,7 @@ KNOBS: tuple[Knob, ...] = (
            hint=text("A time of its own, also before the other.")),
     Choice("statistic", "T", text("statistic"), default=ENERGY, group=TEST,
            options=((ENERGY, text("sum of squares")), (MEAN, text("square of the mean"))),
-           hint=text("Squares see every shape; the mean sees lasting errors sooner and sines hardly at all.")),
+           hint=text("Squares detect errors of every shape; the mean detects lasting errors sooner and sines hardly at all.")),
     Number("window", "N", text("window"), low=1, high=150, default=25, scale="integer", group=TEST,
            hint=text("Samples of 0.02 s that are judged together.")),
     Number("rate", r"\alpha", text("false-alarm rate"), low=1e-6, high=0.1, default=1e-3, scale="log", group=TEST,
@@ -53,6 +53,6 @@ KNOBS: tuple[Knob, ...] = (
     Number("tone", "f", text("its frequency"), "Hz", low=0.2, high=5.0, default=0.5, scale="log", group=LOOP,
            hint=text("The deck's own modes lie at 1.0, 1.2 and 1.5 Hz.")),
     Number("stiffer", r"\delta", text("springs stiffer than the model"), "%", low=-20.0, high=20.0, default=0.0, step=0.5,
-           group=LOOP, hint=text("The bank keeps believing its model.")),
+           group=LOOP, hint=text("The model of the bank stays as it is.")),
     *run_knobs(HORIZON),
 )

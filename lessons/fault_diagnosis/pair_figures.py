@@ -50,7 +50,8 @@ def _apart(s: Study) -> TableFigure:
         kind = isolable(pair)
         return ALWAYS if kind == ALWAYS_ISOLABLE else NOT_AT_ALL if kind == NEVER_ISOLABLE else str(len(rivals()[pair]))
     tied = frozenset(k for pair in PAIRS if isolable(pair) != ALWAYS_ISOLABLE for k in pair)
-    told = text("● told from all other pairs, whatever both faults do: with each of them rank [H_P H_Q] = |P ∪ Q|. A number: so many "
+    told = text("● distinguished from all other pairs, whatever both faults do: with each of them rank [H_P H_Q] = |P ∪ Q|. A number: so "
+                "many "
                 "other pairs can make the same readings. {names} are {count} directions in a space of {rank}.",
                 names=listed(same(FAULT_PLACES[k]) for k in sorted(tied)), count=len(tied), rank=rank_of(tied))
     return TableFigure("pairs", text("which pairs of faults can be isolated"), _columns(), _square(cell, s.pair), told, PAIR_TAB)
@@ -84,7 +85,7 @@ def pair_reach(s: Study, tab: Text) -> TableFigure:
     told = text("Bias, or missing amplitude at {tone:.2g} Hz, of the row's fault while the column's fault is arbitrary. On the "
                 "diagonal: that fault alone, by the seven. ∞: {most:.0f} or more. *: other pairs can make the same readings.",
                 tone=s.case.tone, most=LARGEST_SHOWN_FAULT)
-    return TableFigure("least-pairs", text("least fault that all members see with 99 % which ignore another part"),
+    return TableFigure("least-pairs", text("least fault that the members which ignore other parts all detect with 99 %"),
                        (text("fault"), *(same(n) for n in FAULT_PLACES)), rows, joined(told, _company(s, values)), tab)
 
 

@@ -167,7 +167,7 @@ def _boards(s: Study) -> tuple[Board, Board]:
     return (
         Board("deck", text("deck: poles ×, zero ○"), tuple(MODEL.plant.poles),
               zeros=() if zeros is None else tuple(complex(z) for z in zeros), side="left", re_low=-6.0, re_high=2.0, im_high=12.0),
-        Board("member", text("poles of the quiet member"), listed(lively),
+        Board("member", text("poles of the member below its threshold"), listed(lively),
               role="estimate", side="right", re_low=w.re_low, re_high=w.re_high, im_high=w.im_high),
     )
 

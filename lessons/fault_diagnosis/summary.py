@@ -64,9 +64,11 @@ def of_pairs(s: Study, v: PairVerdict) -> Text:
         return _alone(v)
     if v.both is None:
         quiet = int((v.values[-1] <= 1).sum())
-        return claim(text("The bank of pairs names no pair: at the end {quiet} of its {count} members are quiet, not one.", quiet=quiet,
+        return claim(text("The bank of pairs names no pair: at the end {quiet} of its {count} members are below their threshold, not "
+                          "one.", quiet=quiet,
                           count=v.values.shape[1]) if quiet != 1 else
-                     text("The bank of pairs names no pair: its one quiet member at the end was not quiet before, or too briefly."),
+                     text("The bank of pairs names no pair: its one member below the threshold was above it before, or below it too "
+                          "briefly."),
                      float(quiet), above=-1.0)
     at, (i, j) = v.both
     delay = DT * (at - s.case.also.start)
@@ -91,7 +93,8 @@ def _alone(v: PairVerdict) -> Text:
     if v.alone is None:
         return text("The bank of pairs names nobody.")
     at, (i,) = v.alone
-    return text("The bank of pairs names {who} at {at:.2f} s: all six members that ignore it are quiet.", who=FAULT_PLACES[i], at=DT * at)
+    return text("The bank of pairs names {who} at {at:.2f} s: all six members that ignore it are below their "
+                "threshold.", who=FAULT_PLACES[i], at=DT * at)
 
 
 def when_talked_about(s: Study, v: PairVerdict) -> int:

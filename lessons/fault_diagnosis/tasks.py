@@ -38,8 +38,9 @@ def _rare(o: Outcome[Study]) -> Verdict:
 def _said(time: float, delay: int | None) -> Text:
     """The mean time between false alarms and when the fault is due."""
     if delay is None:
-        return text("One false alarm every {time} on average; not all six members see the fault with 99 %.", time=duration(time))
-    return text("One false alarm every {time} on average; all six members see the fault with 99 % after {dt:.2f} s.", time=duration(time),
+        return text("One false alarm every {time} on average; not all six members detect the fault with 99 %.", time=duration(time))
+    return text("One false alarm every {time} on average; all six members detect the fault with 99 % after {dt:.2f} "
+                "s.", time=duration(time),
                 dt=DT * delay)
 
 
@@ -53,9 +54,9 @@ def _weak(o: Outcome[Study]) -> Verdict:
     seen = FAULT_PLACES.index("u1")
     worst = 100 * float(np.max(np.min(np.delete(s.forecast.strength, seen, axis=1), axis=1)))
     if delay is None:
-        return Verdict(False, text("The member that sees least gets {worst:.0f} % of what 99 % power takes.",
+        return Verdict(False, text("The member with the smallest signal gets {worst:.0f} % of what 99 % power takes.",
                                    worst=worst))
-    return Verdict(True, text("All six see it with 99 % after {dt:.2f} s.", dt=DT * delay))
+    return Verdict(True, text("All six detect it with 99 % after {dt:.2f} s.", dt=DT * delay))
 
 
 def _unseen(o: Outcome[Study]) -> Verdict:
@@ -64,7 +65,7 @@ def _unseen(o: Outcome[Study]) -> Verdict:
         return Verdict(False, text("Let a coil lose everything."))
     moved = float(np.abs(s.record.asked - s.record.applied).max())
     if moved > 0:
-        return Verdict(False, text("Up to {moved:.2g} N are missing, and every member but one can see that.",
+        return Verdict(False, text("Up to {moved:.2g} N are missing, and every member but one can detect that.",
                                    moved=moved))
     return Verdict(True, text("Nothing was asked, so nothing is missing: the residuals are those of a healthy "
                               "deck."))
@@ -127,8 +128,8 @@ def _framed(o: Outcome[Study]) -> Verdict:
         return Verdict(False, text("Member −{who} would give an alarm with {alarm:.2g} %; above {most:.0f} % {who} is not diagnosed.",
                                    who=FRAMED, alarm=alarm, most=HUSHED))
     if due is None:
-        return Verdict(False, text("Member −{who} keeps quiet, but not all the others see it with 99 %.", who=FRAMED))
-    return Verdict(True, text("All others see it with 99 % after {dt:.2f} s and −{who} gives no alarm: {who} is diagnosed although it "
+        return Verdict(False, text("Member −{who} gives no alarm, but not all the others detect it with 99 %.", who=FRAMED))
+    return Verdict(True, text("All others detect it with 99 % after {dt:.2f} s and −{who} gives no alarm: {who} is diagnosed although it "
                               "is fault-free.",
                               dt=DT * due, who=FRAMED))
 

@@ -45,7 +45,7 @@ def _measured(run: Run) -> LineFigure:
         (Curve(text("measured y"), y),
          Curve(text("predicted ŷ"), run.yhat[:, 0], "estimate", "dash")), "y [m]", window=(-0.2, 0.2),
         tab=TIME_TAB,
-        caption=claim(text("The trace has gone flat: as far as the sensor can tell, all is at rest."), share, below=0.02, otherwise=text(
+        caption=claim(text("The trace is flat: in the reading all seems at rest."), share, below=0.02, otherwise=text(
             "In the last eighth of the run the sensor still reads up to {size:.2g} m.", size=size)))
 
 

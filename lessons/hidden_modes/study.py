@@ -60,7 +60,7 @@ def checks_of(case: Case, metrics: dict[str, float]) -> tuple[Check, ...]:
               case.reached.controllable, metrics["weakest_reached"]),
         Check("stabilizable", text("stabilizable: what is out of reach settles"),
               case.reached.stabilizable, metrics["weakest_reached"]),
-        Check("error", text("with this L the error dies out"), error < 0, error),
+        Check("error", text("with this L the error decays"), error < 0, error),
         Check("loop", text("with this K and L the plant settles"), max(error, state) < 0,
               max(error, state)),
     )

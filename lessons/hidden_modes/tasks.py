@@ -28,7 +28,7 @@ def _slow_but_fine(outcome: Outcome[Case]) -> Verdict:
     if rate >= 0:
         return Verdict(False, text("The error still grows like e^({rate} t). No pole you can drag changes that.",
                                    rate=_number(rate)))
-    return Verdict(True, text("The sensor is as blind as before, and e dies out like e^({rate} t): detectable.",
+    return Verdict(True, text("The sensor still does not measure every mode, and e decays like e^({rate} t): the plant is detectable.",
                               rate=_number(rate)))
 
 
@@ -40,8 +40,8 @@ def _twin(outcome: Outcome[Case]) -> Verdict:
     if state < 0 or case.reached.stabilizable:
         return Verdict(False, text("The estimate is right, but the plant can be held: its slowest pole is {state}.",
                                    state=_number(state)))
-    return Verdict(True, text("e dies out like e^({error} t), yet x grows like e^({state} t): all is known and "
-                              "nothing can be done.",
+    return Verdict(True, text("e decays like e^({error} t), yet x grows like e^({state} t): every state is known, but the growing mode "
+                              "is not controllable.",
                               error=_number(error), state=_number(state)))
 
 
@@ -78,8 +78,9 @@ def _gentle_cure(outcome: Outcome[Case]) -> Verdict:
         return Verdict(False, text("Start with the common part of {centre:g} m, without a kick.", centre=CENTRE))
     settled, force = settle_time(run.t, np.abs(run.x[:, :2]).max(axis=1)), float(np.max(np.abs(run.u_asked)))
     if settled is None:
-        return Verdict(False, text("The blocks are not home by the end of the run."))
-    found = text("Both blocks are home, below 2 % of their largest excursion, after {settled:.2f} s, with a force of up to {force:.3g} N",
+        return Verdict(False, text("The blocks are not at rest by the end of the run."))
+    found = text("Both blocks are at rest, below 2 % of their largest excursion, after {settled:.2f} s, with a force of up to "
+                 "{force:.3g} N",
                  settled=settled, force=force)
     return check_gentle_settling(found, settled, SETTLING_BAND_S, force, MAX_FORCE_N)
 

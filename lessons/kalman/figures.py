@@ -188,7 +188,7 @@ def _correlation(outcome: Outcome[Study]) -> PlaneFigure:
               for i, (name, role, dash) in enumerate(dashes)]
     ends = np.array([lags[0], lags[-1]])
     curves += [Curve(text("band"), np.full(2, sign * w.band), "reference", "dot", 1.2, ends) for sign in (1, -1)]
-    said = (text("White as far as one can tell: p = {p_value:.2g}.", p_value=w.p_value) if w.white else
+    said = (text("No correlation found: p = {p_value:.2g}.", p_value=w.p_value) if w.white else
             coloured(w.p_value))
     return PlaneFigure("correlation", text("autocorrelation of the innovations over lag k"), tuple(curves), (),
                        "k", "r", (0.0, float(lags[-1] + 1)), (-0.6, 1.0), caption=said, tab=INNOVATION_TAB)

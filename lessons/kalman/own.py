@@ -27,9 +27,9 @@ BATCH_RUNS = 2
 def own_knobs(model: Model) -> tuple[Knob, ...]:
     """Beliefs, true noises in the plant's own measures, and the step to look at."""
     return (
-        Number("q", "q", text("believed Q / true Q"), low=0.01, high=100.0, default=0.05, scale="log",
+        Number("q", "q", text("assumed Q / true Q"), low=0.01, high=100.0, default=0.05, scale="log",
                hint=text("Below 1 the filter trusts its model too much.")),
-        Number("r", "r", text("believed R / true R"), low=0.01, high=100.0, default=1.0, scale="log",
+        Number("r", "r", text("assumed R / true R"), low=0.01, high=100.0, default=1.0, scale="log",
                hint=text("Below 1 the filter trusts its sensors too much.")),
         Number("w", r"\sigma_w", text("process noise, share of the natural input"), low=1e-3, high=10.0,
                default=0.1, scale="log", hint=text("How strongly an unknown input shakes the plant.")),

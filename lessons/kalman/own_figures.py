@@ -110,7 +110,7 @@ def _correlation(model: Model, outcome: Outcome[Study]) -> PlaneFigure:
     curves = [Curve(signal_name(model.plant, name), w.correlation[:, i], roles[i % 4], "solid", 1.8, lags)
               for i, name in enumerate(model.plant.output_names[:4])]
     curves += [Curve(text("band"), np.full(2, sign * w.band), "reference", "dot", 1.2, ends) for sign in (1, -1)]
-    said = (text("White as far as one can tell: p = {p_value:.2g}.", p_value=w.p_value) if w.white else
+    said = (text("No correlation found: p = {p_value:.2g}.", p_value=w.p_value) if w.white else
             coloured(w.p_value))
     return PlaneFigure("correlation", text("autocorrelation of the innovations"), tuple(curves), (),
                        text("lag [samples]"), "r", (0.0, float(lags[-1] + 1)), (-0.6, 1.0), caption=said, tab=INNOVATION_TAB)

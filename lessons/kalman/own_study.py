@@ -64,7 +64,7 @@ def tried(model: Model, design: Design, seed: int) -> FilterTrial:
                             RUN_SAMPLES,
                          believed=(design["q"], design["r"]), seed=seed, kick=kick)
     if len(found.run.t) < 2 * UNTESTED_SAMPLES:
-        raise KnobError(text("The plant runs away before the filter can be judged."))
+        raise KnobError(text("The plant grows without bound before the filter can be judged."))
     return found
 
 

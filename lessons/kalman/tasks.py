@@ -94,7 +94,7 @@ def _shy(o: Outcome[Study]) -> Verdict:
 
 SECOND_SENSOR = Typed("P*r/(P*r+(P+r)*s)", ("P", "r", "s"), slips=(
     ("P/(P+s)", text("After the first reading the variance is no longer P.")),
-    ("r/(r+s)", text("That forgets what was known before: P."))))
+    ("r/(r+s)", text("That leaves out the uncertainty before the reading: P."))))
 
 SHEET_R, SHEET_ACCURACY = 0.2**2 / (2 * DT) + 1 / 12, 0.02  # mm²/s² of the sensor that the task describes; how well it is known
 

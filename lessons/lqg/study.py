@@ -157,7 +157,7 @@ def _note(study: Study, design: Design) -> tuple[Text, ...]:
         return ()
     alone = moved(trace(study.case, study.setting, design["kick"], False, held=False))
     return GHOST_HARDLY_MOVES, SLOW_CORRECTION if alone <= STILL else text(
-        "without control it would go {share:.3g} % as far as the plant", share=100 * alone
+        "without control it would move {share:.3g} % as far as the plant", share=100 * alone
     )
 
 

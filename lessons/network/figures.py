@@ -208,7 +208,7 @@ def _error(outcome: Outcome[Study]) -> LineFigure:
                   meter=_big(meter)))
     return LineFigure("error", text("estimation error, in σ₀"), times(outcome),
                       (Curve(text("error"), _lines(s.size), "error"),
-                       Curve(text("of an observer told everything"), _lines(s.promised), "reference", "dash", 1.6)),
+                       Curve(text("of an observer that gets the applied input"), _lines(s.promised), "reference", "dash", 1.6)),
                       "‖e‖/σ₀", log_y=True, window=(0.1, 10.0), caption=words, tab=WALL_TAB)
 
 
@@ -266,7 +266,7 @@ def _growth(outcome: Outcome[Study]) -> PlaneFigure:
     better = (text("with nothing lost there is no difference") if hold_now == zero_now else
               text("holding is the better stand-in there") if hold_now < zero_now else
               text("zero is the better stand-in there"))
-    words = text("Growth of E‖x‖² per sample under u = −Kx; below 1 it dies out. At {loss_u:.0f} % lost: "
+    words = text("Growth of E‖x‖² per sample under u = −Kx; below 1 it decays. At {loss_u:.0f} % lost: "
                  "{now:.3f}; {better}.",
                  loss_u=100 * d["loss_u"], now=now, better=better)
     return PlaneFigure("growth", text("inputs lost: hold or zero"),

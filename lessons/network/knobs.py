@@ -17,7 +17,7 @@ KNOBS = (
         text_in("network", "case"),
         default=SCALAR_CASE,
         options=tuple((name, kind.label) for name, kind in CASE_KINDS.items()),
-        hint=text("Four that run away by themselves, and the deck, which does not."),
+        hint=text("Four unstable plants, and the deck, which is stable."),
     ),
     Number(
         "a",
@@ -119,7 +119,7 @@ KNOBS = (
     Choice(
         "told",
         "",
-        text("the observer counts with"),
+        text("input of the observer"),
         default=TOLD_APPLIED,
         group=ACTUATOR_GROUP,
         options=(

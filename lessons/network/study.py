@@ -265,8 +265,7 @@ def _formulas(design: Design, study: Study) -> tuple[Formula, ...]:
 def _live(design: Design, m: Mapping[str, float]) -> Text:
     lost = f"{100 * design['loss']:.0f} %"
     if m["critical"] >= 1:
-        first = text("{lost} of the measurements are lost; this plant does not run away, so the mean stays "
-                     "bounded.",
+        first = text("{lost} of the measurements are lost; this plant has no unstable mode, so the mean stays bounded.",
                      lost=lost)
     else:
         first = claim(text("{lost} of the measurements are lost, {critical:.1f} % may be: the mean stays bounded.",

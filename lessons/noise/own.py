@@ -32,7 +32,7 @@ def own_knobs(model: Model) -> tuple[Knob, ...]:
                options=((BELIEF, text("belief in the process noise")), (BY_POLES, text(
                    "dragging poles"))),
                hint=text("A Kalman filter that assumes b times the process noise, or poles of your own.")),
-        Number("belief", "b", text("believed / true process noise"), low=1e-3, high=1e3, default=100.0,
+        Number("belief", "b", text("assumed / true process noise"), low=1e-3, high=1e3, default=100.0,
                scale="log",
                when=("method", (BELIEF,)), hint=text("Above 1 the observer is too fast, below 1 too slow.")),
         Poles("observer_poles", "q", text("Observer poles"), "rad/s", default=model.observer_poles, re_low=window.re_low,

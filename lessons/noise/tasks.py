@@ -47,10 +47,10 @@ def _other_side(outcome: Outcome[Study]) -> Verdict:
                                    "{wanted:.3g} m/s.",
                                    velocity_rms=m["velocity_rms"], wanted=wanted))
     if abs(gap) > 0.05:
-        return Verdict(False, text("σ = {velocity_rms:.3g} m/s; the slow twin has {wanted:.3g} m/s. Come within 5 "
+        return Verdict(False, text("σ = {velocity_rms:.3g} m/s; the slow observer has {wanted:.3g} m/s. Come within 5 "
                                    "%.",
                                    velocity_rms=m["velocity_rms"], wanted=wanted))
-    return Verdict(True, text("{numbers} for the slow twin: equally bad, but now {sensor_share:.0f} % is sensor "
+    return Verdict(True, text("{numbers} for the slow observer: equally bad, but now {sensor_share:.0f} % is sensor "
                               "noise.",
                               numbers=numbers, sensor_share=100 * m["sensor_share"]))
 
@@ -66,7 +66,7 @@ def _quiet_start(outcome: Outcome[Study]) -> Verdict:
     if m["peak"] > MAX_PEAK_M_S or m["settled_after"] > MAX_SETTLING_S:
         return Verdict(False, text("{numbers}; wanted at most {peak:g} m/s and {settled:g} s.",
                                    numbers=numbers, peak=MAX_PEAK_M_S, settled=MAX_SETTLING_S))
-    return Verdict(True, text("{numbers}: fast enough, and the estimate never leaps.", numbers=numbers))
+    return Verdict(True, text("{numbers}: fast enough, and the estimate has no large peak.", numbers=numbers))
 
 
 def _bargain(outcome: Outcome[Study]) -> Verdict:

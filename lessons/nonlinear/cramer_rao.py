@@ -136,9 +136,10 @@ def _room(who: str, bound: Bound, runs: int, out: int, kicked: bool, kalman: boo
     if out or not np.isfinite(bound.times[who]):
         return text("Some runs were left out, so the bound is a yardstick and no limit.")
     left, gap = bound.room(who), bound.gap(who)
-    unknown = text("It takes more than {runs} runs to tell whether a better filter than the {who} can exist.", runs=runs, who=who.upper())
+    unknown = text("It takes more than {runs} runs to decide whether a better filter than the {who} can exist.", runs=runs, who=who.upper())
     better = claim(text("A better filter than the {who} may exist: the bound lies at least {gap:.0f} % below its error.", who=who.upper(),
                         gap=gap), gap, above=1.0, otherwise=unknown)
-    return claim(text("As far as {runs} runs tell, no filter could err {left:.2g} % less than the {who}.", runs=runs, left=left,
+    return claim(text("As far as {runs} runs tell, no filter could have an error {left:.2g} % smaller than that of the "
+                      "{who}.", runs=runs, left=left,
                       who=who.upper()), left, below=NEAR_BOUND_PERCENT,
                  otherwise=better)

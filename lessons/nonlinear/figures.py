@@ -69,14 +69,14 @@ def _errors(outcome: Outcome[Study]) -> LineFigure:
     curves = [Curve(name_of(n), np.clip(signal.scale * s.rms[n][:, at], 1e-9, LOG_AXIS_CEILING), role, dash)  # type: ignore[arg-type]
               for n, role, dash in CURVE_STYLES]
     claimed = np.clip(signal.scale * s.sigmas[who][:, state], 1e-9, LOG_AXIS_CEILING)
-    curves.append(Curve(text("σ that the {who} claims", who=who.upper()), claimed, "muted", "dot", 1.6))
+    curves.append(Curve(text("σ that the {who} computes", who=who.upper()), claimed, "muted", "dot", 1.6))
     curves.append(Curve(text("Cramér–Rao bound"), np.clip(signal.scale * s.bound.rms, 1e-9, LOG_AXIS_CEILING), "reference", "solid", 1.6))
     kicked = outcome.design["kick"] >= 0 and round(outcome.design["kick"] / s.case.step) < len(s.t)
     last = float(signal.scale * s.rms[who][-1, at] / max(claimed[-1], 1e-12))
     return LineFigure("errors", text("rms error: {name}", name=signal.name), s.t, tuple(curves),
                       f"[{signal.unit}]", log_y=True, tab=TIME_TAB,
-                      caption=joined(text("Over {runs} runs. At the end the {who}'s errors are {last:.2g} times the σ "
-                                          "that it claims in the run shown.",
+                      caption=joined(text("Over {runs} runs. At the end the {who}'s errors are {last:.2g} times the σ that it computes "
+                                          "in the run shown.",
                                           runs=s.runs, who=who.upper(), last=last),
                                      words(who, s.bound, s.runs, s.fallen + s.lost[who], kicked, is_kalman(outcome.design))))
 
@@ -220,7 +220,7 @@ def _algorithm(outcome: Outcome[Study]) -> LineFigure:
                  more=100 * more, worse=100 * worse))
     return LineFigure("algorithm", text("σ of: {name}", name=signal.name), t, (
         Curve(text("Kalman filter"), scale * right, "plant"),
-        Curve(text("Algorithm 3, believed"), scale * believed, "estimate", "dash"),
+        Curve(text("Algorithm 3, assumed"), scale * believed, "estimate", "dash"),
         Curve(text("Algorithm 3, real"), scale * real, "error", "dot")), f"[{signal.unit}]", log_y=True,
         caption=said, tab=REPORT_TAB)
 

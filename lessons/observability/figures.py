@@ -192,7 +192,7 @@ def _criteria(found: Study, chosen: str) -> TableFigure:
     caption = (text("C e^(At) is {number} here and has a determinant; a plant may be observable although it is zero.", number=pick.number)
                if pick.id == DET and plant.p == plant.n else
                text("C e^(At) is {number}: it has no determinant, whatever the plant.", number=pick.number) if pick.id == DET else
-               text("{number} is below rounding: in double precision this sentence cannot tell.",
+               text("{number} is below rounding: in double precision it cannot be decided.",
                     number=pick.number) if pick.says is None else
                text("The chosen sentence rests on {number} and says {says}.",
                     number=pick.number, says=text("yes") if pick.says else text("no")))

@@ -33,7 +33,7 @@ def case_of(model: Model) -> Case:
     """The plant before its sensors. Raises KnobError for a single state, which no ellipse can show."""
     plant, n = model.plant, model.plant.n
     if n < 2:
-        raise KnobError(text("With a single state there is nothing to tell apart; this lesson needs two states at "
+        raise KnobError(text("With a single state there is nothing to distinguish; this lesson needs two states at "
                              "least."))
     fastest = float(np.real(plant.poles).max())
     horizon = min(model.horizon, MAX_GROWTH_EXPONENT / fastest) if fastest > 0 else model.horizon

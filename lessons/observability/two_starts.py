@@ -79,7 +79,7 @@ def starts_figures(case: Case, s: Sensed, found: TwoStarts, noise: float) -> tup
 def _told(s: Sensed, found: TwoStarts, noise: float) -> Text:
     """Whether the readings tell two different starts apart: not at all, only without noise, or clearly."""
     if not s.seen.observable and found.gap <= SAME_READING * float(np.abs(found.v).max()):
-        return text("The readings of both starts agree at every time: no record tells the two apart.")
+        return text("The readings of both starts agree at every time: no record distinguishes the two.")
     if found.gap < noise:
         return text("The readings differ by at most {gap:.2g} of a typical reading, less than their noise.", gap=found.gap)
-    return text("The readings differ by up to {gap:.2g} of a typical reading, so they tell the two starts apart.", gap=found.gap)
+    return text("The readings differ by up to {gap:.2g} of a typical reading, so they distinguish the two starts.", gap=found.gap)

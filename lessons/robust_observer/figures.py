@@ -52,10 +52,10 @@ def _error(outcome: Outcome[Story]) -> LineFigure:
     steady = story.steady
     t, window = story.true.t, (-5.0, 5.0)
     same_plant = np.array_equal(story.true.e_u, story.model.e_u)
-    caption = (text("Plant and model agree: e_u dies out like the observer's poles, whatever v does.") if same_plant else
-               text("With the true plant the loop is unstable, and e_u grows with it; on the model it dies out.")
+    caption = (text("Plant and model agree: e_u decays with the observer's poles, for every v.") if same_plant else
+               text("With the true plant the loop is unstable, and e_u grows with it; on the model it decays.")
                if outcome.metrics["slowest_loop"] >= 0 else
-               claim(text("With the true plant e_u settles to an amplitude of {steady:.2g}; on the model it dies out.", steady=steady),
+               claim(text("With the true plant e_u settles to an amplitude of {steady:.2g}; on the model it decays.", steady=steady),
                      late, below=1.2 * steady + 1e-9, otherwise=text(
                          "With the true plant e_u tends to an amplitude of {steady:.2g}. At the end of this run the start still shows: "
                          "up to {late:.2g}.", steady=steady, late=late)))
@@ -114,7 +114,7 @@ def _criterion(outcome: Outcome[Story]) -> PlaneFigure:
                   Curve(text("s₁ kept"), of_two(np.full_like(AXIS, poles[0].real), AXIS, design).sum(axis=0),
                         "second", "dash", x=AXIS)]
         title = text("J while one pole moves")
-        words = text("J = {j:.4g} in the norm {design}; J does not see that N grows where the poles meet.",
+        words = text("J = {j:.4g} in the norm {design}; J does not include N, which grows where the poles meet.",
                      j=J, design=_norm(design))
     top = round_up_nicely(2.2 * max(J, 4.0))
     curves = [Curve(c.name, np.minimum(c.y, 1.5 * top), c.role, c.dash, c.width, c.x) for c in curves]
@@ -236,8 +236,7 @@ def _numbers(outcome: Outcome[Story]) -> TableFigure:
     return TableFigure("numbers", text("the observer in both signs"),
                        (text("matrix"), text("here, u = −K x̂"),
                         text("paper, u = +K x̂")), tuple(rows), tab=PAPER_TAB,
-                       caption=text("F, T and L do not change; K, N and M do. The last row is an index that sees "
-                                    "N and not W."))
+                       caption=text("F, T and L do not change; K, N and M do. The last row is an index that includes N and not W."))
 
 
 def _share(value: float | None) -> Text | str:

@@ -60,7 +60,7 @@ KNOBS = (
     _delta("b2", r"\delta_a^2", (EXAMPLE_TWO,), text("δ of a₂"), 0.5, 0.05),
     _delta("d", r"\delta_c", (EXAMPLE_TWO,), text("δ of the sensor"), 0.1, 0.03),
     Number("input", r"\delta_b", text("δ of the input"), low=-0.5, high=0.5, default=0.0, step=0.01, group=ERRORS_GROUP,
-           hint=text("By what share the input acts more strongly on the true plant than on the model. J does not see it, and no sign "
+           hint=text("By what share the input acts more strongly on the true plant than on the model. J does not include it, and no sign "
                      "pattern has it.")),
     Number("w12", r"w_{12}", text("coordinates W = [1 w; 0 1]"), low=-2.0, high=2.0, default=1.2,
            step=0.1, when=("example", (EXAMPLE_TWO,)),

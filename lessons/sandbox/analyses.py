@@ -196,7 +196,7 @@ def _trial(plant: Plant, G: bytes, W: bytes, V: bytes, step: float, belief: floa
                          believed=(belief, 1.0), seed=seed)
     track = found.track
     if len(found.run.t) <= 2 * UNTESTED_SAMPLES:
-        raise KnobError(text("The plant runs away before the filter can be judged."))
+        raise KnobError(text("The plant grows without bound before the filter can be judged."))
     early, test = (
         nis(track.innovations[:UNTESTED_SAMPLES], track.S[:UNTESTED_SAMPLES]),
         nis(track.innovations[UNTESTED_SAMPLES:], track.S[UNTESTED_SAMPLES:]),

@@ -31,7 +31,7 @@ def knobs(model: Model) -> tuple[Knob, ...]:
         Number("sensor", r"\sigma", text("sensor noise, share of the outputs"), low=1e-3,
                high=1.0, default=0.01, scale="log",
                hint=text("Beside a process noise of a tenth of the natural input.")),
-        Number("belief", r"b", text("believed / true process noise"),
+        Number("belief", r"b", text("assumed / true process noise"),
                low=1e-3, high=1e3, default=1.0, scale="log",
                hint=text("The process noise that the Kalman filter of the tab Noise assumes; below 1 it trusts its model too much.")),
         Number("tolerance", r"\tau", text("tolerance of the rank"), low=1e-16, high=1.0, default=1e-12, scale="log",

@@ -87,7 +87,7 @@ def compute(model: Model, design: Design) -> Outcome[OwnStudy]:
     scenario = scenario_of(model, design, K, L)
     run, ideal = simulate(scenario), simulate(replace(scenario, state_feedback=True))
     if min(len(run.t), len(ideal.t)) < 2:
-        raise KnobError(text("Under this limit the plant runs away at once; raise it."))
+        raise KnobError(text("Under this limit the plant grows without bound at once; raise it."))
     inside = plant.A - L @ plant.C if design["fed"] == APPLIED else plant.A - plant.B @ K - L @ plant.C + L @ plant.D @ K
     poles = {name: sorted_poles(M) for name, M in (
         ("controller", plant.A - plant.B @ K), ("observer", plant.A - L @ plant.C), ("clipped", inside))}

@@ -21,7 +21,8 @@ RATES = 9.0  # that the integrator's own pole has in the length of a run: what i
 class Target:
     """The signal z = c x + d u that follows the command r, with its axis, unit and scale.
 
-    `of` gives c (1×n) and d (1×m) of a plant; `value` gives r of a design, in SI.
+    `of` gives c (k×n) and d (k×m) of a plant: the first row is z, the others are signals that N̄ keeps at zero. `value` gives r of a
+    design, in SI.
     """
 
     axis: Text | str
@@ -30,9 +31,14 @@ class Target:
     of: Callable[[Plant], tuple[np.ndarray, np.ndarray]]
     value: Callable[[Design], float]
 
+    def followed(self, plant: Plant) -> tuple[np.ndarray, np.ndarray]:
+        """The rows c (1×n) and d (1×m) of z."""
+        c, d = self.of(plant)
+        return c[:1], d[:1]
+
     def along(self, run: Run, plant: Plant) -> np.ndarray:
         """The signal over a run of this plant (or of the plant with the integrator as one more state), in its unit."""
-        c, d = self.of(plant)
+        c, d = self.followed(plant)
         return (run.x[:, :plant.n] @ c.T + run.u_applied[:, :plant.m] @ d.T)[:, 0] * self.scale
 
 
@@ -68,13 +74,13 @@ def driven(model: Model, target: Target, r: float, plants: tuple[Plant, Plant], 
     plain = Driven(model, truth, belief, K, L, None, truth.m)
     if not r and not integral:
         return plain
-    commanded = Plant(belief.A, belief.B, *target.of(belief), belief.dt)
+    held, commanded = (Plant(belief.A, belief.B, *rows, belief.dt) for rows in (target.of(belief), target.followed(belief)))
     try:
-        N = reference_gain(commanded, K)
+        N = reference_gain(held, K)[:, :1]
         if not integral:
             return replace(plain, reference=r * N[:, 0], N=N)
         rate, copied = _rates(model, belief.dt)
-        action = integral_action(commanded, K, rate)
+        action = integral_action(commanded, K, rate, N)
     except EngineError as problem:
         return replace(plain, refused=error_words(problem))
     nothing = np.zeros((1, belief.n))
@@ -97,7 +103,7 @@ def with_integrator(plant: Plant, target: Target) -> Plant:
     The observer gain [0 … 0, −1, l] of the last row turns its copy into ẋ̂_I = r − z + l (x_I − x̂_I): from one start both stay equal, for
     every model and every error of x̂.
     """
-    (c, d), n, m = target.of(plant), plant.n, plant.m
+    (c, d), n, m = target.followed(plant), plant.n, plant.m
     A = np.block([[plant.A, np.zeros((n, 1))], [-c, np.full((1, 1), 1.0 if plant.dt else 0.0)]])
     B = np.block([[plant.B, np.zeros((n, 1))], [-d, np.ones((1, 1))]])
     C = np.block([[plant.C, np.zeros((plant.p, 1))], [c, np.zeros((1, 1))], [np.zeros((1, n)), np.ones((1, 1))]])

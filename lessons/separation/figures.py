@@ -81,9 +81,9 @@ def _peak_words(study: Study, truth: Plant, peak: float) -> Text:
         return study.left_out()
     if float(np.max(np.real(truth.poles))) >= 0:
         return text("Without control the plant does not settle, so there is no peak to compare with.")
-    lower = text("Steering by the estimate lowers the peak by {peak:.1f} dB; the gap to the dashed line is the observer's share.",
+    lower = text("Feedback of the estimate lowers the peak by {peak:.1f} dB; the gap to the dashed line is the observer's share.",
                  peak=peak)
-    return claim(lower, peak, above=0.0, otherwise=text("Steering by the estimate raises the peak by {peak:.1f} dB.", peak=-peak))
+    return claim(lower, peak, above=0.0, otherwise=text("Feedback of the estimate raises the peak by {peak:.1f} dB.", peak=-peak))
 
 
 def _spectrum(outcome: Outcome[Study]) -> PlaneFigure:

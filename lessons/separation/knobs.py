@@ -22,7 +22,7 @@ KNOBS = (
     Number("delay", r"\tau", text("input delay"), "ms", low=0.0, high=60.0, default=0.0, step=6.0,
            hint=text("The force acts later than the observer assumes.")),
     Switch("limited", "", text("limit the coils"),
-           hint=text("Clip every coil; the observer is still told the force that was asked for.")),
+           hint=text("Clip every coil; the observer still gets the commanded force.")),
     Number("u_max", r"u_{\max}", text("coil limit"), "N", low=0.2, high=4.0, default=0.5, step=0.1,
            hint=text("The largest force that a coil can give."), when=("limited", (True,))),
     Number("command", "r", text("command for the height"), "mm", low=-3.0, high=3.0, default=0.0, step=0.1,

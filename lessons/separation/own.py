@@ -34,7 +34,7 @@ def own_knobs(model: Model) -> tuple[Knob, ...]:
         Number("delay", r"\tau", text("input delay, steps of {dt:.3g} s", dt=model.dt), low=0, high=20,
                default=0, scale="integer", hint=text("The input acts later than the observer assumes.")),
         Switch("limited", "", text("limit the inputs"),
-               hint=text("Clip every input; the observer is still told what was asked for.")),
+               hint=text("Clip every input; the observer still gets the commanded input.")),
         Number("u_max", r"u_{\max}", text("limit"), model.input_unit, low=0.05 * model.u_max, high=20 * model.u_max,
                default=model.u_max, scale="log", when=("limited", (True,)),
                hint=text("The largest input that is given, either way.")),

@@ -58,7 +58,7 @@ DECK_SETTING = Setting(
     lambda design: None if design["noise"] == 0 else (design["noise"] / 1000) ** 2 * MODEL.dt,
     platform.deck_disturbance()[:, :1], MODEL.plant.C[:1],
     (text("from ground height to velocity VL"), "|VL/zg| [1/s]"), np.geomspace(0.1, 30.0, 300),
-    Target("z [mm]", "mm", 1e3, lambda plant: (np.eye(6)[1:2, :plant.n], np.zeros((1, plant.m))),
+    Target("z [mm]", "mm", 1e3, lambda plant: (np.eye(6)[[1, 0, 2], :plant.n], np.zeros((3, plant.m))),
            lambda design: design["command"] / 1000))
 UNION_RTOL = 1e-9  # union of spectra: agreement asked of them
 DECAYED_SHARE = 0.5  # of a run's largest state: a run that is smaller in its last tenth dies down

@@ -54,7 +54,7 @@ def _break_the_wall(outcome: Outcome[Study]) -> Verdict:
     if abs(meter - 0.1) <= 0.005 and stable:
         return Verdict(True, text("The meter reads {meter:.2f} and the loop is still stable.", meter=meter))
     if not stable:
-        return Verdict(False, text("The run does not die down; go back a little."))
+        return Verdict(False, text("The run does not decay; go back a little."))
     return Verdict(False, text("The meter reads {meter:.2g}; bring it to 0.1 within 5 %.", meter=meter))
 
 

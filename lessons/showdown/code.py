@@ -76,7 +76,7 @@ def code(outcome: Outcome[Study]) -> Code:
             GivenValue("alpha", w.alpha_q, "the cost: alpha (y / unit)^2 + price u^2"),
             GivenValue("weights", w.alpha_q * np.square(S_Y)),
             GivenValue("price", w.alpha_r),
-            GivenValue("v", d["v"], "believed intensity of each sensor's noise"),
+            GivenValue("v", d["v"], "assumed intensity of each sensor's noise"),
             GivenValue("ground", GROUND_UNIT, "m^2 s, intensity of white ground"),
             GivenValue("A_siso", own.A, "the two SISO loops, y to u"),
             GivenValue("B_siso", own.B),

@@ -17,10 +17,10 @@ def _error(name: str, symbol: str, label: Text, unit: str, high: float, hint: Te
 
 
 KNOBS = (
-    Choice("play", "", text("on the stage"), default=LQE,
+    Choice("play", "", text("controller on the stage"), default=LQE,
            options=tuple(zip(ORDER, CONTROLLER_NAMES, strict=True)),
            hint=text("The solid deck is under this controller, the ghost under none; the same ground moves both.")),
-    Number("v", "V", text("believed noise V"), "(m/s)² s", low=1e-18, high=1e-7,
+    Number("v", "V", text("assumed noise V"), "(m/s)² s", low=1e-18, high=1e-7,
            default=1e-10, scale="log", hint=text("The intensity V in the design of all three LQGs.")),
     Number("sensor", "V_0", text("true noise V₀"), "(m/s)² s", low=1e-18, high=1e-7, default=1e-10,
            scale="log", hint=text("The true sensor noise. No controller has this value.")),

@@ -31,7 +31,7 @@ def pole_knobs(model: Model) -> tuple[Poles, Poles]:
               hint=text("Where eig(A − BK) is to lie: farther left is faster and asks for more input.")),
         Poles("observer_poles", "q", text("Observer poles"), "rad/s", default=model.observer_poles,
               re_low=o.re_low, re_high=o.re_high, im_high=o.im_high, role="estimate", when=when, hidden=not model.observer_poles,
-              hint=text("Where eig(A − LC) is to lie: farther left forgets a wrong start sooner.")),
+              hint=text("Where eig(A − LC) is to lie: farther left, a wrong start decays sooner.")),
     )
 
 

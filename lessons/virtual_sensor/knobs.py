@@ -85,7 +85,7 @@ KNOBS = (
         high=40.0,
         default=10.0,
         step=1.0,
-        hint=text("Work for 3 s, then a quarter of it for 3 s. Chip, copy and observer are all told."),
+        hint=text("Work for 3 s, then a quarter of it for 3 s. Chip, copy and observer all get it."),
     ),
     Number(
         "noise",

@@ -121,7 +121,7 @@ def _boards(model: Model, design: Design, poles: np.ndarray, L: np.ndarray) -> t
 
 def _live(m: dict[str, float]) -> Text:
     ours, theirs = m["slowest_observer"], m["slowest_copy"]
-    doubt = (text("The observer does not forget every wrong start.") if m["slowest_observer"] >= 0 else NO_WORDS)
+    doubt = (text("Not every wrong start of the observer decays.") if m["slowest_observer"] >= 0 else NO_WORDS)
     return joined(text("Slowest modes of the error: copy {theirs:+.3g}, observer {ours:+.3g} per second.",
                        theirs=theirs, ours=ours), doubt)
 

@@ -124,8 +124,8 @@ def compute(design: Design) -> Outcome[Study]:
 def checks_of(metrics: dict[str, float]) -> tuple[Check, Check]:
     """Whether the error of the observer and that of the copy die out."""
     observer, copy = metrics["slowest_observer"], metrics["slowest_copy"]
-    return (Check("observer", text("the observer forgets its wrong start"), observer < 0, observer),
-            Check("copy", text("the copy forgets its wrong start"), copy < 0, copy))
+    return (Check("observer", text("the observer's wrong start decays"), observer < 0, observer),
+            Check("copy", text("the copy's wrong start decays"), copy < 0, copy))
 
 
 def _metrics(run: Run, copy: Run) -> dict[str, float]:

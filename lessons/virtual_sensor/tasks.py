@@ -20,8 +20,7 @@ def feel_the_core(outcome: Outcome[Study]) -> Verdict:
     """The core within 1 K after 2.2 s, from the given start, with the right model and a quiet sensor."""
     d, after = outcome.design, outcome.metrics["known_after"]
     if d["guess_core"] or d["guess_case"] or d["air_error"] or d["noise"] or d["plant"] != STABLE_ID:
-        return Verdict(False, text("Keep both guesses at 0 K, the model right, the sensor quiet and the chip that "
-                                   "cools."))
+        return Verdict(False, text("Keep both guesses at 0 K, the model right, no sensor noise and the chip that cools."))
     if 2.1 <= after <= 2.2:
         return Verdict(True, text("The core is known within 1 K after {after:.2f} s, with L up to "
                                   "{largest_gain:.3g} and a first guess that shoots to {largest_guess:.0f} K.",
@@ -62,8 +61,8 @@ def wrong_fan(outcome: Outcome[Study]) -> Verdict:
     """A right core in spite of a wrong fan: the core's entry of L is 1."""
     d, error = outcome.design, outcome.metrics["core_error"]
     if abs(d["air_error"]) < 30 or d["plant"] != STABLE_ID or d["power"] < 10 or d["noise"]:
-        return Verdict(False, text("Make the resistance wrong by 30 % or more, on the chip that cools, at 10 W or "
-                                   "more and with a quiet sensor."))
+        return Verdict(False, text("Make the resistance wrong by 30 % or more, on the chip that cools, at 10 W or more and without "
+                                   "sensor noise."))
     first = float(outcome.gains["L"][0, 0])
     if error <= 0.05:
         return Verdict(True, text("The core error is at most {error:.2g} K at the end; the core's entry of L is "

@@ -42,7 +42,8 @@ MEASURE = """() => {
   const card = ['.ol-card', '.ol-answer', '.ol-way'].map(box), sheet = innerWidth < 897 ? box('.ol-head').top : stage.height;
   return {stage: stage.width * Math.min(stage.height, sheet) / (innerWidth * innerHeight),
           bottom: Math.max(...card.map(r => r.bottom)) - innerHeight, right: Math.max(...card.map(r => r.right)) - innerWidth,
-          left: Math.min(...card.map(r => r.left)), top: Math.min(...card.map(r => r.top))};
+          left: Math.min(...card.map(r => r.left)), top: Math.min(...card.map(r => r.top)),
+          cut: [...document.querySelectorAll('.ol-formula')].filter(each => each.scrollWidth > each.clientWidth + 1).length};
 }"""
 
 
@@ -52,6 +53,7 @@ def breaches(page: Page) -> list[str]:
     least = LEAST[page.evaluate("innerWidth") < PHONE]
     bad = [f"stage {found['stage']:.2f}"] if found["stage"] < least else []
     bad += [f"{side} by {found[side]:.0f} px" for side in ("bottom", "right") if found[side] > 0]
+    bad += ["a formula is cut"] if found["cut"] else []
     return bad + [f"{side} by {-found[side]:.0f} px" for side in ("left", "top") if found[side] < 0]
 
 

@@ -58,6 +58,7 @@ class Newcomer:
 
     def __init__(self, page: Page, language: str = "en") -> None:
         self.page, self.language, self.actions = page, language, list[str]()
+        self.began, self.first_drag = time.monotonic(), "none"
 
     # --- the words on the screen ------------------------------------------------------------------------------------------
     @property
@@ -101,6 +102,8 @@ class Newcomer:
             self.settled()
         mouse.up()
         self.settled()
+        if self.first_drag == "none":
+            self.first_drag = f"action {len(self.actions)}, {time.monotonic() - self.began:.0f} s"
 
     def row(self, label: str) -> Locator:
         """The row of a knob by its words, seen in the column of the card."""
@@ -282,8 +285,8 @@ def walk(person: Newcomer, lesson: Lesson, core: bool) -> Iterator[tuple[str, st
 
 def start(page: Page, address: str, language: str = "en") -> Newcomer:
     """Open the page as somebody who was never here, and press Start."""
-    page.goto(address)
     person = Newcomer(page, language)
+    page.goto(address)
     person.press(page.locator(".ol-begin .ol-next"), "Start")
     page.wait_for_selector(".ol-card", timeout=PATIENCE)
     return person
@@ -291,9 +294,10 @@ def start(page: Page, address: str, language: str = "en") -> Newcomer:
 
 def open_lesson(page: Page, address: str, lesson: Lesson, language: str = "en") -> Newcomer:
     """Open the first card of a lesson by its link."""
+    person = Newcomer(page, language)
     page.goto(f"{address}#{write_token(lesson, SavedState(lesson.start(), language, mode='guide', scene=lesson.path[0].id))}")
     page.wait_for_selector(".ol-card", timeout=PATIENCE)
-    return Newcomer(page, language)
+    return person
 
 
 def main() -> int:
@@ -311,7 +315,7 @@ def main() -> int:
     with serving(0, "--view", "guide") as address, sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=chromium(), args=FLAGS)
         for id in asked.lessons:
-            began, context = time.monotonic(), browser.new_context(viewport={"width": wide, "height": high}, reduced_motion="reduce")
+            context = browser.new_context(viewport={"width": wide, "height": high}, reduced_motion="reduce")
             page = context.new_page()
             page.add_init_script(f"({UNDRAWN})()")
             person = open_lesson(page, address, LESSONS[id], asked.lang)
@@ -320,7 +324,7 @@ def main() -> int:
             bad = [f"  {id} {scene}: {problem}" for scene, problem in steps if problem]
             done, undone = done + len(steps) - len(bad), undone + bad
             print(f"{id}: {len(steps) - len(bad)} of {len(steps)} scenes done, {len(person.actions)} actions, "
-                  f"{time.monotonic() - began:.0f} s", *bad, sep="\n", flush=True)
+                  f"{time.monotonic() - person.began:.0f} s, first drag: {person.first_drag}", *bad, sep="\n", flush=True)
         browser.close()
     print(f"{done} scenes done, {len(undone)} not")
     return 1 if undone else 0

@@ -13,7 +13,7 @@ from tab import Tab
 from observer_lab.lessons import LESSONS
 from observer_lab.page import web
 
-WIDTH = "believed Q / true Q"
+WIDTH = "assumed Q / true Q"
 
 
 @pytest.fixture

@@ -24,6 +24,7 @@ from observer_lab.engine import (
     simulate,
     simulate_network,
 )
+from observer_lab.engine.feedback import reference_gain
 from observer_lab.engine.simulation import Gear
 
 
@@ -36,7 +37,7 @@ def feedback(plant: Plant) -> dict[str, dict[str, Any]]:
     return {
         "closed_loop": {"plant": plant, "K": K, "L": L, "model": plant},
         "compensator": {"plant": plant, "K": K, "L": L},
-        "integral_action": {"plant": plant, "K": K, "rate": 1.0},
+        "integral_action": {"plant": plant, "K": K, "rate": 1.0, "N": reference_gain(plant, K)},
         "loop_margins": {"plant": plant, "controller": controller},
         "lqg": {"plant": plant, "Q": I2, "R": ONE, "W": ONE, "V": ONE, "G": B},
         "noisy_loop": {"plant": plant, "controller": controller, **noise},

@@ -361,10 +361,10 @@ def test_a_served_lesson_opens_reloads_on_save_and_a_new_page_shows_what_is_wron
     with WireTab(server.url) as tab:
         tab.settle()
         changed(place / "lesson.toml", 'label = "stiffness"', 'label = "spring"')
-        tab.until(lambda: tab.has("spring [N/m]"), "the changed knob")
+        tab.until(lambda: tab.has("spring [N/\N{WORD JOINER}m]"), "the changed knob")
         changed(place / "lesson.toml", 'kind = "state"', 'kin = "state"')
         tab.until(lambda: any("There is no key kin here" in note for note in tab.notes), "what is wrong")
-        assert tab.has("spring [N/m]"), "the last good picture stays"
+        assert tab.has("spring [N/\N{WORD JOINER}m]"), "the last good picture stays"
         eventually(lambda: server._lessons[place.name].fault.id, "the broken lesson")
         with WireTab(server.url) as other:
             other.settle()

@@ -11,6 +11,7 @@ import pytest
 from fakes import FakeView
 from laws import each, holds_for_all
 
+from observer_lab.course.knobs import Choice
 from observer_lab.course.lesson import Board, Lesson
 from observer_lab.course.scenes import (
     MAX_FIGURES,
@@ -29,6 +30,7 @@ from observer_lab.course.scenes import (
     places_of,
 )
 from observer_lab.lessons import LESSONS
+from observer_lab.page.guide.pointing_hand import BUTTONS
 from observer_lab.page.guide.scene_card import card_html
 from observer_lab.page.stage.pole_boards import BOARD_HEIGHT, BOARD_WIDTH
 from observer_lab.session.commands.commands import Kick, Play, SetKnobs
@@ -91,6 +93,24 @@ class Walker:
                 self.wait(0.5)
             case Read():
                 self.wait(3.0 if scene.play else 0.0)
+
+
+def nameless(lesson: Lesson, language: str) -> Iterator[str]:
+    """What the card of a scene names as a thing on the screen, and neither a knob of the scene, an option of one nor a button is."""
+    for scene in lesson.path:
+        knobs = [lesson.knob(name) for name in scene.knobs]
+        there = [knob.label(language) for knob in knobs]
+        there += [label(language) for knob in knobs if isinstance(knob, Choice) for _, label in knob.options]
+        there += [words(language) for words in BUTTONS.values()]
+        for name in re.findall(r"\*([^*]+)\*|“([^”]+)”", lesson.words[language].scenes[scene.id].do):
+            if not any("".join(name).lower() in words.lower() for words in there):
+                yield f"{scene.id}: {''.join(name)} is none of {there}"
+
+
+@pytest.mark.parametrize("language", languages())
+@each("lesson", LESSONS.values())
+def test_what_a_card_asks_a_hand_to_move_has_that_name_on_the_screen(lesson: Lesson, language: str) -> None:
+    assert list(nameless(lesson, language)) == []
 
 
 def another(lesson: Lesson, name: str, value: object) -> object:

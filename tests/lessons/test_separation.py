@@ -138,8 +138,7 @@ def height_by_scipy(integral: bool, r: float, error: float) -> np.ndarray:
     o = outcome(command=1000 * r, stiffness_error=error)
     plant, model, K, L = o.run.scenario.plant, o.run.scenario.model, o.run.scenario.K, o.run.scenario.L
     z = np.eye(6)[1:2]
-    steady = -z @ np.linalg.inv(model.A - model.B @ K) @ model.B
-    N = steady.T / (steady @ steady.T)[0, 0]
+    N = np.linalg.inv(-np.eye(6)[:3] @ np.linalg.inv(model.A - model.B @ K) @ model.B)[:, 1:2]  # x and θ rest at zero
     T = z @ np.linalg.inv(model.A - model.B @ K)
     feed, sum_of = (K - 3.0 * N @ T, 3.0 * N) if integral else (K, np.zeros_like(N))
     A = np.block([[plant.A, -plant.B @ feed, plant.B @ sum_of], [L @ plant.C, model.A - L @ model.C - model.B @ feed, model.B @ sum_of],
@@ -155,6 +154,12 @@ def height_by_scipy(integral: bool, r: float, error: float) -> np.ndarray:
 def test_the_height_follows_the_command_as_scipy_finds(integral: bool, error: float) -> None:
     o = outcome(command=3.0, integral=integral, stiffness_error=error)
     np.testing.assert_allclose(o.run.x[:, 1], height_by_scipy(integral, 0.003, error), atol=1e-9)
+
+
+@pytest.mark.parametrize("integral", [False, True])
+def test_the_deck_stays_level_at_the_height_that_is_asked_for(integral: bool) -> None:
+    x, z, theta = outcome(command=3.0, integral=integral).run.x[-1, :3]
+    assert z == pytest.approx(0.003, rel=1e-3) and abs(x) < 1e-5 and abs(theta) < 1e-4
 
 
 @pytest.mark.parametrize("error", [10.0, -20.0, 25.0])

@@ -124,6 +124,6 @@ WITNESSES: Mapping[str, Witness] = {
     "With both faults the alarms fit the row of {who} for {share:.3g} % of the time: {other} goes unnoticed.": _most_often(None),
     "With both faults the alarms fit the row of {who}, which is healthy, for {share:.3g} % of the time.": _most_often(None),
     "The bank of pairs names {first} and {second} {delay:.2f} s after the second fault, rightly.": _pair,
-    "The bank of pairs names no pair: at the end {quiet} of its {count} members are quiet, not one.": _no_pair,
-    "The bank of pairs names no pair: its one quiet member at the end was not quiet before, or too briefly.": _no_pair,
+    "The bank of pairs names no pair: at the end {quiet} of its {count} members are below their threshold, not one.": _no_pair,
+    "The bank of pairs names no pair: its one member below the threshold was above it before, or below it too briefly.": _no_pair,
 }

@@ -126,12 +126,12 @@ def _unstable_loop(shown: Shown, _: Text) -> None:
 WITNESSES: Mapping[str, Witness] = {
     "|ε| follows e^({pole}t) to within {law_gap:.0e} of its peak, whatever u does.": _law,
     "|ε| follows ẇ = A_L w to within {law_gap:.0e} of its peak, whatever u does.": _silenced,
-    "Case {case}: one state watches g, and ε dies out as e^({pole}t) under this u.": _dies_out,
-    "Case {case}: an observer of order {order} watches g, and ε dies out under this u; poles: {poles}.": _dies_out,
+    "Case {case}: one state estimates g, and ε decays as e^({pole}t) under this u.": _dies_out,
+    "Case {case}: an observer of order {order} estimates g, and ε decays under this u; poles: {poles}.": _dies_out,
     "The sensors' noise moves ĝ by {rms:.2g} (rms, second half of the run); at rest and u = 0 its law says {promised:.2g}.": _noise_of,
     "The sensors' noise moves ĝ by {rms:.2g} of g (rms, second half of the run); at rest and u = 0 its law says {promised:.2g}.": _noise_of,
     "With the true plant the loop is unstable.": _unstable_loop,
     "On the true plant û misses the wanted input by up to {late_error:.2g} at the end.": _misses,
     "The {rows} rows of [T; C] have rank {rank}, and with K no more: N and M exist and are fixed.": _fixed,
-    "With the true plant e_u settles to an amplitude of {steady:.2g}; on the model it dies out.": _settles,
+    "With the true plant e_u settles to an amplitude of {steady:.2g}; on the model it decays.": _settles,
 }

@@ -285,7 +285,7 @@ WITNESSES: Mapping[str, Witness] = {
     "NEES per state over {runs} runs (1 expected): {each}. The {who} is {words}.": _nees,
     "On the linear plant the σ of Algorithm 3 is {more:.1f} % above the Kalman filter's, and its error is {worse:.1f} % larger.":
         _as_printed_in_algorithm_3,
-    "As far as {runs} runs tell, no filter could err {left:.2g} % less than the {who}.": _near_the_bound,
+    "As far as {runs} runs tell, no filter could have an error {left:.2g} % smaller than that of the {who}.": _near_the_bound,
     "A better filter than the {who} may exist: the bound lies at least {gap:.0f} % below its error.": _near_the_bound,
     "The plant is linear, so the {who} is the Kalman filter: no filter has a smaller mean square error.": _is_kalman,
     "Within 1 % after {after:.2f} s. No reading has any part in this.": _within_a_percent,

@@ -51,7 +51,7 @@ def _smallest(shown: Shown, words: Text) -> None:
 
 WITNESSES: Mapping[str, Witness] = {
     "{lost} of {count} count as zero; the smallest is {levels:.1g} times the largest.": _smallest,
-    "The trace has gone flat: as far as the sensor can tell, all is at rest.": _flat,
+    "The trace is flat: in the reading all seems at rest.": _flat,
     "No mode is hidden: every distance is well above zero.": _none_hidden,
     "Not observable: {poles} leave no trace in y. Known to a tenth: {known} of {n} directions.": _leaves_a_trace(False),
     "No mode is hidden (nearest: {d}), yet this run fixes only {known} of {n} directions to a tenth; rank(O) = {rank}.":

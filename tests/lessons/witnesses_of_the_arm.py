@@ -58,8 +58,8 @@ WITNESSES: Mapping[str, Witness] = {
     "The load is found to 5 % after {found:.3f} s.": _load_found,
     "At the end the arm stands on its target.": _on_target,
     "At the end the arm is {droop:.3g}° below its target.": _below_target,
-    "Before the load came it had claimed up to {false:.2g} N m.": _claimed_in_vain,
-    "The arm stands up to {apart:.2g}° off the motor, and the encoder on the motor does not see it.": _off_the_motor,
+    "Before the load came it was up to {false:.2g} N m.": _claimed_in_vain,
+    "The arm stands up to {apart:.2g}° off the motor, and the encoder on the motor does not measure it.": _off_the_motor,
     "At the end the arm rests on one flank, {apart:.3g}° from the motor.": _on_a_flank,
     "The run ends where the equations of rest say.": _at_rest,
 }

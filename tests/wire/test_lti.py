@@ -57,10 +57,10 @@ from observer_lab.session.handlers.exams import PLATFORM_DECIDES
 from observer_lab.session.state.token import read_token
 
 WORD, FRAME = "the-word-of-this-lab", "moodle.example.edu"
+EXAM, OTHER = LESSONS["kalman"].exams[:2]
 COURSE = read_course('course = "filters"\ntitle = "Filters"\nsecret = "a secret of a course, for tests alone"\ntries = 2\npoints = 5\n'
-                     '[[lessons]]\nlesson = "kalman"\nexams = ["step", "nis"]\n[[lessons]]\nlesson = "separation"\ntasks = "all"\n'
-                     'mode = "practice"\n', LESSONS, str)
-EXAM = next(exam for exam in LESSONS["kalman"].exams if exam.id == "step")
+                     f'[[lessons]]\nlesson = "kalman"\nexams = ["{EXAM.id}", "{OTHER.id}"]\n'
+                     '[[lessons]]\nlesson = "separation"\ntasks = "all"\nmode = "practice"\n', LESSONS, str)
 
 
 @dataclass
@@ -234,7 +234,7 @@ def test_points_that_are_overtaken_take_nothing_back_and_tries_count_as_they_cam
         learner = doors.learner(page, cookies_of(browser))
         assert learner is not None and learner.report is not None
         return learner.report
-    student, item = COURSE.keys.student(platform.url, user), COURSE.items["kalman exam step"]
+    student, item = COURSE.keys.student(platform.url, user), COURSE.items[f"kalman exam {EXAM.id}"]
     wrong, good, late = (served.hand_in(item, student, answer) for answer in ("12345.678", right(student), "0.98765"))
     platform.state.scores.clear()
     platform.state.failures = 1

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from report import figures, known, mark, offenders
+from report import figures, offenders
 from word_rules import MAX_WORDS, NUMBERS, offences, word_count
 from word_sources import Sentence, every_sentence, markdown, pages, sentences
 
@@ -21,7 +21,11 @@ DECODED = (  # sentences and phrases on which readers stumbled
     "Of an axis that stays at 1 the noise lets nothing through.", "What is so is revealed.", "that which is not seen",
     "the poles, of which two are real", "The filter who is right wins.", "What is not measured stays unknown.",
     "That the sensor is noisy makes no difference.", "Never does the estimate leave the band.", "Filters do not hear, they weigh.",
-    "The filters promise too much.", "Nor does any later one.", "In the middle of the deck stands a sensor.", "So does the observer.",
+    "The filters promise too much.", "the loop keeps believing all sensors", "claimed in vain", "the output is listened to",
+    "J does not see N", "The window forgets at its edge.", "a wrong start is forgotten", "The error dies out.", "the slow twin",
+    "The member keeps quiet.", "a lie of the sensor", "the observer is still told the force", "The blocks are not home.",
+    "The estimate claims 2 N m.", "the sensor is blind for two motions",
+    "Nor does any later one.", "In the middle of the deck stands a sensor.", "So does the observer.",
     "It costs 1.3e+02.", "A change of -39.6 is seen.", "It is 67000 % off.", "The cost is −6.3·10⁻¹⁰ % larger.", "It is 3 .",
     "The input is 12,000 % larger.", "A peak of 5 () is seen.")
 PLAIN = (
@@ -77,6 +81,7 @@ def test_sentences_of_markdown_stand_at_their_lines() -> None:
 def test_a_sentence_ends_at_its_stop() -> None:
     assert sentences("The gain is 0.5 by D. G. Luenberger. Is it? “Yes.” It is {x}. $K$ grows.") == [
         "The gain is 0.5 by D. G. Luenberger.", "Is it?", "“Yes.”", "It is {x}.", "$K$ grows."]
+    assert sentences("The error is up to [[e:.2g]] K. The core cools.") == ["The error is up to [[e:.2g]] K.", "The core cools."]
     assert sentences("The core is at 5 K. The force is 2 N. It rests.") == ["The core is at 5 K.", "The force is 2 N.", "It rests."]
 
 
@@ -85,21 +90,18 @@ def test_figures_are_median_and_percentile() -> None:
     assert figures([short] * 9 + [long]) == "10 sentences; median 3 words, 95th percentile 30, longest 30"
 
 
-def test_the_mark_of_a_sentence_is_the_same_wherever_it_stands_and_with_other_values() -> None:
-    assert mark("It is {peak:.3g} long.") == mark("It is  {largest} long.") != mark("It is {peak} wide.")
-
-
 @pytest.mark.slow
-def test_no_new_sentence_has_to_be_decoded() -> None:
-    """`python tests/words/report.py --new` prints the same; rewrite the sentence, do not add it to the list."""
+def test_no_sentence_has_to_be_decoded() -> None:
+    """`python tests/words/report.py` prints the same."""
     every = every_sentence()
     assert len(every) > 5000 and len(pages()) > 40
-    fresh = {one: why for one, why in offenders(every).items() if mark(one.words) not in known()}
-    assert not fresh, "\n".join(f"{one.where}: {'; '.join(why)}: {one.words}" for one, why in fresh.items())
+    bad = offenders(every)
+    assert not bad, "\n".join(f"{one.where}: {'; '.join(why)}: {one.words}" for one, why in bad.items())
 
 
 @pytest.mark.slow
 def test_every_kind_of_source_is_read() -> None:
     files = {one.file for one in every_sentence()}
-    wanted = {"README.md", "CONTRIBUTING.md", "CHANGELOG.md", "en.md", "teacher.md", "phrases.py", "serve.py", "options.py", "own.py"}
+    wanted = {"README.md", "CONTRIBUTING.md", "CHANGELOG.md", "en.md", "path.md", "teacher.md", "phrases.py", "serve.py", "options.py",
+              "own.py"}
     assert {name for name in wanted if not any(file.endswith(name) for file in files)} == set()

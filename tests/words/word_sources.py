@@ -16,6 +16,7 @@ from syntax import nodes
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = ("README.md", "CONTRIBUTING.md", "CHANGELOG.md", "SECURITY.md")
 SHORT = ("e.g", "i.e", "Fig", "vs", "cf", "No", "Eq", "approx", "resp", "Dr", "Prof", "et al", "p", "pp", "vol")
+INITIAL = re.compile(r"(?:^|(?<![\d$\]]) )[A-Z]\.$")
 STOP = re.compile(r"(?:(?<=[.!?…])|(?<=[.!?…][”\")*]))\s+(?=[“\"(*$\[`]*[A-Z0-9\"“$`\[{‖√∫Σ])")
 FENCE = re.compile(r"^\s*```")
 ITEM = re.compile(r"^\s*(?:[-*] |\d+\. |> ?)+")
@@ -45,7 +46,7 @@ def sentences(text: str) -> list[str]:
     """The sentences of a paragraph; an abbreviation, an initial or a number with its point ends none."""
     parts: list[str] = []
     for part in STOP.split(text.strip()):
-        if parts and (parts[-1].rpartition(" ")[2].rstrip(".").lstrip("(") in SHORT or re.search(r"(?:^|(?<![\d$]) )[A-Z]\.$", parts[-1])):
+        if parts and (parts[-1].rpartition(" ")[2].rstrip(".").lstrip("(") in SHORT or INITIAL.search(parts[-1])):
             parts[-1] += " " + part
         elif part:
             parts.append(part)
@@ -80,8 +81,8 @@ def markdown(text: str, file: str) -> Iterator[Sentence]:
 def _heading(line: str) -> str:
     """The words of a heading, without the keyword and the id of a section of a lesson."""
     words = line.lstrip("#").strip()
-    words = re.sub(r"^(?:step|derive|(?:task|exam) [\w-]+:) ", "", words)
-    return "" if words in ("predict", "again", "reveal", "why", "now", "solution", "derivation", "source") else words
+    words = re.sub(r"^(?:step|derive|(?:(?:task|exam) )?[a-z-]+:) ", "", words)
+    return "" if words in ("predict", "again", "reveal", "why", "now", "solution", "derivation", "source", "do", "say", "note") else words
 
 
 def _block(lines: list[str], file: str, start: int) -> Iterator[Sentence]:
@@ -138,8 +139,7 @@ def _string(node: ast.expr) -> str:
 def pages() -> list[Path]:
     """The Markdown files that a person reads in English."""
     folder = ROOT / "lessons"
-    lessons = sorted(folder.glob("*/en.md")) + sorted(folder.glob("*/teacher.md")) + sorted(folder.glob("*.md"))
-    return [*(ROOT / name for name in PAGES), *lessons]
+    return [*(ROOT / name for name in PAGES), *sorted(folder.glob("**/*.md"))]
 
 
 def chinese() -> Iterator[Sentence]:

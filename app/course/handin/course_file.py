@@ -10,7 +10,7 @@ A course file is TOML. What stands at its head holds for every lesson; a lesson 
 
     [[lessons]]
     lesson = "kalman"
-    exams = ["step", "nis"]
+    exams = ["sheet", "nis"]
     points = 5
 
     [[lessons]]

@@ -146,7 +146,7 @@ class _Words:
     second: str
 
 
-_CONTROL = _Words(phrase("uncontrollable"), phrase("the weight Q does not see it"), "Q", "K", "R")
+_CONTROL = _Words(phrase("uncontrollable"), phrase("the weight Q has no effect on it"), "Q", "K", "R")
 _ESTIMATION = _Words(phrase("unobservable"), phrase("the noise w does not excite it"), "W", "L", "V")
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..systems.arrays import as_checked, frozen
 from ..systems.errors import EngineError
-from ..systems.gates.argument_checks import matrix, number, takes
+from ..systems.gates.argument_checks import matrix, number, optional, takes
 from ..systems.gates.plant_gate import PLANT
 from ..systems.plant import Plant
 from ..systems.records import record
@@ -14,6 +14,7 @@ from ..systems.records import record
 __all__ = ["IntegralAction", "integral_action", "reference_gain"]
 
 NEAR_ZERO = 1e-9  # of the sizes that are summed: a steady gain below it is rounding
+CLOSE = 1e-6  # how near G₀ N̄ must come to I
 
 
 @record()
@@ -38,24 +39,28 @@ def reference_gain(plant: Plant, K: object) -> np.ndarray:
     return _gains(plant, K)[0]
 
 
-@takes(plant=PLANT, K=matrix("m n"), rate=number(above=0))
-def integral_action(plant: Plant, K: object, rate: float) -> IntegralAction:
+@takes(plant=PLANT, K=matrix("m n"), rate=number(above=0), N=optional(matrix("m p")))
+def integral_action(plant: Plant, K: object, rate: float, N: object = None) -> IntegralAction:
     """K (m×n) and K_I (m×p) that add one pole at −rate for each output and leave the poles of A − B K where they are.
 
     With T (A − B K) = C − D K (T (A − B K − I) if sampled) the value ξ = x_I + T x obeys ξ̇ = −rate ξ (ξ⁺ = (1 − rate) ξ) under
     u = −K x + N̄ r + rate N̄ ξ. So K_I = rate N̄, and K − rate N̄ T stands in place of K: the placement of the plant with its integrators
-    as more states. `rate` is in 1/s; for a sampled plant it is the share by which ξ shrinks in a step. Source: Åström and Murray,
-    Feedback Systems, section 7.4. Raises as `reference_gain` does.
+    as more states. `rate` is in 1/s; for a sampled plant it is the share by which ξ shrinks in a step. N (m×p) is another N̄ with
+    G₀ N̄ = I, such as one that keeps further outputs at zero; without it the one of least norm is taken. Source: Åström and Murray,
+    Feedback Systems, section 7.4. Raises as `reference_gain` does, and for an N with G₀ N ≠ I.
 
     >>> integral_action(Plant([[-1]], [[1]], [[1]]), [[1]], 3.0).K_I
     array([[6.]])
     """
-    N, T = _gains(plant, K)
-    return IntegralAction(frozen(as_checked(K) - rate * N @ T), frozen(rate * N))
+    least, T, steady = _gains(plant, K)
+    chosen = least if N is None else as_checked(N)
+    if not np.allclose(steady @ chosen, np.eye(plant.p), atol=CLOSE):
+        raise EngineError("N does not hold the outputs at a command; take it from reference_gain.")
+    return IntegralAction(frozen(as_checked(K) - rate * chosen @ T), frozen(rate * chosen))
 
 
-def _gains(plant: Plant, K: object) -> tuple[np.ndarray, np.ndarray]:
-    """N̄ (m×p) and T (p×n)."""
+def _gains(plant: Plant, K: object) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """N̄ (m×p), T (p×n) and the steady gain G₀ (p×m)."""
     K = as_checked(K)
     D = np.asarray(plant.D)
     still = plant.A - plant.B @ K - (np.eye(plant.n) if plant.dt else 0.0)
@@ -68,4 +73,4 @@ def _gains(plant: Plant, K: object) -> tuple[np.ndarray, np.ndarray]:
     shares = np.linalg.svd(steady / np.where(summed > 0, summed, 1.0)[:, None], compute_uv=False)
     if plant.p > plant.m or shares.size == 0 or not shares[-1] > NEAR_ZERO:
         raise EngineError("No constant input holds the outputs at a command; choose other outputs, or more inputs.")
-    return np.linalg.pinv(steady), T
+    return np.linalg.pinv(steady), T, steady

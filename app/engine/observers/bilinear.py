@@ -80,6 +80,7 @@ class BilinearPlant:
 
 def _even(M: np.ndarray) -> np.ndarray:
     """M with rows and columns of like size, so that units decide nothing about its rank."""
+    M = M / (np.abs(M).max(initial=0.0) or 1.0)  # no square of it overflows
     for axis in (1, 0, 1):
         size = np.linalg.norm(M, axis=axis, keepdims=True)
         M = M / np.where(size > 0, size, 1.0)

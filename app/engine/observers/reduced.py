@@ -9,7 +9,7 @@ from scipy.linalg import null_space
 
 from ..design.placement import observer_gain
 from ..systems.arrays import frozen
-from ..systems.errors import EngineError
+from ..systems.errors import EngineError, ShapeError
 from ..systems.gates.argument_checks import POLES, gated, matrix, takes
 from ..systems.gates.plant_gate import PLANT
 from ..systems.plant import Plant
@@ -40,9 +40,13 @@ class ReducedObserver:
         p = self.plant
         return Plant(self.F, self.H, np.zeros((p.p, len(self.F))), p.D, p.dt, input_names=p.input_names, output_names=p.output_names)
 
-    @gated(w=matrix(), y=matrix(), u=matrix())
+    @gated(w=matrix("t r"), y=matrix("t p"), u=matrix("t m"))
     def estimates(self, w: Any, y: Any, u: Any) -> np.ndarray:
         """x̂ (n_t, n) along w (n_t, n−p), readings y (n_t, p) and inputs u (n_t, m)."""
+        for name, given, n in (("w", w, len(self.F)), ("y", y, self.plant.p), ("u", u, self.plant.m)):
+            if given.shape[1] != n:
+                raise ShapeError("{name} must have {n} columns, one for each signal; it has {columns}.", name=name, n=n,
+                                 columns=given.shape[1])
         return w @ self.M.T + (y - u @ np.asarray(self.plant.D).T) @ self.N.T
 
 

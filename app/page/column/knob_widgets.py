@@ -15,7 +15,7 @@ from ...text import format_number
 from ..viser_private import viser_internals
 from ..viser_private.widget_values import ReadBack
 
-TIED_SPACE = "\N{NO-BREAK SPACE}"
+TIED = str.maketrans({" ": "\N{NO-BREAK SPACE}", "/": "/\N{WORD JOINER}"})  # in a unit, where no line may end
 Post = Callable[[str, Any], int]  # knob name, value → number of the edit
 
 
@@ -32,7 +32,7 @@ class Widget(Protocol):
 
 def label_of(knob: Knob, language: str) -> str:
     """The knob's name with its unit, which stands in one line."""
-    return knob.label(language) + (f" [{knob.unit.replace(' ', TIED_SPACE)}]" if knob.unit else "")
+    return knob.label(language) + (f" [{knob.unit.translate(TIED)}]" if knob.unit else "")
 
 
 def marks(knob: Number, language: str) -> tuple[float | tuple[float, str], ...]:

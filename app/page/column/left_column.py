@@ -20,7 +20,7 @@ from ..viser_private.widget_values import ReadBack
 from ..votes.room_panel import RoomPanel, room_command
 from ..words import phrases
 from ..words.mode_switch import mode_switch
-from ..words.prose import explained_html, judged_html, mathml, render_markdown, with_minus
+from ..words.prose import explained_html, formula_html, judged_html, render_markdown, with_minus
 from .compare_panel import ComparePanel
 from .course_page import CourseGuide
 from .derivation_panel import DerivationPanel
@@ -196,7 +196,7 @@ class Panel:
         for formula in picture.outcome.formulas:
             if formula.id in self._formulas:
                 note = formula.note(self._lang)
-                _write(self._formulas[formula.id], f'<div class="ol-formula">{mathml(formula.latex, True)}</div>'
+                _write(self._formulas[formula.id], formula_html(formula.latex)
                        + (f'<p class="ol-caption">{note}</p>' if note else ""))
 
     def _show_task(self, task_id: str, state: TaskState, stale: bool) -> None:

@@ -15,7 +15,7 @@ from ...session.state.view import Picture
 from ...text import format_number, languages, name_of
 from ..words import phrases
 from ..words.mode_switch import mode_switch
-from ..words.prose import explained_html, judged_html, mathml, render_markdown, with_minus
+from ..words.prose import explained_html, formula_html, judged_html, render_markdown, with_minus
 
 LETTERS = "ABCDEFGH"
 
@@ -145,4 +145,4 @@ def formulas_html(picture: Picture) -> str:
     scene = picture.scene
     assert scene is not None
     shown = [f for f in picture.outcome.formulas if f.id in scene.formulas] if scene.formulas else []
-    return "".join(f'<div class="ol-formula">{mathml(f.latex, True)}</div>' for f in shown)
+    return "".join(formula_html(f.latex) for f in shown)

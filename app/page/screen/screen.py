@@ -96,7 +96,7 @@ class Screen(Browser):
             self._columns.watch(self._client, self._post)
             bind_shortcuts(self._client, self._post, language)
             fill_palette(self._client, picture, self._post, self.open_figure)
-            self._stage.charted = picture.lesson.pick is not None
+            self._stage.charted = map_of(picture) is not None
             self._compose(picture, anew=True)
             self._stage.furnish(picture.state.is_dark)
             self._stage.build(picture.outcome.stage, language, letters(self._client.camera, picture.state.lecture))
@@ -142,7 +142,7 @@ class Screen(Browser):
         self._client.flush()
 
     def _compose(self, picture: Picture, anew: bool = False) -> None:
-        charted, stage = picture.lesson.pick is not None, picture.outcome.stage if anew else None
+        charted, stage = map_of(picture) is not None, picture.outcome.stage if anew else None
         self._viewpoint.compose(bool(picture.boards) or charted, charted, picture.state.lecture, Sizes(picture.state).below,
                                 None if stage is None else reach(stage))
 
@@ -167,6 +167,7 @@ class Screen(Browser):
                 if board.landscape is not None:
                     view.show_landscape(picture.state.landscape)
             self._show_map(picture)
+            self._compose(picture)
             self._stage.calm(picture.state.calm)
             self._stage.show_pin_ghosts(picture.ghosts)
             self._stage.pose(picture.state.t)
@@ -289,9 +290,8 @@ class Screen(Browser):
 
     def _show_map(self, picture: Picture) -> None:
         figure = map_of(picture)
-        if figure is None:
-            return
-        if self._map is None:
+        if self._map is None and figure is not None:
             self._map = MapBoard(self._client, picture.state.language, letters(self._client.camera, picture.state.lecture),
                                  picture.state.is_dark, lambda x, y: self._post(PickPoint(x, y)))
-        self._map.show(figure)
+        if self._map is not None:
+            self._map.show(figure)

@@ -37,8 +37,9 @@ class Written(NamedTuple):
 
 
 def map_of(picture: Picture) -> MapFigure | None:
-    """The map that lies on the stage of a picture's lesson, if it has one."""
-    return None if picture.lesson.pick is None else next((f for f in picture.seen if isinstance(f, MapFigure)), None)
+    """The map that lies on the stage of a picture's lesson, if it has one; in the guide in those scenes alone that name it."""
+    figure = None if picture.lesson.pick is None else next((f for f in picture.seen if isinstance(f, MapFigure)), None)
+    return figure if figure is None or picture.scene is None or figure.id in picture.scene.figures else None
 
 
 def edges(figure: MapFigure) -> tuple[tuple[float, float], tuple[float, float]]:
@@ -82,6 +83,7 @@ class MapBoard:
 
     def __init__(self, client: viser.ClientHandle, language: str, em: float, dark: bool, pick: Callable[[float, float], object]) -> None:
         self._scene, self._language, self._pick = client.scene, language, pick
+        self._whole = client.scene.add_frame("/map", show_axes=False)
         self._empty = rgb(palette(dark)["empty"])
         self._letters = SceneLabels(client.scene, em * NEARER)
         self._labels: dict[str, tuple[viser.LabelHandle, Written]] = {}
@@ -89,8 +91,12 @@ class MapBoard:
         self._image: viser.ImageHandle | None = None
         self._mark: viser.IcosphereHandle | None = None
 
-    def show(self, figure: MapFigure) -> None:
-        """Draw the map's present values."""
+    def show(self, figure: MapFigure | None) -> None:
+        """Draw the map's present values; None hides it."""
+        if self._whole.visible != (figure is not None):
+            self._whole.visible = figure is not None
+        if figure is None:
+            return
         if self._figure is not None and figure.values is self._figure.values and figure.marked == self._figure.marked:
             return
         first = self._image is None or self._figure is None or figure.values is not self._figure.values

@@ -18,11 +18,13 @@ from ..charts.text_layout import fold_lines
 from ..viser_private import viser_internals
 from ..viser_private.stage_frames import Frame, Value, changed_values, flatten_segments
 from ..words import phrases
+from .body_extent import reach
 from .floor import floor_lines, floor_shadow
 from .pinned_ghosts import PinGhosts
 from .scene_labels import SceneLabels, colour_labels, stagger_names
 from .solids import Solids
 from .trails import ErrorLines
+from .viewpoint import body_scale
 
 FACTORS = 10.0  # letters: a line with what is exaggerated is no longer
 FACTORS_AT = (2.9, -0.6, 0.02), (2.9, -0.6, 0.5)  # where the end of its last line stands, and where a map lies in front
@@ -32,12 +34,21 @@ INSIDE = 0.985  # the ghost is drawn this much smaller: where it agrees, it vani
 Place = tuple[int, tuple[int, ...]]  # the sample of the run that is shown, and of each pin's run
 BELOW: Vector = (0.0, 0.0, -9.0)
 GHOST_COLOUR = COLOURS["estimate"]
+
+
 def factors(body: Body, language: str) -> str:
     """How many times motion and arrows of a body are exaggerated, nothing where they are not; in lines, to stand beside it."""
     times = ((phrases.EXAGGERATED, body.gain), (phrases.LONGER, body.forces))
     return fold_lines(
         phrases.AND(language).join(phrase.format(factor=factor)(language) for phrase, factor in times if factor != 1), FACTORS
     )
+
+
+def factors_at(stage: Stage, charted: bool) -> Vector:
+    """Where the end of these words stands: a small body is looked at from nearer, and so are they."""
+    scale = 1.0 if charted else body_scale(reach(stage))
+    x, y, z = FACTORS_AT[charted]
+    return scale * x, scale * y, z
 
 
 class StageView:
@@ -103,7 +114,7 @@ class StageView:
                                       receive_shadow=False)
             for i, _ in enumerate(body.anchors(stage.xhat[0].tolist(), body.gain))]
         said = factors(body, language)
-        self._letters.write("/factor", said, FACTORS_AT[self.charted], "bottom-right", visible=bool(said))
+        self._letters.write("/factor", said, factors_at(stage, self.charted), "bottom-right", visible=bool(said))
         self._say(stage, language)
         self._called = [(label_in_language(words, language), place) for words, place in body.labels]
         self._names = [self._letters.write(f"/name/{i}", *name, "top-center") for i, name in enumerate(stagger_names(self._called, em))]

@@ -89,6 +89,12 @@ def explained_html(words: Prose, markup: str) -> str:
     return TERM.sub(with_formula, explained(markup, glossary))
 
 
+def formula_html(latex: str) -> str:
+    """A live equation; where one stands behind another, it may begin a line of its own."""
+    parts = [mathml(part.strip(), True) for part in latex.split(r"\quad")]
+    return '<div class="ol-formula">' + (parts[0] if len(parts) == 1 else "".join(f"<span>{part}</span>" for part in parts)) + "</div>"
+
+
 def equation_html(equation: str) -> str:
     """The lines of an equation in a derivation."""
     return '<div class="ol-formula ol-derived">' + "".join(f"<div>{mathml(line, True)}</div>" for line in equation.split("\n")) + "</div>"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import control
 import numpy as np
 import pytest
+from scipy.linalg import null_space
 from scipy.signal import place_poles
 
 from observer_lab.engine import EngineError, Plant
@@ -33,10 +34,13 @@ def test_the_steady_gain_from_the_command_is_one(seed: int, dt: float) -> None:
 
 @pytest.mark.parametrize("seed", range(6))
 @pytest.mark.parametrize("dt", [0.0, 0.1])
-def test_integral_action_keeps_the_poles_and_adds_its_own(seed: int, dt: float) -> None:
+@pytest.mark.parametrize("own", [False, True])
+def test_integral_action_keeps_the_poles_and_adds_its_own(seed: int, dt: float, own: bool) -> None:
     plant, K, poles = loop(seed, dt)
     rate, p = 0.6, plant.p
-    found = integral_action(plant, K, rate)
+    steady = control.ss(plant.A - plant.B @ K, plant.B, plant.C - plant.D @ K, plant.D, dt).dcgain().reshape(p, plant.m)
+    N = reference_gain(plant, K) + null_space(steady) @ np.full((plant.m - p, p), 0.7)
+    found = integral_action(plant, K, rate, N if own else None)
     hold = np.eye(p) if dt else np.zeros((p, p))
     A = np.block([[plant.A, np.zeros((plant.n, p))], [-plant.C, hold]])
     B = np.vstack([plant.B, -plant.D])
@@ -55,3 +59,8 @@ def test_what_no_constant_input_holds_is_refused(C: list[list[float]]) -> None:
 def test_a_pole_at_zero_is_refused() -> None:
     with pytest.raises(EngineError, match="holds a constant"):
         integral_action(Plant([[0.0]], [[1.0]], [[1.0]]), [[0.0]], 1.0)
+
+
+def test_a_gain_that_does_not_hold_the_outputs_is_refused() -> None:
+    with pytest.raises(EngineError, match="N does not hold the outputs"):
+        integral_action(Plant([[-1.0]], [[1.0]], [[1.0]]), [[1.0]], 1.0, [[1.0]])
