@@ -80,7 +80,7 @@ def driven(model: Model, target: Target, r: float, plants: tuple[Plant, Plant], 
         if not integral:
             return replace(plain, reference=r * N[:, 0], N=N)
         rate, copied = _rates(model, belief.dt)
-        action = integral_action(commanded, K, rate, N)
+        action = integral_action(commanded, K, rate, N=N)
     except EngineError as problem:
         return replace(plain, refused=error_words(problem))
     nothing = np.zeros((1, belief.n))

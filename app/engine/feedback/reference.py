@@ -40,7 +40,7 @@ def reference_gain(plant: Plant, K: object) -> np.ndarray:
 
 
 @takes(plant=PLANT, K=matrix("m n"), rate=number(above=0), N=optional(matrix("m p")))
-def integral_action(plant: Plant, K: object, rate: float, N: object = None) -> IntegralAction:
+def integral_action(plant: Plant, K: object, rate: float, *, N: object = None) -> IntegralAction:
     """K (m×n) and K_I (m×p) that add one pole at −rate for each output and leave the poles of A − B K where they are.
 
     With T (A − B K) = C − D K (T (A − B K − I) if sampled) the value ξ = x_I + T x obeys ξ̇ = −rate ξ (ξ⁺ = (1 − rate) ξ) under

@@ -40,7 +40,7 @@ def test_integral_action_keeps_the_poles_and_adds_its_own(seed: int, dt: float, 
     rate, p = 0.6, plant.p
     steady = control.ss(plant.A - plant.B @ K, plant.B, plant.C - plant.D @ K, plant.D, dt).dcgain().reshape(p, plant.m)
     N = reference_gain(plant, K) + null_space(steady) @ np.full((plant.m - p, p), 0.7)
-    found = integral_action(plant, K, rate, N if own else None)
+    found = integral_action(plant, K, rate, N=N if own else None)
     hold = np.eye(p) if dt else np.zeros((p, p))
     A = np.block([[plant.A, np.zeros((plant.n, p))], [-plant.C, hold]])
     B = np.vstack([plant.B, -plant.D])
@@ -63,4 +63,4 @@ def test_a_pole_at_zero_is_refused() -> None:
 
 def test_a_gain_that_does_not_hold_the_outputs_is_refused() -> None:
     with pytest.raises(EngineError, match="N does not hold the outputs"):
-        integral_action(Plant([[-1.0]], [[1.0]], [[1.0]]), [[1.0]], 1.0, [[1.0]])
+        integral_action(Plant([[-1.0]], [[1.0]], [[1.0]]), [[1.0]], 1.0, N=[[1.0]])
