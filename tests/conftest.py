@@ -42,7 +42,14 @@ def folder_of(item: pytest.Item) -> str:
     return item.path.relative_to(HERE).parts[0]
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption("--whole", action="store_true", help="run what the suite samples on all lessons")
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    if not config.getoption("--whole"):
+        config.hook.pytest_deselected(items=[item for item in items if item.get_closest_marker("whole")])
+        items[:] = [item for item in items if not item.get_closest_marker("whole")]
     strange = sorted({item.nodeid.split("[")[0] for item in items if len(item.name) > LONGEST or " at 0x" in item.name})
     if strange:
         raise pytest.UsageError(f"a test's name must be short and the same in every worker; these want ids=: {', '.join(strange)}")
