@@ -299,14 +299,15 @@ def test_ctrl_c_while_starting_prints_no_traceback() -> None:
     assert "Traceback" not in rest
 
 
-def test_an_interrupt_that_something_else_swallows_ends_the_server_all_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A library that is being loaded may take it for an error of its own: the server then went on for ever."""
+def test_an_interrupt_while_a_server_prepares_is_remembered_and_ends_it_in_order(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A library that is being loaded may take one for an error of its own: the server then went on for ever. One that comes while
+    Python compiles a text, as dataclasses do, became the status of the process, though it was caught."""
     heard: list[str] = []
 
     class Server:
         def prepare(self) -> None:
-            with suppress(BaseException):
-                signal.raise_signal(signal.SIGINT)
+            signal.raise_signal(signal.SIGINT)
+            heard.append("prepared")
 
         def wait(self, ended: Callable[[], bool], period: float) -> None:
             heard.append("ended" if ended() else "goes on")
@@ -320,7 +321,7 @@ def test_an_interrupt_that_something_else_swallows_ends_the_server_all_the_same(
         serve._run(Server(), lambda: None, lambda _: None, end)  # type: ignore[arg-type]
     monkeypatch.setattr(serve, "_serve", begins)
     assert serve.serve(object()) == 0  # type: ignore[arg-type]
-    assert heard == ["ended", "calm", "stopped"]
+    assert heard == ["prepared", "ended", "calm", "stopped"]
 
 
 @pytest.mark.slow

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import Page, expect
-from tab import eventually
+from tab import ANSWERED, eventually
 
 from observer_lab.course.lectures import PREPARED_FOLDER, read_lecture
 from observer_lab.lessons import LESSONS
@@ -90,6 +90,9 @@ def test_the_card_of_another_scene_begins_at_its_top_in_a_hall_too(opened: Calla
     """However far a hand has slid the column, and though figures there snap to its edge in the lab."""
     page, path = opened("virtual-sensor", size=SIZES[1]), LESSONS["virtual-sensor"].path
     page.get_by_role("button", name="Present", exact=True).click(timeout=PATIENCE)
+    page.wait_for_selector(".ol-present", state="attached", timeout=PATIENCE)
+    expect(page.locator(".ol-cover")).to_be_hidden(timeout=PATIENCE)
+    eventually(lambda: page.evaluate(ANSWERED, True), lambda said: said is True, "the page for a hall")
     at = next(k for k, scene in enumerate(path) if len(scene.figures) == 2)
     turn(page, path[1].id)
     page.locator(".ol-dot").nth(at).click(timeout=PATIENCE)

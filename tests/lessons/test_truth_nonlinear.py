@@ -36,8 +36,9 @@ def test_on_a_linear_plant_no_filter_is_better(who: str) -> None:
     assert ("is the Kalman filter" in said(**LINEAR, filter=who, redraw=False)) == (who != "ukf")
 
 
-@pytest.mark.parametrize(("times", "unsure", "expected"), [(1.0, 0.05, "no filter could err"), (1.5, 0.3, "It takes more than 8 runs"),
-                                                           (3.0, 0.2, "at least 62 % below"), (1.45, 0.1, "at least 20 % below")])
+@pytest.mark.parametrize(("times", "unsure", "expected"), [(1.0, 0.05, "no filter could have an error"),
+                                                           (1.5, 0.3, "It takes more than 8 runs"), (3.0, 0.2, "at least 62 % below"),
+                                                           (1.45, 0.1, "at least 20 % below")])
 def test_a_better_filter_is_spoken_of_by_the_lower_limit(times: float, unsure: float, expected: str) -> None:
     bound = Bound(np.ones(2), {"ekf": times}, {"ekf": unsure})
     assert expected in words("ekf", bound, 8, 0, False, False)("en")

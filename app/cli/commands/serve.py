@@ -225,10 +225,10 @@ def _run(server: LabServer, tell: Callable[[], object], prepare: Callable[[LabSe
          heartbeat: float = 5.0) -> None:
     """Serve until somebody asks for the end; `tell` is called first. `heartbeat` is the time in s between two signs of life."""
     try:
+        end.stands = True  # an interrupt within an exec() of an import would be the process's status, though it was caught
         tell()
         server.prepare()
         prepare(server)
-        end.stands = True
         server.wait(end.come, heartbeat)
     finally:
         for ending in ENDINGS:
