@@ -11,7 +11,7 @@ import pytest
 from fakes import FakeView
 from laws import each, holds_for_all
 
-from observer_lab.course.knobs import Choice
+from observer_lab.course.knobs import Choice, Poles
 from observer_lab.course.lesson import Board, Lesson
 from observer_lab.course.scenes import (
     MAX_FIGURES,
@@ -30,6 +30,7 @@ from observer_lab.course.scenes import (
     places_of,
 )
 from observer_lab.lessons import LESSONS
+from observer_lab.page.column.knob_widgets import typed_decimals
 from observer_lab.page.guide.pointing_hand import BUTTONS
 from observer_lab.page.guide.scene_card import card_html
 from observer_lab.page.stage.pole_boards import BOARD_HEIGHT, BOARD_WIDTH
@@ -111,6 +112,20 @@ def nameless(lesson: Lesson, language: str) -> Iterator[str]:
 @each("lesson", LESSONS.values())
 def test_what_a_card_asks_a_hand_to_move_has_that_name_on_the_screen(lesson: Lesson, language: str) -> None:
     assert list(nameless(lesson, language)) == []
+
+
+@each("lesson", LESSONS.values())
+def test_a_place_that_is_typed_solves_what_the_exact_place_solves(lesson: Lesson) -> None:
+    """A field keeps so many decimals: the sharpest criterion must be reached with them."""
+    for k, scene in enumerate(lesson.path):
+        typed = [knob for name in scene.knobs if isinstance(knob := lesson.knob(name), Poles)]
+        if typed and isinstance(scene.do, Solve):
+            asked = scene.do.task
+            task = next(each for each in lesson.tasks if each.id == asked)
+            near = {knob.name: tuple(complex(round(p.real, typed_decimals(knob)), round(p.imag, typed_decimals(knob)))
+                                     for p in task.solution[knob.name]) for knob in typed}
+            design = lesson.apply(lesson.start(), {**entry_values(lesson.path, k, lesson.start()), **task.solution, **near})
+            assert task.check(lesson.compute(design)).solved, f"{scene.id}: {near}"
 
 
 def another(lesson: Lesson, name: str, value: object) -> object:

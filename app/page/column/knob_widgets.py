@@ -112,6 +112,11 @@ class SwitchWidget:
         self._back.show(value, picture)
 
 
+def typed_decimals(knob: Poles) -> int:
+    """How many decimals of a pole a person may type: finer than a press of an arrow moves it."""
+    return max(3, 4 - math.floor(math.log10(knob.re_high - knob.re_low)))
+
+
 class PolesWidget:
     """A row (Re, Im) for every real pole and every conjugate pair; typing does what dragging does."""
 
@@ -124,6 +129,7 @@ class PolesWidget:
         for i in range(len(knob.default)):
             row = gui.add_vector2(f"{knob.symbol}{i + 1}", (0.0, 0.0), min=(knob.re_low, -knob.im_high),
                                   max=(knob.re_high, knob.im_high), step=step, hint=label_of(knob, language))
+            row.precision = typed_decimals(knob)
             self._rows.append((row, ReadBack(row, lambda value, i=i: self._typed(i, complex(*value)))))
 
     def _typed(self, index: int, to: complex) -> int:
