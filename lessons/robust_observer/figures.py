@@ -28,6 +28,7 @@ from .study import DISPLAY_LIMIT, EXAMPLE_CASES, FREQUENCIES, Search, Story
 TIME_TAB, J_TAB = text("Time"), text("Criterion J")
 WORST_TAB, PAPER_TAB = text("Worst case"), text("Paper")
 AXIS = np.linspace(-12.0, -0.05, 160)
+KINKS = (-3.0, -5 / 3, -1.0)  # of J in example 1, where LC₁ or MC₁ is zero
 POLE_GRID = np.linspace(-12.0, -0.2, 48)
 NORM_WEIGHTS = np.linspace(0.0, 3.0, 31)
 LARGE_N = 20.0
@@ -94,25 +95,27 @@ def _poles(design: Design) -> tuple[complex, ...]:
 def _criterion(outcome: Outcome[Story]) -> PlaneFigure:
     design, J = outcome.design, outcome.metrics["J"]
     poles, search = _poles(design), outcome.study.search
+    axis = np.union1d(AXIS, [p.real for p in poles if AXIS[0] <= p.real <= AXIS[-1]])  # the circles stand on the curves
     if design["example"] == EXAMPLE_ONE:
-        known, seen, output = criterion_1(AXIS, design)
-        curves = [Curve(same("J"), known + seen + output, "plant", width=2.4, x=AXIS),
-                  Curve(same("2α|s|"), known, "muted", "dot", 1.4, AXIS),
-                  Curve(same("β|s² + 4s + 3|"), seen, "estimate", "dash", 1.4, AXIS),
-                  Curve(same("γ|50 + 30s|"), output, "force", "dash", 1.4, AXIS)]
+        axis = np.union1d(axis, KINKS)
+        known, seen, output = criterion_1(axis, design)
+        curves = [Curve(same("J"), known + seen + output, "plant", width=2.4, x=axis),
+                  Curve(same("2α|s|"), known, "muted", "dot", 1.4, axis),
+                  Curve(same("β|s² + 4s + 3|"), seen, "estimate", "dash", 1.4, axis),
+                  Curve(same("γ|50 + 30s|"), output, "force", "dash", 1.4, axis)]
         title = text("J over the observer pole s")
         words = text("J = {j:.4g} at s = {poles_real:.3g}. The kink of the green part is where M = 0: s = −5/3.",
                      j=J, poles_real=poles[0].real)
     elif poles[0].imag:
         curves = [Curve(same("J"),
-                        of_two(AXIS + 1j * abs(poles[0].imag), AXIS - 1j * abs(poles[0].imag), design).sum(axis=0), "plant", x=AXIS)]
+                        of_two(axis + 1j * abs(poles[0].imag), axis - 1j * abs(poles[0].imag), design).sum(axis=0), "plant", x=axis)]
         title = text("J over Re s, Im s kept")
         words = text("J = {j:.4g} in the norm {design}.", j=J, design=_norm(design))
     else:
-        curves = [Curve(text("s₂ kept"), of_two(AXIS, np.full_like(AXIS, poles[1].real), design).sum(axis=0),
-                        "plant", x=AXIS),
-                  Curve(text("s₁ kept"), of_two(np.full_like(AXIS, poles[0].real), AXIS, design).sum(axis=0),
-                        "second", "dash", x=AXIS)]
+        curves = [Curve(text("s₂ kept"), of_two(axis, np.full_like(axis, poles[1].real), design).sum(axis=0),
+                        "plant", x=axis),
+                  Curve(text("s₁ kept"), of_two(np.full_like(axis, poles[0].real), axis, design).sum(axis=0),
+                        "second", "dash", x=axis)]
         title = text("J while one pole moves")
         words = text("J = {j:.4g} in the norm {design}; J does not include N, which grows where the poles meet.",
                      j=J, design=_norm(design))

@@ -24,7 +24,7 @@ def formulas_of(o: FunctionalObserver, design: Design) -> tuple[Formula, ...]:
     law = LAWS[design["example"]]
     return (
         Formula("law", law),
-        Formula("J", rf"J = \textstyle\sum_i \alpha_i\|TA_i\| + \beta\|LC_i\| + \gamma\|MC_i\| = {number(o.J, 4)}"),
+        Formula("J", rf"J = \textstyle\sum_i \alpha_i\|TA_i\| + \beta\|LC_i\| + \gamma\|MC_i\|, \quad J = {number(o.J, 4)}"),
         Formula("F", rf"F = {matrix(o.F)}, \quad L = {matrix(o.L)}"),
         Formula("T", rf"T = {matrix(o.T)}"),
         Formula("house", rf"u = -(Nz + My) + v: \; N = {matrix(o.N)}, \; M = {number(float(o.M[0, 0]))}"),

@@ -87,7 +87,7 @@ def _formulas(o: FunctionalObserver) -> tuple[Formula, ...]:
         Formula("law", r"\dot z = Fz + L(y - Du) + TBu, \quad Kx \approx Nz + M(y - Du)"),
         Formula("conditions", rf"TA - FT = LC, \quad K = NT + MC, \quad \mathrm{{rel.}}\; "
                               rf"{number(o.dynamics_residual)}, \; {number(o.output_residual)}"),
-        Formula("J", rf"J = \textstyle\sum_i \alpha\|TA_i\| + \beta\|LC_i\| + \gamma\|MC_i\| = {number(o.J, 4)}"),
+        Formula("J", rf"J = \textstyle\sum_i \alpha\|TA_i\| + \beta\|LC_i\| + \gamma\|MC_i\|, \quad J = {number(o.J, 4)}"),
         *(Formula(name, gain_words(name, getattr(o, name))) for name in "FTLNMK"),
     )
 

@@ -343,3 +343,14 @@ def test_each_direction_of_A_has_its_own_weight() -> None:
     for second, size in ((1.0, 10.0), (0.0, 5.0), (3.0, 20.0)):
         out = LESSON.compute(LESSON.apply(LESSON.start(), {"second": second}))
         assert np.isclose(out.metrics["J"], size + 8 + 100) and np.isclose(criterion_1(np.array([-5.0]), out.design).sum(), size + 108)
+
+
+@pytest.mark.parametrize("moved", [{"pole": (-5 / 3 + 0j,)}, {"pole": (-2.03 + 0j,)}, {"example": "2", "pair": (-1.21 + 0j, -3.37 + 0j)},
+                                   {"example": "2", "pair": (-1.21 - 0.5j, -1.21 + 0.5j)}])
+def test_the_circles_of_the_poles_stand_on_the_curves_of_the_criterion(moved: dict[str, object]) -> None:
+    out = LESSON.compute(LESSON.apply(LESSON.start(), moved))
+    drawn = next(f for f in LESSON.figures(out) if f.id == "criterion")
+    for pole in out.design["pair" if "pair" in moved else "pole"]:
+        at = [curve.y[curve.x == pole.real] for curve in drawn.curves if len(curve.x) > 2]
+        assert any(np.isclose(y, out.metrics["J"], rtol=1e-9).any() for y in at), f"J is {out.metrics['J']}, the curves are {at}"
+    assert "pair" in moved or drawn.curves[0].y.min() == pytest.approx(38 / 9, rel=1e-9)
