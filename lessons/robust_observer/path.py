@@ -14,7 +14,7 @@ PATH = (
     Scene("drag", Move(("pole",)), boards=BOARD, figures=("e_u",), minutes=2.0),
     Scene("surprise", Choose(Question.SECOND), set={"pole": (-5 + 0j,), "c": 0.05}, play={"c": 0.0}, boards=BOARD, minutes=2.0),
     Scene("task", Solve("kink"), set={"c": 0.05}, knobs=("pole",), boards=BOARD, figures=("criterion",), minutes=2.0),
-    Scene("blind", set={"pole": (-5 / 3 + 0j,)}, figures=("sweep",), minutes=3.0, core=False),
+    Scene("blind", set={"pole": (-5 / 3 + 0j,)}, figures=("gain",), minutes=3.0, core=False),
     Scene("order", set={"example": "2"}, boards=BOARD, figures=("ranks",), minutes=3.0, core=False),
     Scene("remember", set={"example": "1"}, boards=BOARD, figures=("criterion",), minutes=1.0),
 )

@@ -11,6 +11,7 @@ import pytest
 from fakes import FakeView
 from laws import each, holds_for_all
 
+from observer_lab.course.figures.records import LineFigure, PlaneFigure
 from observer_lab.course.knobs import Choice, Poles
 from observer_lab.course.lesson import Board, Lesson
 from observer_lab.course.scenes import (
@@ -112,6 +113,16 @@ def nameless(lesson: Lesson, language: str) -> Iterator[str]:
 @each("lesson", LESSONS.values())
 def test_what_a_card_asks_a_hand_to_move_has_that_name_on_the_screen(lesson: Lesson, language: str) -> None:
     assert list(nameless(lesson, language)) == []
+
+
+@each("lesson", LESSONS.values())
+def test_a_figure_of_a_scene_shows_something_before_anything_long_is_computed(lesson: Lesson) -> None:
+    for k, scene in enumerate(lesson.path):
+        reached = lesson.compute(lesson.apply(lesson.start(), entry_values(lesson.path, k, lesson.start())))
+        for figure in lesson.figures(reached):
+            if figure.id in scene.figures and isinstance(figure, (LineFigure, PlaneFigure)):
+                y = [curve.y for curve in figure.curves if len(curve.y) > 2]
+                assert y or getattr(figure, "points", ()), f"{scene.id}: {figure.id} is empty"
 
 
 @each("lesson", LESSONS.values())
