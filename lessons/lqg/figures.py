@@ -271,7 +271,8 @@ def _run(outcome: Outcome[Study]) -> tuple[LineFigure, ...]:
             f"state{i}", signal.name, run.t,
             (Curve(text("true"), true), Curve(text("estimate"), guess, "estimate", "dash")),
             axis_name(signal), tab=TIME_TAB,
-            caption=text("In the last tenth of the run at most {late}.", late=f'{late:.2g} {signal.unit}'.strip())), edge))
+            caption=text("In the last tenth of the run at most {late:.2g} {unit}.", late=late, unit=signal.unit) if signal.unit else
+            text("In the last tenth of the run at most {late:.2g}.", late=late)), edge))
     size = run.error(s.case)
     start = max(float(size[0]), 1e-12)
     half = np.flatnonzero(size > 0.1 * start)

@@ -213,7 +213,7 @@ def _answers(s: Study) -> dict[str, float]:
 def _checks(s: Study, m: Mapping[str, float]) -> tuple[Check, ...]:
     disk = s.real.margins.disk.alpha
     return (
-        Check("stable", text("the loop is stable with the true gain m"), s.density is not None, m["stable"]),
+        Check("stable", text("stable with the true gain m"), s.density is not None, m["stable"]),
         Check("optimal", text("no controller is cheaper under this noise"),
               s.cost.total <= s.cost.least * (1 + 1e-6), s.cost.total / max(s.cost.least, 1e-300)),
         Check("kalman", text("LQR keeps |1 + ℓ| ≥ 1"), m["nearest_lqr"] > 1 - 1e-6, m["nearest_lqr"]),
