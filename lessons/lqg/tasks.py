@@ -42,7 +42,7 @@ def _recover(outcome: Outcome[Study]) -> Verdict:
     if not _on(outcome, DOYLE) or d["q"] < HEAVY or d["sigma"] < HEAVY:
         return Verdict(False, text("Doyle's plant with q and σ of at least 1000, please."))
     low, high = s.real.margins.gain
-    found = text("The loop is stable for gains from {low:.3g} to {high:.4g}", low=low, high=high)
+    found = text("Gains from {low:.3g} to {high:.4g} keep the loop stable", low=low, high=high)
     if high < MIN_GAIN_UP or low > MAX_GAIN_DOWN:
         return Verdict(False, text("{found}; from 0.5 to 2 is wanted.", found=found))
     if s.density is None:
