@@ -55,7 +55,7 @@ def opened(id: str) -> tuple[bool, tuple[float, float]]:
 
 
 class OnStage(NamedTuple):
-    """A scene, the boards and the map it shows, the corners of the body in its run, and where the words about its size end, if any."""
+    """A scene with its boards and its map, the corners of the body in its run, and where the words about its size end."""
 
     lesson: Lesson
     scene: Scene

@@ -59,7 +59,7 @@ def breaches(page: Page) -> list[str]:
 
 
 def lasting_breaches(page: Page) -> list[str]:
-    """What breaks the law once the columns have taken the width of another window."""
+    """The breaches that remain after the columns have taken the width of a new window."""
     with suppress(AssertionError):
         eventually(lambda: breaches(page), lambda bad: not bad, "a card in sight", patience=6)
     return breaches(page)

@@ -98,7 +98,7 @@ class Walker:
 
 
 def nameless(lesson: Lesson, language: str) -> Iterator[str]:
-    """What the card of a scene names as a thing on the screen, and neither a knob of the scene, an option of one nor a button is."""
+    """Names in the cards' actions that no knob of the scene has, no option of one and no button."""
     for scene in lesson.path:
         knobs = [lesson.knob(name) for name in scene.knobs]
         there = [knob.label(language) for knob in knobs]

@@ -63,12 +63,12 @@ def hand(tab: WireTab) -> str:
 
 
 def ask(tab: WireTab, value: str) -> None:
-    """What a presenter's page sends when one of its buttons is pressed."""
+    """Send what a press of a button sends from a presenter's page."""
     tab.send("GuiUpdateMessage", uuid=hand(tab), updates={"value": value})
 
 
 def say(tab: WireTab, value: str) -> None:
-    """What a follower's page sends when one of its buttons is pressed."""
+    """Send what a press of a button sends from a follower's page."""
     source = next(m["source"] for m in tab.messages if m["type"] == "RunJavascriptMessage" and "// room.js" in m["source"])
     found = re.search(r'"hand": "([^"]+)"', source)
     assert found is not None

@@ -225,7 +225,7 @@ def _run(server: LabServer, tell: Callable[[], object], prepare: Callable[[LabSe
          heartbeat: float = 5.0) -> None:
     """Serve until somebody asks for the end; `tell` is called first. `heartbeat` is the time in s between two signs of life."""
     try:
-        end.stands = True  # an interrupt within an exec() of an import would be the process's status, though it was caught
+        end.stands = True  # raised within an import, an interrupt could set the exit status, even when it is caught
         tell()
         server.prepare()
         prepare(server)

@@ -113,7 +113,7 @@ class SwitchWidget:
 
 
 def typed_decimals(knob: Poles) -> int:
-    """How many decimals of a pole a person may type: finer than a press of an arrow moves it."""
+    """How many decimals of a pole a person may type; a press of an arrow moves it by a larger step."""
     return max(3, 4 - math.floor(math.log10(knob.re_high - knob.re_low)))
 
 
@@ -124,7 +124,7 @@ class PolesWidget:
         self._knob, self._poles, self._post = knob, knob.default, post
         self._rows: list[tuple[viser.GuiVector2Handle, ReadBack]] = []
         decade = math.floor(math.log10(knob.re_high - knob.re_low))
-        self._digits = max(4, 5 - decade)
+        self._digits = typed_decimals(knob) + 1
         step = 0.1 if 0 <= decade <= 1 else 10.0 ** (decade - 2)
         for i in range(len(knob.default)):
             row = gui.add_vector2(f"{knob.symbol}{i + 1}", (0.0, 0.0), min=(knob.re_low, -knob.im_high),

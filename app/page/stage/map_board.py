@@ -37,7 +37,7 @@ class Written(NamedTuple):
 
 
 def map_of(picture: Picture) -> MapFigure | None:
-    """The map that lies on the stage of a picture's lesson, if it has one; in the guide in those scenes alone that name it."""
+    """The map that lies on the stage, if the lesson has one; in the guide only in scenes that name it."""
     figure = None if picture.lesson.pick is None else next((f for f in picture.seen if isinstance(f, MapFigure)), None)
     return figure if figure is None or picture.scene is None or figure.id in picture.scene.figures else None
 

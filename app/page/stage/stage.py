@@ -45,7 +45,7 @@ def factors(body: Body, language: str) -> str:
 
 
 def factors_at(stage: Stage, charted: bool) -> Vector:
-    """Where the end of these words stands: a small body is looked at from nearer, and so are they."""
+    """Where the end of these words stands: nearer where the camera is nearer, before a small body."""
     scale = 1.0 if charted else body_scale(reach(stage))
     x, y, z = FACTORS_AT[charted]
     return scale * x, scale * y, z

@@ -90,7 +90,7 @@ def explained_html(words: Prose, markup: str) -> str:
 
 
 def formula_html(latex: str) -> str:
-    """A live equation; where one stands behind another, it may begin a line of its own."""
+    """A live equation; each part behind a quad may begin a line of its own."""
     parts = [mathml(part.strip(), True) for part in latex.split(r"\quad")]
     return '<div class="ol-formula">' + (parts[0] if len(parts) == 1 else "".join(f"<span>{part}</span>" for part in parts)) + "</div>"
 

@@ -1,4 +1,4 @@
-"""Votes in a room: each counts once, few are hidden, a typed question has options or a number, and what is no vote is refused."""
+"""Votes in a room: each counts once, few are hidden, a question may be typed, and what is no vote is refused."""
 
 from __future__ import annotations
 

@@ -63,7 +63,7 @@ def test_of_presenters_at_two_workers_the_last_one_leads_and_followers_come_back
                 ask(second, f"scene:{PREDICT}")
                 first.until(lambda: any("Another tab now leads" in note for note in first.notes), "that another leads")
                 with WireTab(one.url) as back:
-                    back.until(lambda: 'data-scene="predict"' in card(back), "the scene of who leads now")
+                    back.until(lambda: 'data-scene="predict"' in card(back), "the scene of the tab that leads now")
     finally:
         one.stop()
         other.stop()
