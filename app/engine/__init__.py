@@ -8,16 +8,46 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from .aliases import acker, c2d, care, ctrb, dare, dlyap, gram, hsvd, lyap, obsv, poles, ss, tf, zeros
+    from .aliases import (
+        acker,
+        c2d,
+        care,
+        ctrb,
+        d2c,
+        dare,
+        dlyap,
+        estim,
+        gram,
+        hsvd,
+        kalman,
+        lyap,
+        obsv,
+        poles,
+        ss,
+        tf,
+        zeros,
+    )
     from .design import dlqe, dlqr, lqe, lqr, observer_gain, place
-    from .feedback import closed_loop, compensator, loop_margins, lqg, noisy_loop, recover, sensitivity
+    from .feedback import (
+        closed_loop,
+        compensator,
+        integral_action,
+        loop_margins,
+        lqg,
+        noisy_loop,
+        recover,
+        reference_gain,
+        sensitivity,
+    )
     from .filters import (
         Belief,
         ExtendedKalmanFilter,
         KalmanFilter,
+        MultipleModelFilter,
         ParticleFilter,
         SquareRootFilter,
         UnscentedKalmanFilter,
+        angles,
         chi2_band,
         correct,
         error_parts,
@@ -29,11 +59,13 @@ if TYPE_CHECKING:
         predict,
         smooth,
     )
+    from .identification import identify
     from .network import Link, NetworkScenario, critical_loss, simulate_network
     from .observers import (
         BilinearPlant,
         bilinear_functional_observer,
         functional_observer,
+        reduced_observer,
         residual_generator,
         rlo,
         simulate_bilinear,
@@ -53,6 +85,7 @@ __all__ = [
     "ExtendedKalmanFilter",
     "KalmanFilter",
     "Link",
+    "MultipleModelFilter",
     "NetworkScenario",
     "NonlinearPlant",
     "ParticleFilter",
@@ -64,6 +97,7 @@ __all__ = [
     "SquareRootFilter",
     "UnscentedKalmanFilter",
     "acker",
+    "angles",
     "autonomous_error",
     "balanced_truncation",
     "bilinear_functional_observer",
@@ -76,11 +110,13 @@ __all__ = [
     "correct",
     "critical_loss",
     "ctrb",
+    "d2c",
     "dare",
     "dlqe",
     "dlqr",
     "dlyap",
     "error_parts",
+    "estim",
     "frequency_response",
     "from_control",
     "from_json",
@@ -92,7 +128,10 @@ __all__ = [
     "h_infinity",
     "hankel_singular_values",
     "hsvd",
+    "identify",
     "innovation_test",
+    "integral_action",
+    "kalman",
     "kalman_decomposition",
     "load_plant",
     "loop_margins",
@@ -112,6 +151,8 @@ __all__ = [
     "predict",
     "psd",
     "recover",
+    "reduced_observer",
+    "reference_gain",
     "residual_generator",
     "rlo",
     "sampled_loop",

@@ -19,6 +19,7 @@ from ..text import text
 from .bodies.body import (
     COPPER,
     DARK_GREY,
+    GHOST_NAME,
     METAL,
     PLANT_COLOUR,
     STEEL,
@@ -28,6 +29,7 @@ from .bodies.body import (
     Box,
     Cylinder,
     Part,
+    PartName,
     Pose,
     Quaternion,
     Rod,
@@ -35,6 +37,7 @@ from .bodies.body import (
     force_arrow,
     pose_between,
 )
+from .grip import Grip
 from .model import Model, Signal, Window
 
 
@@ -175,6 +178,11 @@ def body() -> Body:
         1.0,
         text("A geared arm, to scale, and a dial of the load torque, which nothing measures; the arrow at the hand is the load"),
         labels=((text("load torque"), (FACE[0], -0.5, 0.34)),),
+        names=(
+            PartName(text("motor"), "motor", (-0.5, 0.0, 0.7)),
+            PartName(text("arm: its angle is measured"), "hand", (0.5, -0.2, 0.3)),
+            PartName(GHOST_NAME, "needle tip", (-0.2, -0.2, 0.5), True),
+        ),
     )
 
 
@@ -193,6 +201,8 @@ MODEL = Model(
     controller_window=Window(-30.0, 6.0, 20.0),
     observer_window=Window(-80.0, 15.0, 40.0),
     kick=(0.0, 2.0, 0.0, 0.0),
+    grips=(Grip("pull", text("torque of a hand on the arm"), ("hand", "arm"), lambda x, gain: hand(float(x[ANGLE_INDEX])), (0.0, 0.0, 1.0),
+                (0.0, 1 / PARAMETERS.inertia, 0.0, 0.0), 1.0, "N m"),),
     watched=(
         Signal(text("angle of the arm θ"), (0.0, 0.0, 1.0, 0.0), "°", DEGREES),
         Signal(text("speed of the arm ω"), (0.0, 1.0, 0.0, 0.0), "rad/s"),

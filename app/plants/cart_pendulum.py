@@ -20,6 +20,7 @@ from ..text import text
 from .bodies.body import (
     COPPER,
     DARK_GREY,
+    GHOST_NAME,
     METAL,
     PLANT_COLOUR,
     STEEL,
@@ -29,6 +30,7 @@ from .bodies.body import (
     Box,
     Cylinder,
     Part,
+    PartName,
     Pose,
     Quaternion,
     Rod,
@@ -38,6 +40,7 @@ from .bodies.body import (
     force_arrow,
     pose_between,
 )
+from .grip import Grip
 from .model import Model, Signal, Window
 
 Sensor = Literal["position", "angle", "both"]
@@ -205,7 +208,32 @@ def body(parameters: Parameters = Parameters()) -> Body:
         return (ball, (at, -CART[1] / 2, PIVOT - 0.04))
 
     return Body(BODY_PARTS, pose, arrows, anchors, 1.0, text("A pole balanced on a cart; the green arrow is the force "
-                                                        "on the cart"))
+                                                        "on the cart"), names=(
+        PartName(text("cart: its position is measured"), "cart", (-1.0, -0.5, 0.0)),
+        PartName(text("balanced pole"), "ball", (0.7, -0.2, 0.1)),
+        PartName(GHOST_NAME, "ball", (-0.7, -0.2, 0.1), True),
+    ))
+
+
+def grips(parameters: Parameters = Parameters()) -> tuple[Grip, ...]:
+    """The ball and the cart, each pulled across.
+
+    A force F on the ball gives, in the linear equations about upright, p̈ = 0 and θ̈ = F / (m l); one on the cart is an input.
+    """
+    def at_ball(x: Sequence[float], gain: float) -> Vector:
+        return shown.anchors(x, gain)[0]
+
+    def at_cart(x: Sequence[float], gain: float) -> Vector:
+        across, y, z = shown.anchors(x, gain)[1]
+        return across, y, z - CART[2] / 2
+
+    shown, k = body(parameters), parameters
+    return (
+        Grip("pull", text("force of a hand on the ball"), ("ball", "pole"), at_ball, (1.0, 0.0, 0.0),
+             (0.0, 0.0, 0.0, 1 / (k.ball * k.length)), 0.4),
+        Grip("pull_2", text("force of a hand on the cart"), ("cart",), at_cart, (1.0, 0.0, 0.0),
+             (0.0, 0.0, 1 / k.cart, -1 / (k.cart * k.length)), 2.0),
+    )
 
 
 MODEL = Model(
@@ -228,5 +256,6 @@ MODEL = Model(
         Signal(text("angular velocity of the pole"), (0.0, 0.0, 0.0, 1.0), "°/s", 57.29577951308232),
     ),
     u_max=15.0,
+    grips=grips(),
     source="Tutorial on output feedback: the pole balanced in the fog",
 )

@@ -14,6 +14,7 @@ from ..text import text
 from .bodies.body import (
     COPPER,
     DARK_GREY,
+    GHOST_NAME,
     METAL,
     PLANT_COLOUR,
     STEEL,
@@ -22,6 +23,7 @@ from .bodies.body import (
     Box,
     Cylinder,
     Part,
+    PartName,
     Pose,
     Rod,
     Vector,
@@ -152,7 +154,12 @@ def body(parameters: Parameters = Parameters()) -> Body:
         return ((CORE, -0.18, level(float(x[0]), gain)), (CASE, -0.18, level(float(x[1]), gain)))
 
     return Body(_parts(), pose, arrows, anchors, 1.0, text("Left column: core; right column: case, the only one "
-                                                           "measured; a tick every 20 K"))
+                                                           "measured; a tick every 20 K"), names=(
+        PartName(text("core: no sensor"), "die", (-0.3, -0.9, -0.35)),
+        PartName(text("sensor on the case"), "sensor", (-0.2, -0.4, 0.75)),
+        PartName(text("core temperature"), "core level", (0.05, -0.3, 0.45)),
+        PartName(GHOST_NAME, "core level", (0.1, -0.5, -0.7), True),
+    ))
 
 
 WATCHED = (

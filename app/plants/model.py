@@ -10,6 +10,7 @@ from ..engine import Plant
 from ..engine.design import StartingGain
 from ..text import Text
 from .bodies.body import Body
+from .grip import Grip
 from .plant_extras import NO_EXTRAS, PlantExtras
 
 
@@ -43,7 +44,7 @@ class Model:
     x0, guess: true and believed initial state; horizon, dt in s; poles in rad/s; `kick`: the jump of the state that
     the kick button gives; `watched`: the signals a person follows, the most telling first; `u_max`: a natural input
     limit per input; `input_unit` and `input_scale`: how inputs are shown; `controls`: which inputs a controller may
-    drive, all of them if empty, the others being disturbances.
+    drive, all of them if empty, the others being disturbances; `grips`: where a hand can pull.
 
     A plant that a person brought has gains to start from, `controller` and `observer`; its `controller_poles` and
     `observer_poles` are those that stand on a board, and the others stay where these gains put them. `beyond` is what its
@@ -72,6 +73,7 @@ class Model:
     controller: StartingGain | None = None
     observer: StartingGain | None = None
     beyond: PlantExtras = NO_EXTRAS
+    grips: tuple[Grip, ...] = ()
 
     @property
     def controlled(self) -> Plant:

@@ -13,6 +13,7 @@ from ..text import text
 from .bodies.body import (
     COPPER,
     DARK_GREY,
+    GHOST_NAME,
     LYING,
     METAL,
     PLANT_COLOUR,
@@ -22,6 +23,7 @@ from .bodies.body import (
     Box,
     Cylinder,
     Part,
+    PartName,
     Pose,
     Rod,
     Spring,
@@ -30,6 +32,7 @@ from .bodies.body import (
     force_arrow,
     pose_between,
 )
+from .grip import Grip
 from .model import Model, Signal, Window
 
 STAGE_SCALE = 0.7  # stage units per metre
@@ -101,7 +104,17 @@ def body(parameters: Parameters = Parameters()) -> Body:
         return ((at, -0.45, RAIL_TOP + BLOCK_EDGE), (at, 0.45, RAIL_TOP + BLOCK_EDGE))
 
     return Body(BODY_PARTS, pose, arrows, anchors, 1.0, text("A block on a rail between a spring and a damper; the "
-                                                        "green arrow is the force"))
+                                                        "green arrow is the force"), names=(
+        PartName(text("block"), "block", (0.0, -0.5, 0.85)),
+        PartName(text("spring and damper"), "spring", (0.3, -0.3, 0.75)),
+        PartName(GHOST_NAME, "block", (-0.2, -0.6, -0.75), True),
+    ))
+
+
+def held_at(x: Sequence[float], gain: float) -> Vector:
+    """Where a hand holds the block: the middle of its front."""
+    at = REST_POSITION + bound_displacement(float(x[0]) * STAGE_SCALE * gain, MAX_DRAWN_DISPLACEMENT)
+    return at, -0.45, RAIL_TOP + BLOCK_EDGE / 2
 
 
 MODEL = Model(
@@ -123,5 +136,6 @@ MODEL = Model(
         Signal(text("velocity of the block"), (0.0, 1.0), "m/s"),
     ),
     u_max=1.0,
+    grips=(Grip("pull", text("force of a hand on the block"), ("block",), held_at, (1.0, 0.0, 0.0), (0.0, 1.0), 2.0),),
     source="Observer notes, example of the mass on a spring: m = 1, b = 0.5, k = 1",
 )

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from types import MappingProxyType
 from typing import Literal
 
@@ -18,7 +19,8 @@ import numpy as np
 from ..engine import EngineError, Plant
 from ..engine.systems import phrase
 from ..text import Text, text
-from .bodies.chain_body import chain_body
+from .bodies.chain_body import chain_body, held_at
+from .grip import Grip
 from .model import Model, Signal, Window
 
 Sensor = Literal["first", "second", "both", "distance", "centre"]
@@ -84,6 +86,14 @@ WATCHED = (
     Signal(text("distance of the blocks"), (-1.0, 1.0, 0.0, 0.0), "m"),
 )
 
+def grips(parameters: Parameters, most: float) -> tuple[Grip, ...]:
+    """The two blocks, each pulled along the rail with at most so many newtons."""
+    labels = text("force of a hand on the left block"), text("force of a hand on the right block")
+    mass = parameters.m1, parameters.m2
+    return tuple(Grip(("pull", "pull_2")[i], labels[i], (f"block {i + 1}",), partial(held_at, i), (1.0, 0.0, 0.0),
+                      tuple(1 / mass[i] if j == 2 + i else 0.0 for j in range(4)), most) for i in (0, 1))
+
+
 MODEL = Model(
     id="two-mass",
     label=text("Two masses and a spring"),
@@ -100,6 +110,7 @@ MODEL = Model(
     kick=(0.0, 0.0, 0.8, 0.0),
     watched=WATCHED,
     u_max=3.0,
+    grips=grips(Parameters(), 3.0),
     source="Two masses in a chain, in every textbook of vibration",
 )
 
@@ -175,7 +186,7 @@ def hidden(case: Case, parameters: Parameters | None = None) -> Hidden:
         x0=(0.4, 0.1, 0.0, 0.0) if stable else (0.16, -0.04, 0.0, 0.0), horizon=8.0,
         controller_poles=(*(slow if unseen else fixed), -1.5 - 3j, -1.5 + 3j),
         observer_poles=(*(fixed if unseen else fast), -3.5 - 4j, -3.5 + 4j),
-        kick=(0.0, 0.0, 0.4, 0.4) if stable else (0.0, 0.0, 0.05, 0.05),
+        kick=(0.0, 0.0, 0.4, 0.4) if stable else (0.0, 0.0, 0.05, 0.05), grips=grips(chosen, 0.6),
         watched=(WATCHED[2], *WATCHED[:2], Signal(
             text("centre of the blocks"), (0.5, 0.5, 0.0, 0.0), "m")),
     )

@@ -18,7 +18,8 @@ LIMIT = 1.0
 
 def _deck_gains() -> tuple[np.ndarray, np.ndarray]:
     A, B, C = DECK_MODEL.plant.A, DECK_MODEL.plant.B, DECK_MODEL.plant.C
-    return place(A, B, DECK_MODEL.controller_poles).gain, observer_gain(A, C, DECK_MODEL.observer_poles).gain
+    alike = np.ones(len(A))
+    return (place(A, B, DECK_MODEL.controller_poles, sizes=alike).gain, observer_gain(A, C, DECK_MODEL.observer_poles, sizes=alike).gain)
 
 
 def error_under_inputs() -> float:
@@ -52,7 +53,7 @@ def dual_gain() -> float:
     """‖L − K_dᵀ‖ for the deck, K_d placed on the dual plant, relative."""
     _, L = _deck_gains()
     dual = DECK_MODEL.plant.dual()
-    K = place(dual.A, dual.B, DECK_MODEL.observer_poles).gain
+    K = place(dual.A, dual.B, DECK_MODEL.observer_poles, sizes=np.ones(dual.n)).gain
     return float(np.abs(L - K.T).max() / np.abs(L).max())
 
 

@@ -14,7 +14,7 @@ from observer_lab.lessons import LESSONS
 from ..course.knobs import KnobError, Number
 from ..course.lesson import Design, Lesson, Outcome
 from ..engine import EngineError
-from ..engine.kernels import SHELF
+from ..engine.kernels import COMPILE_CACHE
 from ..plants.own_plant import canonical_text, parts_of, plant_of
 from ..plants.plant_extras import PlantExtras
 from .plan import Axis, Row, Study, StudyError, programs
@@ -149,5 +149,5 @@ def run_at(study: Study, index: int) -> Row:
 
 def run_chunk(study: Study, indexes: Sequence[int]) -> Chunk:
     """What some runs come to. Kernels stay out of it: what is compiled rounds as its processor does."""
-    with SHELF.holding({}):
+    with COMPILE_CACHE.holding({}):
         return programs(), [run_at(study, index) for index in indexes]

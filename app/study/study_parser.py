@@ -7,10 +7,11 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
-from typing import Any
+from typing import Annotated, Any, Literal, TypeVar
 
+import msgspec
 import numpy as np
 
 from observer_lab.lessons import LESSONS
@@ -19,40 +20,62 @@ from ..course.knobs import Knob, KnobError, Number
 from ..course.lesson import Lesson
 from ..engine import EngineError
 from ..plants.own_plant import clean_plant_json
+from ..text.schema import MAX_SHOWN_CHARACTERS, Checked, Misfit, judge, says, shown
 from .plan import MAX_STUDY_RUNS, Axis, Study, StudyError
 from .points import SEED_KNOB, design_at, entry_of, matrices_of, numbers, outcome_of, seed_knob
 
-KEYS = ("lesson", "set", "plant", "vary", "seeds", "seed", "collect", "final")
-RANGE = ("from", "to", "count", "scale", "values", "times", "over")
 LARGEST_SEED = 2**63 - 1
+T = TypeVar("T")
+Entries = Annotated[list[str], says("{key} is a list of entries such as A(2,1).")]
+Named = Annotated[dict[str, Any], says("{key} is an object of names with their values.")]
+
+
+class _Given(Checked, frozen=True):
+    lesson: Any = None
+    set: Named = msgspec.field(default_factory=dict)
+    plant: Any = None
+    vary: Named = msgspec.field(default_factory=dict)
+    seeds: Any = None
+    seed: Annotated[int, says(f"seed is a whole number from 0 to {LARGEST_SEED}; it cannot be {{value}}.", ge=0, le=LARGEST_SEED)] = 1
+    collect: Annotated[list[str], says(
+        "collect is a list of names, such as those of the metrics in observer-lab run --json.", min_length=1)] | None = None
+    final: Annotated[bool, says("final is true or false.")] = False
+
+
+class _Spread(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    low: Any = msgspec.field(default=None, name="from")
+    high: Any = msgspec.field(default=None, name="to")
+    count: Any = None
+    scale: Annotated[Literal["linear", "log"], says("{key} is linear or log.")] | None = None
+    values: Any = None
+    times: Entries = []
+    over: Entries = []
 
 
 def read_study(words: str, plant_in: Callable[[str], str]) -> Study:
     """The study of a text; `plant_in` gives the canonical text of the plant in a file. Raises StudyError, and what it raises."""
-    given = _parsed(words)
-    _known(given, KEYS, "A study")
-    name = given.get("lesson")
+    given = _judged(_parsed(words), _Given, "A study")
+    name = given.lesson
     if not isinstance(name, str) or name not in LESSONS:
-        raise StudyError(f"There is no lesson {_short(name)}; there are {', '.join(LESSONS)}.")
+        raise StudyError(f"There is no lesson {str(name)[:MAX_SHOWN_CHARACTERS]}; there are {', '.join(LESSONS)}.")
     origin = LESSONS[name]
     try:
-        plant = _plant(given.get("plant"), plant_in)
+        plant = _plant(given.plant, plant_in)
         lesson = origin.fit(plant)
-        changes = {knob: _value(lesson.knob(knob), value) for knob, value in _object(given, "set").items()}
-        axes = tuple(_axis(lesson, plant, called, spread) for called, spread in _object(given, "vary").items())
-        seeds, drawn = _seeds(lesson, given.get("seeds"), {*changes, *(axis.name for axis in axes)})
+        changes = {knob: _value(lesson.knob(knob), value) for knob, value in given.set.items()}
+        axes = tuple(_axis(lesson, plant, called, spread) for called, spread in given.vary.items())
+        seeds, drawn = _seeds(lesson, given.seeds, {*changes, *(axis.name for axis in axes)})
     except (EngineError, KnobError, OverflowError) as problem:
         raise StudyError(str(problem)) from problem
     twice = [axis.name for axis in axes if axis.name in changes]
     if twice:
         raise StudyError(f"{twice[0]} is set and varied; do one of them.")
-    final = _flag(given, "final")
-    if final and lesson.job is None:
+    if given.final and lesson.job is None:
         raise StudyError(f"Lesson {origin.id} has no long computation; leave out final.")
-    study = Study(origin.id, plant, tuple(changes.items()), axes, seeds, drawn, _entropy(given.get("seed", 1)), (), final)
+    study = Study(origin.id, plant, tuple(changes.items()), axes, seeds, drawn, given.seed, (), given.final)
     if study.size > MAX_STUDY_RUNS:
         raise StudyError(f"The study has {study.size} runs; at most {MAX_STUDY_RUNS} fit into one, so choose fewer values or seeds.")
-    return _collecting(study, given.get("collect"))
+    return _collecting(study, given.collect)
 
 
 # --- parts -------------------------------------------------------------------------------------------------------------
@@ -80,28 +103,12 @@ def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     return found
 
 
-def _known(given: Iterable[str], keys: tuple[str, ...], what: str) -> None:
-    for name in given:
-        if name not in keys:
-            raise StudyError(f"{what} has no {name[:40]}; it has {', '.join(keys)}.")
-
-
-def _object(given: Mapping[str, Any], name: str) -> Mapping[str, Any]:
-    found = given.get(name, {})
-    if not isinstance(found, dict):
-        raise StudyError(f"{name} is an object of names with their values.")
-    return found
-
-
-def _flag(given: Mapping[str, Any], name: str) -> bool:
-    found = given.get(name, False)
-    if not isinstance(found, bool):
-        raise StudyError(f"{name} is true or false.")
-    return found
-
-
-def _short(value: Any) -> str:
-    return str(value)[:40]
+def _judged(given: object, kind: type[T], what: str) -> T:
+    """A table of a study as its kind. Raises StudyError."""
+    try:
+        return judge(given, kind, f"{what} has no {{key}}; it has {{keys}}.")
+    except Misfit as problem:
+        raise StudyError(problem.words) from problem
 
 
 def _plant(given: Any, plant_in: Callable[[str], str]) -> str:
@@ -121,11 +128,10 @@ def _value(knob: Knob, value: Any) -> Any:
 def _axis(lesson: Lesson, plant: str, name: str, given: Any) -> Axis:
     """What varies. Raises StudyError, KnobError."""
     knob = next((knob for knob in lesson.knobs if knob.name == name), None)
-    spread = {"values": given} if isinstance(given, list) else given
-    if not isinstance(spread, dict):
+    if not isinstance(given, (list, dict)):
         raise StudyError(f"{name[:40]} varies over a list of values, or over from, to and count.")
-    _known(spread, RANGE, f"A range of {name[:40]}")
-    times, over = _entries(spread, "times"), _entries(spread, "over")
+    spread = _judged({"values": given} if isinstance(given, list) else given, _Spread, f"A range of {name[:40]}")
+    times, over = tuple(spread.times), tuple(spread.over)
     if knob is not None:
         if times or over:
             raise StudyError(f"{name} is a knob of the lesson; give the factor of the plant another name.")
@@ -155,28 +161,18 @@ def _of_plant(lesson: Lesson, plant: str, name: str, entries: tuple[str, ...]) -
         entry_of(matrices_of(plant), entry)
 
 
-def _entries(spread: Mapping[str, Any], key: str) -> tuple[str, ...]:
-    found = spread.get(key, [])
-    if not isinstance(found, list) or not all(isinstance(entry, str) for entry in found):
-        raise StudyError(f"{key} is a list of entries such as A(2,1).")
-    return tuple(found)
-
-
-def _spread(name: str, spread: Mapping[str, Any], log: bool) -> tuple[list[Any], bool]:
+def _spread(name: str, spread: _Spread, log: bool) -> tuple[list[Any], bool]:
     """The values of a list or of a range, and whether they are drawn over decades."""
-    scale = spread.get("scale", "log" if log else "linear")
-    if scale not in ("linear", "log"):
-        raise StudyError(f"The scale of {name[:40]} is linear or log.")
-    if "values" in spread:
-        values = spread["values"]
-        if not isinstance(values, list) or not values or len(values) > MAX_STUDY_RUNS or {"from", "to", "count"} & set(spread):
+    scale = spread.scale or ("log" if log else "linear")
+    missing = [key for key, value in (("from", spread.low), ("to", spread.high), ("count", spread.count)) if value is None]
+    if spread.values is not None:
+        if not isinstance(spread.values, list) or not spread.values or len(spread.values) > MAX_STUDY_RUNS or len(missing) < 3:
             raise StudyError(f"{name[:40]} varies over a list of values that is not empty, or over from, to and count.")
-        return values, scale == "log"
-    missing = [key for key in ("from", "to", "count") if key not in spread]
+        return spread.values, scale == "log"
     if missing:
         raise StudyError(f"The range of {name[:40]} lacks {', '.join(missing)}.")
-    low, high = (_number(name, spread[key]) for key in ("from", "to"))
-    count = _whole(f"The count of {name[:40]}", spread["count"], 1, MAX_STUDY_RUNS)
+    low, high = _number(name, spread.low), _number(name, spread.high)
+    count = _whole(f"The count of {name[:40]}", spread.count, 1, MAX_STUDY_RUNS)
     if scale == "log" and not (low > 0 and high > 0):
         raise StudyError(f"A range of {name[:40]} over decades lies above 0; give another from or to, or the scale linear.")
     return (np.geomspace if scale == "log" else np.linspace)(low, high, count).tolist(), scale == "log"
@@ -184,18 +180,14 @@ def _spread(name: str, spread: Mapping[str, Any], log: bool) -> tuple[list[Any],
 
 def _number(name: str, value: Any) -> float:
     if isinstance(value, bool) or not isinstance(value, (int, float)) or abs(value) > 1e300 or not math.isfinite(value):
-        raise StudyError(f"{_short(value)} is no number for {name[:40]}.")
+        raise StudyError(f"{shown(value)} is no number for {name[:40]}.")
     return float(value)
 
 
 def _whole(what: str, value: Any, low: int, high: int) -> int:
     if isinstance(value, bool) or not isinstance(value, int) or not low <= value <= high:
-        raise StudyError(f"{what} is a whole number from {low} to {high}; it cannot be {_short(value)}.")
+        raise StudyError(f"{what} is a whole number from {low} to {high}; it cannot be {shown(value)}.")
     return value
-
-
-def _entropy(given: Any) -> int:
-    return _whole("seed", given, 0, LARGEST_SEED)
 
 
 def _seeds(lesson: Lesson, given: Any, taken: set[str]) -> tuple[tuple[float, ...], int]:
@@ -210,7 +202,7 @@ def _seeds(lesson: Lesson, given: Any, taken: set[str]) -> tuple[tuple[float, ..
     return (), _whole("seeds", given, 1, int(knob.high - knob.low) + 1)
 
 
-def _collecting(study: Study, given: Any) -> Study:
+def _collecting(study: Study, given: list[str] | None) -> Study:
     """The study with the names that it collects, which are those of its first and last run. Raises StudyError."""
     found: dict[str, float] = {}
     problems = []
@@ -224,8 +216,6 @@ def _collecting(study: Study, given: Any) -> Study:
         raise StudyError(f"Neither the first nor the last run of the study can be computed: {problems[0]}")
     if given is None:
         return replace(study, collect=tuple(found))
-    if not isinstance(given, list) or not given or not all(isinstance(name, str) for name in given):
-        raise StudyError("collect is a list of names, such as those of the metrics in observer-lab run --json.")
     for name in given:
         if name not in found:
             raise StudyError(f"Lesson {study.lesson} gives no {name[:40]}; it gives {', '.join(found)}.")

@@ -15,8 +15,12 @@ def filters(plant: Plant, dplant: Plant) -> dict[str, dict[str, Any]]:
     rng = np.random.default_rng(1)
     f = engine.filters
     nu, y, P = rng.standard_normal((80, 1)), rng.standard_normal((12, 1)), np.eye(2) / 2
-    linear = {"A": dplant.A, "B": dplant.B, "C": dplant.C, "Q": I2, "R": ONE, "D": np.zeros((1, 1)), "dt": 0.1}
+    linear = {"A": dplant.A, "B": dplant.B, "C": dplant.C, "Q": I2, "R": ONE, "D": np.zeros((1, 1)), "dt": 0.1,
+              "source": KalmanFilter.from_plant(plant, ONE, ONE, dt=0.1).source}
     bent = {"f": rhs, "h": same, "Q": ONE, "R": ONE}
+    turned = {"y_minus": f.angles([0]), "x_minus": f.angles([0]), "x_plus": np.add}
+    moments = {"t": np.arange(12) / 10, "R": ONE, "gate": 0.999}
+    timed = {**moments, "Q": ONE}
     kf, ekf, ukf = KalmanFilter(**linear), f.ExtendedKalmanFilter(**bent), f.UnscentedKalmanFilter(**bent)
     belief, one = Belief([0, 0], I2), Belief([0], ONE)
     start = f.Beliefs.alike([0.0], ONE, 3)
@@ -37,20 +41,28 @@ def filters(plant: Plant, dplant: Plant) -> dict[str, dict[str, Any]]:
         "Beliefs": {"mean": np.zeros((1, 3)), "covariance": np.ones((3, 1, 1)), "points": np.zeros((1, 3, 3))},
         "Beliefs.alike": {"self": f.Beliefs, "mean": [0.0], "covariance": ONE, "runs": 3},
         "Experiment": experiment,
-        "ExtendedKalmanFilter": {**bent, "f_expand": expand, "h_expand": expand},
+        "ExtendedKalmanFilter": {**bent, "f_expand": expand, "h_expand": expand, **turned, "iterations": 2},
         "KalmanFilter": linear, "SquareRootFilter": linear,
-        "LinearisedFilter": {**bent, "x_rest": np.zeros(1), "u_rest": np.zeros(0)},
-        "PrintedUnscentedFilter": {**bent, **spread}, "UnscentedKalmanFilter": {**bent, **spread},
+        "LinearisedFilter": {**bent, **turned, "x_rest": np.zeros(1), "u_rest": np.zeros(0)},
+        "PrintedUnscentedFilter": {**bent, **turned, **spread}, "UnscentedKalmanFilter": {**bent, **turned, **spread},
+        "angles": {"rows": [0]},
+        "MultipleModelFilter": {"filters": (kf, KalmanFilter(**{**linear, "Q": 4 * I2})), "switching": [[0.9, 0.1], [0.2, 0.8]]},
+        **of(f.MultipleModelFilter((kf, kf), [[0.9, 0.1], [0.2, 0.8]]), "MultipleModelFilter",
+             run={"start": belief, "y": y, "u": np.zeros((12, 1)), "probabilities": [0.5, 0.5]}),
         "Steering": {"by": "ekf", "gain": np.zeros((1, 1)), "u_max": np.ones(1)},
         "KalmanFilter.from_plant": {"self": KalmanFilter, "plant": plant, "W": ONE, "V": ONE, "dt": 0.1, "G": B},
         **of(kf, "KalmanFilter", predict={"belief": belief, "u": [0.0]}, correct={"belief": belief, "y": [1.0], "u": [0.0]},
               update={"belief": belief, "y": [1.0], "u": [0.0]}, short_update={"belief": belief, "y": [1.0], "u": [0.0]},
               schedule={"start": belief, "steps": 12, "seen": np.ones((12, 1), dtype=bool)},
-              run={"start": belief, "y": y, "u": np.zeros((12, 1)), "schedule": schedule}),
-        **of(ekf, "ExtendedKalmanFilter", predict={"belief": one, "u": []}, correct={"belief": one, "y": [1.0], "u": []},
-              update={"belief": one, "y": [1.0], "u": []}, run={"start": one, "y": y, "u": None}),
-        **of(ukf, "UnscentedKalmanFilter", predict={"belief": one, "u": []}, correct={"belief": one, "y": [1.0], "u": []},
-              update={"belief": one, "y": [1.0], "u": []}, run={"start": one, "y": y, "u": None}),
+              run={"start": belief, "y": y, "u": np.zeros((12, 1)), "schedule": schedule, "t": None, "R": None, "gate": None}),
+        **of(KalmanFilter(**linear), "SquareRootFilter",
+              run={"start": belief, "y": y, "u": np.zeros((12, 1)), "schedule": None, **moments}),
+        **of(ekf, "ExtendedKalmanFilter", predict={"belief": one, "u": [], "t": 1.0, "dt": 0.1},
+              correct={"belief": one, "y": [1.0], "u": [], "t": 1.0}, update={"belief": one, "y": [1.0], "u": []},
+              run={"start": one, "y": y, "u": None, **timed}),
+        **of(ukf, "UnscentedKalmanFilter", predict={"belief": one, "u": [], "t": 1.0, "dt": 0.1},
+              correct={"belief": one, "y": [1.0], "u": [], "t": 1.0}, update={"belief": one, "y": [1.0], "u": []},
+              run={"start": one, "y": y, "u": None, **timed}),
         "ParticleFilter": {**bent, "particles": 20},
         **of(f.ParticleFilter(**bent, particles=20), "ParticleFilter", run={"start": one, "y": y, "u": None, "rng": rng}),
         "h_infinity": {"A": A, "G": B, "C": C, "W": ONE, "V": ONE, "gamma": 2.0, "Z": C},

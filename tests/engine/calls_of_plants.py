@@ -13,6 +13,7 @@ from call_parts import I2, ONE, A, B, C, ones, rhs, same, slope
 
 from observer_lab import engine
 from observer_lab.engine import Plant, to_control, to_json, to_mat
+from observer_lab.engine.systems import discretise
 
 
 def systems(plant: Plant, dplant: Plant) -> dict[str, dict[str, Any]]:
@@ -39,6 +40,7 @@ def systems(plant: Plant, dplant: Plant) -> dict[str, dict[str, Any]]:
         "match_poles": {"a": [-1, -2], "b": [-2, -1]},
         "modal_coordinates": {"A": A, "B": B, "C": C},
         "move_pole": {"poles": [-1, -2], "index": 0, "to": -3 + 0j, "axis_snap": 0.1, "fixed": (1,)},
+        "pair_conjugates": {"poles": [-1 + 1j, -1 - 1j], "rtol": 1e-9, "floor": 1.0},
         "natural_scale": {"A": A, "B": B, "C": C},
         "state_scale": {"A": A, "B": B, "C": C},
         "pole_text": {"pole": -1 + 2j},
@@ -99,7 +101,7 @@ def structure(plant: Plant) -> dict[str, dict[str, Any]]:
 def design(plant: Plant) -> dict[str, dict[str, Any]]:
     channel = engine.design.rational([1], [1, 1])
     shape = engine.design.LoopShape(2.0)
-    estimate = {"A": A, "G": B, "C": C, "W": ONE, "V": ONE}
+    estimate = {"A": A, "G": B, "C": C, "W": ONE, "V": ONE, "N": ONE / 2}
     regulate = {"A": A, "B": B, "Q": I2, "R": ONE, "N": np.zeros((2, 1))}
     return {
         "LoopShape": {"gain": 1.0, "lag": (1.0, 0.0), "lead": (1.0, 2.0), "roll_off": 10.0, "order": 2},
@@ -110,7 +112,8 @@ def design(plant: Plant) -> dict[str, dict[str, Any]]:
         "in_natural_units": {"plant": plant},
         "loop_shaped": {"shape": shape},
         "negated": {"plant": plant},
-        "observer_gain": {"A": A, "C": C, "poles": [-1, -2]}, "place": {"A": A, "B": B, "poles": [-1, -2]},
+        "observer_gain": {"A": A, "C": C, "poles": [-1, -2], "sizes": [1.0, 2.0]},
+        "place": {"A": A, "B": B, "poles": [-1, -2], "sizes": [1.0, 2.0]},
         "polynomial_roots": {"polynomial": [1, 3, 2]},
         "rational": {"numerator": [1], "denominator": [1, 1]},
         "realise": {"zeros": [-1], "poles": [-2, -3], "gain": 2.0},
@@ -126,8 +129,12 @@ def aliases(plant: Plant) -> dict[str, dict[str, Any]]:
     regulate = {"A": A, "B": B, "Q": I2, "R": ONE, "S": np.zeros((2, 1))}
     return {
         **{name: {"plant": plant} for name in ("ctrb", "obsv", "hsvd", "poles", "zeros")},
-        "acker": {"A": A, "B": B, "poles": [-1, -2]}, "c2d": {"plant": plant, "Ts": 0.1},
-        "care": regulate, "dare": regulate, "lyap": {"A": A, "Q": I2}, "dlyap": {"A": A / 5, "Q": I2},
+        "acker": {"A": A, "B": B, "poles": [-1, -2]}, "c2d": {"plant": plant, "Ts": 0.1, "method": "tustin"},
+        "d2c": {"plant": discretise(plant, 0.1), "method": "zoh"},
+        "care": regulate, "dare": regulate, "lyap": {"A": A, "Q": I2, "C": None, "E": I2},
+        "dlyap": {"A": A / 5, "Q": I2, "C": I2, "E": None},
+        "estim": {"plant": plant, "L": np.ones((2, 1)), "sensors": [0], "known": [0]},
+        "kalman": {"plant": plant, "Qn": ONE, "Rn": ONE, "Nn": ONE / 2, "type": "delayed"},
         "gram": {"plant": plant, "type": "c"}, "ss": {"A": A, "B": B, "C": C, "D": np.zeros((1, 1)), "dt": 0.1},
         "tf": {"num": [1.0], "den": [1.0, 2.0], "dt": 0.1},
     }

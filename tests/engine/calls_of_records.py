@@ -25,16 +25,18 @@ def identification(dplant: Plant) -> dict[str, dict[str, Any]]:
     text = "t [s],u [V],y [m]\n" + "".join(f"{a},{b},{c}\n" for a, b, c in zip(t, u, y, strict=True))
     path = Path(tempfile.mkdtemp()) / "record.csv"
     path.write_text(text, encoding="utf-8")
+    said = {"step": None, "missing": ("-9999",), "decimal": ".", "hold": True}
     return {
         "Record": {"t": t, "u": u, "y": y, "input_names": ("u",), "output_names": ("y",), "units": (("u", "V"),), "notes": ()},
-        "load_record": {"path": path, "time": "t", "inputs": ("u",), "outputs": ("y",)},
-        "read_record": {"text": text, "time": "t", "inputs": ("u",), "outputs": ("y",)},
+        "load_record": {"path": path, "time": "t", "inputs": ("u",), "outputs": ("y",), **said},
+        "read_record": {"text": text, "time": "t", "inputs": ("u",), "outputs": ("y",), **said},
         "resample": {"record": record, "step": 0.2},
         "trend_of": {"record": record, "degree": 1},
         "detrend": {"record": record, "trend": trend_of(record)},
         "split_record": {"record": record, "share": 0.5},
         "subspace": {"u": record.u, "y": record.y, "order": 1, "horizon": 5},
-        "identify": {"record": record, "order": 1, "share": 0.5, "degree": 0, "step": 0.1},
+        "identify": {"record": record, "order": 1, "share": 0.5, "degree": 0, "step": 0.1, "delay": 0, "robust": True},
+        "filter_plant": {"plant": plant, "record": record, "share": 0.5, "delay": 0, "robust": True},
         "fit_noise": {"plant": plant, "record": record},
         "filter_record": {"fitted": found.fitted, "record": found.record, "first": 120, "factor": 1.0, "level": 0.99},
     }

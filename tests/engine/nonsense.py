@@ -23,6 +23,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
+import scipy.sparse
 
 if __name__ == "__main__":
     sys.path[:0] = [str(Path(__file__).resolve().parents[2]), str(Path(__file__).resolve().parent)]
@@ -56,7 +57,7 @@ def _masked(valid: np.ndarray) -> object:
 NEVER: dict[str, object] = {  # has no meaning as a number, a matrix, a record of anything
     "text": "nonsense", "bytes": b"nonsense", "object": object(), "array of text": np.array(["a"]),
     "array of dates": np.array(["2020-01-01"], dtype="M8[D]"), "NaN": np.nan, "array of None": np.array([None]),
-    "ragged list": [[1, 2], [3]], "set": {1, 2},
+    "ragged list": [[1, 2], [3]], "set": {1, 2}, "no text": "", "NaN in a sparse matrix": scipy.sparse.csr_matrix([[np.nan, 0], [0, 1]]),
 }
 MAYBE: dict[str, object] = {  # makes sense here and there
     "None": None, "True": True, "empty list": [], "empty dict": {}, "function": lambda *given: None, "1e400": 10**400,
@@ -67,13 +68,17 @@ MAYBE: dict[str, object] = {  # makes sense here and there
     "plant without states": Plant(np.zeros((0, 0)), np.zeros((0, 1)), np.zeros((1, 0))),
     "plant": Plant(np.eye(3) * 1.5, np.ones((3, 2)), np.ones((2, 3)), dt=0.5),
     "wide": np.ones((2, 5)), "large numbers": np.full((2, 2), 1e200), "column": np.ones((4, 1)), "range": range(3),
-    "zero": np.zeros((2, 2)),
+    "zero": np.zeros((2, 2)), "no columns": np.zeros((2, 0)), "no rows": np.zeros((0, 2)), "no entries": np.zeros(0),
+    "sparse without entries": scipy.sparse.csr_matrix((0, 0)), "large sparse": scipy.sparse.csr_array((10**5, 10**5)),
+    "1e308": 1e308, "largest numbers": np.full((2, 2), 1e308), "largest difference": np.array([[1e308, -1e308], [1e-308, 1e308]]),
+    "least": 5e-324, "beyond single precision": np.full((2, 2), np.inf, dtype=np.float32),
 }
 SPOILT: dict[str, tuple[bool, Callable[[np.ndarray], object]]] = {  # what is right but for one thing; whether an answer is wrong
     "a NaN in it": (True, _entry(np.nan)), "an infinity in it": (True, _entry(np.inf)), "an imaginary part in it": (True, _entry(1j)),
     "a masked entry": (True, _masked), "one row more": (False, lambda v: np.concatenate([v, v[:1]])),
     "one dimension more": (False, lambda v: v[None]), "negative": (False, lambda v: -v), "as text": (True, lambda v: v.astype(str)),
-    "tiny": (False, lambda v: v * 1e-200), "huge": (False, lambda v: v * 1e200),
+    "tiny": (False, lambda v: v * 1e-200), "huge": (False, lambda v: v * 1e200), "largest": (False, lambda v: np.sign(v) * 1e308),
+    "1e308 in it": (False, _entry(1e308)), "-1e308 in it": (False, _entry(-1e308)), "5e-324 in it": (False, _entry(5e-324)),
     "asymmetric": (False, lambda v: v + np.triu(np.ones_like(v), 1) if v.ndim == 2 else v * 2),
 }
 
@@ -159,11 +164,13 @@ def findings(cases: list[tuple[str, str]]) -> Iterator[tuple[str, str, str, str]
 
 
 def _sensible(name: str, argument: str, kind: str) -> bool:
+    if kind == "NaN in a sparse matrix":
+        kind = "a NaN in it"
     return ((argument in MISSING and kind in ("a NaN in it", "a masked entry", "NaN"))
             or (argument in COMPLEX and kind == "an imaginary part in it")
             or (argument in ("u_max", "omega", "lower", "upper") and kind == "an infinity in it")
             or (bool({argument, f"{name} {argument}"} & ASTRAY) and kind in ("a NaN in it", "an infinity in it", "a masked entry"))
-            or (argument.endswith("_names") and kind == "array of text"))
+            or ((argument.endswith("_names") or argument == "notes") and kind == "array of text"))
 
 
 def cases() -> list[tuple[str, str]]:

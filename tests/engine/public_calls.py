@@ -31,7 +31,7 @@ ANSWERS = frozenset({
     "feedback.Sensitivity", "feedback.TransferFunction", "filters.Correction", "filters.Corrections", "filters.ErrorParts",
     "filters.FilterTrial", "filters.InnovationTest", "filters.Ladder", "filters.RootBelief", "filters.Sample", "filters.Schedule",
     "filters.SquaredError", "filters.Track", "filters.Whiteness", "filters.HorizonTrack",
-    "filters.ParticleTrack", "filters.RobustGain", "filters.Smoothed", "observers.Attempt", "observers.BilinearForm",
+    "filters.ModelTrack", "filters.ParticleTrack", "filters.RobustGain", "filters.Smoothed", "observers.Attempt", "observers.BilinearForm",
     "observers.BilinearObserver", "observers.BilinearRun", "observers.Decoupling", "observers.Existence", "observers.FaultBank",
     "observers.FunctionalObserver", "observers.FunctionalRun", "observers.Perturbations", "observers.ReducedObserver",
     "observers.ResidualGenerator",

@@ -71,7 +71,7 @@ def judged(plant: Known, seed: int) -> tuple[bool, bool, bool]:
     found = identify(plant.record(seed), order=len(true))
     rows, columns = linear_sum_assignment(np.abs(true[:, None] - found.subspace.poles))
     away = np.abs(true[rows] - found.subspace.poles[columns])
-    return (bool((away <= DEVIATIONS * found.subspace.deviations[columns]).all()), found.judged.consistent,
+    return (bool((away <= DEVIATIONS * found.subspace.deviations[columns]).all()), found.judged.nis_holds,
             found.subspace.suggested == len(true))
 
 

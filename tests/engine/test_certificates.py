@@ -54,4 +54,4 @@ def test_stationary_covariances_come_from_one_room() -> None:
     root = Path(__file__).resolve().parents[2]
     users = {p.relative_to(root).as_posix() for folder in ("app", "lessons") for p in (root / folder).rglob("*.py")
              if "solve_discrete_lyapunov(" in p.read_text(encoding="utf-8")}
-    assert users <= {"app/engine/design/riccati.py", "app/engine/aliases.py"}
+    assert users <= {"app/engine/systems/lyapunov.py", "app/engine/systems/stability.py"}  # `lyap` of any Q, and a judged Newton step

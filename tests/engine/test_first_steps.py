@@ -35,11 +35,12 @@ def test_first_steps_run_and_say_what_is_so(monkeypatch: pytest.MonkeyPatch) -> 
     names: dict[str, Any] = {}
     shown = [played(source, names) for source in cells()]
     pyplot.close("all")
-    assert len(shown) == 10
+    assert len(shown) == 11
     assert all(len(repr(value)) < 400 for value in shown)
     assert shown[2] == (True, True)
     np.testing.assert_allclose(np.sort(np.linalg.eigvals(shown[3]).real), [-7, -6])
     both = np.concatenate([names["E"], [-6, -7]])
     np.testing.assert_allclose(np.sort_complex(shown[4]), np.sort_complex(both), atol=1e-8)
+    np.testing.assert_allclose(np.sort_complex(shown[7][0]), np.sort_complex(np.roots([1, 0.3, 2.5])))  # of the loop by python-control
     filtered, smoothed = names["rms"]
     assert smoothed < filtered < 1.0

@@ -44,7 +44,7 @@ def _map(H: np.ndarray, z: Units) -> np.ndarray:
 def _correlated(P: np.ndarray) -> np.ndarray:
     """Variances as they are, covariances beside them: every entry told to the digits of its own units."""
     variance = np.maximum(np.diag(P), 1e-300)
-    return np.where(np.eye(len(P)) > 0, np.log(variance), P / np.sqrt(np.outer(variance, variance)))
+    return np.where(np.eye(len(P)) > 0, np.log(variance), P / np.sqrt(variance) / np.sqrt(variance)[:, None])
 
 
 def lqr(c: Case, z: Units) -> Answer:
@@ -169,7 +169,7 @@ def _told(values: tuple[float, ...]) -> tuple[float, ...]:
 def dominance(c: Case, z: Units) -> Answer:
     p, k = c.plant, min(c.plant.m, c.plant.p)
     square = Plant(p.A, p.B[:, :k], p.C[:k], np.asarray(p.D)[:k, :k], p.dt)
-    omega = np.array([0.1, 1.0]) * (_rate(c, z) if not p.dt else 1.0)
+    omega = np.array([0.1, 1.0]) * z.tau
     found = structure.dominance(square, omega)
     return {"scaled": found.scaled, "relative gains": found.relative_gains}
 
@@ -284,9 +284,9 @@ def breach(law: str, case: Case, units: Units, tolerance: float = TOLERANCE) -> 
     return ""
 
 
-def _asked(law: str, case: Case, units: Units) -> Answer | str:
+def _asked(law: str, case: Case, units: Units, laws: dict[str, Callable[[Case, Units], Answer]] = LAWS) -> Answer | str:
     try:
-        return LAWS[law](case, units)
+        return laws[law](case, units)
     except systems.EngineError as refusal:
         return str(refusal)
 

@@ -57,7 +57,7 @@ class Optimal(ActsAsGain):
 
 @record()
 class DiscreteFilter(Optimal):
-    """The steady Kalman filter in discrete time: gain is the predictor gain L = A·M, filter_gain is M.
+    """The steady Kalman filter in discrete time: gain is the predictor gain L, A·M unless w and v agree, filter_gain is M.
 
     Predictor: x̂⁺ = A x̂ + B u + L (y − C x̂ − D u), poles eig(A − LC). solution is the a-priori covariance P of x − x̂.
     Filter: x̂ after y is x̂ + M (y − C x̂ − D u), with covariance `filtered` = (I − MC) P.
@@ -68,12 +68,12 @@ class DiscreteFilter(Optimal):
 
     @property
     def predictor_gain(self) -> np.ndarray:
-        """L = A·M, the same as `gain`."""
+        """L, the same as `gain`."""
         return self.gain
 
 
 @takes("continuous", A=matrix(), B=matrix(), Q=matrix(), R=matrix(), N=matrix())
-def lqr(A: object, B: object, Q: object, R: object, *, N: object | None = None) -> Optimal:
+def lqr(A: object, B: object, Q: object, R: object, N: object | None = None) -> Optimal:
     """K = R⁻¹(BᵀS + Nᵀ) minimising ∫ xᵀQx + 2xᵀNu + uᵀRu dt for ẋ = Ax + Bu, u = −Kx.
 
     S ≥ 0 solves AᵀS + SA − (SB + N)R⁻¹(BᵀS + Nᵀ) + Q = 0. Shapes: A n×n, B n×m, Q n×n symmetric and positive
@@ -88,7 +88,7 @@ def lqr(A: object, B: object, Q: object, R: object, *, N: object | None = None) 
 
 
 @takes("sampled", A=matrix(), B=matrix(), Q=matrix(), R=matrix(), N=matrix())
-def dlqr(A: object, B: object, Q: object, R: object, *, N: object | None = None) -> Optimal:
+def dlqr(A: object, B: object, Q: object, R: object, N: object | None = None) -> Optimal:
     """K = (R + BᵀSB)⁻¹(BᵀSA + Nᵀ) minimising Σ xᵀQx + 2xᵀNu + uᵀRu for x⁺ = Ax + Bu, u = −Kx.
 
     S solves S = AᵀSA − (AᵀSB + N)(R + BᵀSB)⁻¹(BᵀSA + Nᵀ) + Q; A may be singular, and R where R + BᵀSB is
@@ -101,32 +101,32 @@ def dlqr(A: object, B: object, Q: object, R: object, *, N: object | None = None)
     return _solved(problem, 1.0, _CONTROL)
 
 
-@takes("continuous", A=matrix(), G=matrix(), C=matrix(), W=matrix(), V=matrix())
-def lqe(A: object, G: object, C: object, W: object, V: object) -> Optimal:
-    """L = PCᵀV⁻¹ of the Kalman–Bucy filter for ẋ = Ax + Gw, y = Cx + v, white w, v of intensities W, V.
+@takes("continuous", A=matrix(), G=matrix(), C=matrix(), W=matrix(), V=matrix(), N=matrix())
+def lqe(A: object, G: object, C: object, W: object, V: object, N: object | None = None) -> Optimal:
+    """L = (PCᵀ + GN)V⁻¹ of the Kalman–Bucy filter for ẋ = Ax + Gw, y = Cx + v, white w, v of intensities W, V and N = E wvᵀ.
 
-    P ≥ 0 solves AP + PAᵀ − PCᵀV⁻¹CP + GWGᵀ = 0. Shapes: A n×n, G n×q, C p×n, W q×q ≥ 0, V p×p > 0. L depends on the
-    ratio of W and V alone. Raises as `lqr` does.
+    P ≥ 0 solves AP + PAᵀ − (PCᵀ + GN)V⁻¹(CP + NᵀGᵀ) + GWGᵀ = 0. Shapes: A n×n, G n×q, C p×n, W q×q ≥ 0, V p×p > 0, N q×p
+    (zero if left out). L depends on the ratio of W, N and V alone. Raises as `lqr` does.
 
     >>> np.round(lqe([[0, 1], [0, 0]], [[0], [1]], [[1, 0]], [[1]], [[1]]).gain.T, 4)
     array([[1.4142, 1.    ]])
     """
-    problem, noise = _estimator(A, G, C, W, V)
+    problem, noise = _estimator(A, G, C, W, V, N)
     dual = _solved(problem, 0.0, _ESTIMATION)
     return Optimal(frozen(dual.gain.T), dual.solution, dual.poles, replace(dual._equation, noise=noise))
 
 
-@takes("sampled", A=matrix(), G=matrix(), C=matrix(), W=matrix(), V=matrix())
-def dlqe(A: object, G: object, C: object, W: object, V: object) -> DiscreteFilter:
-    """Steady Kalman filter of x⁺ = Ax + Gw, y = Cx + v with covariances W, V: both the gain L = A·M and M.
+@takes("sampled", A=matrix(), G=matrix(), C=matrix(), W=matrix(), V=matrix(), N=matrix())
+def dlqe(A: object, G: object, C: object, W: object, V: object, N: object | None = None) -> DiscreteFilter:
+    """Steady Kalman filter of x⁺ = Ax + Gw, y = Cx + v with covariances W, V and N = E wvᵀ: the gain L, and M = PCᵀ(CPCᵀ + V)⁻¹.
 
-    P = APAᵀ − APCᵀ(CPCᵀ + V)⁻¹CPAᵀ + GWGᵀ and M = PCᵀ(CPCᵀ + V)⁻¹. V may be singular (sensors without
-    noise) where CPCᵀ + V is not. Shapes and errors as `lqe`.
+    L = (APCᵀ + GN)(CPCᵀ + V)⁻¹, which is A·M where N = 0, and P = APAᵀ − L(CPCᵀ + V)Lᵀ + GWGᵀ. V may be singular (sensors
+    without noise) where CPCᵀ + V is not. Shapes and errors as `lqe`.
 
     >>> np.round(dlqe([[1]], [[1]], [[1]], [[1]], [[1]]).gain, 4)
     array([[0.618]])
     """
-    problem, noise = _estimator(A, G, C, W, V, as_weight)
+    problem, noise = _estimator(A, G, C, W, V, N, as_weight)
     dual = _solved(problem, 1.0, _ESTIMATION)
     P, C_, V_ = dual.solution, problem.B.T, problem.R
     M = np.linalg.solve(C_ @ P @ C_.T + V_, C_ @ P).T
@@ -159,16 +159,10 @@ def _regulator(A: object, B: object, Q: object, R: object, N: object | None,
                          n=n, rows=B.shape[0], columns=B.shape[1])
     m = B.shape[1]
     Q, R = as_weight(Q, "Q", n), weight(R, "R", m)
-    cross = np.zeros((n, m)) if N is None else as_checked(N)
-    if cross.shape != (n, m):
-        raise ShapeError("N must be {n}×{m}; it is {rows}×{columns}.",
-                         n=n, m=m, rows=cross.shape[0], columns=cross.shape[1])
-    if np.any(cross) and is_definite(R):
-        _not_too_much(Q, R, cross)
-    return RiccatiProblem(A, B, Q, R, cross)
+    return RiccatiProblem(A, B, Q, R, _cross(N, n, m, Q, R))
 
 
-def _estimator(A: object, G: object, C: object, W: object, V: object,
+def _estimator(A: object, G: object, C: object, W: object, V: object, N: object | None,
                weight: Callable[[object, str, int], np.ndarray] = as_definite) -> tuple[RiccatiProblem, tuple[np.ndarray, np.ndarray]]:
     A, G, C = as_checked(A), as_checked(G), as_checked(C)
     n = _square(A, "A")
@@ -179,8 +173,19 @@ def _estimator(A: object, G: object, C: object, W: object, V: object,
         raise ShapeError("C must have {n} columns, as A has; it is {rows}×{columns}.",
                          n=n, rows=C.shape[0], columns=C.shape[1])
     W, V = as_weight(W, "W", G.shape[1]), weight(V, "V", C.shape[0])
+    both = _cross(N, G.shape[1], C.shape[0], W, V)
     noise = G @ W @ G.T
-    return RiccatiProblem(A.T, C.T, symmetric(noise), V, np.zeros((n, C.shape[0]))), (G, W)
+    return RiccatiProblem(A.T, C.T, symmetric(noise), V, G @ both), (G, W)
+
+
+def _cross(N: object | None, rows: int, columns: int, Q: np.ndarray, R: np.ndarray) -> np.ndarray:
+    """N (rows×columns), zero if left out, that fits between the weights Q and R."""
+    cross = np.zeros((rows, columns)) if N is None else as_checked(N)
+    if cross.shape != (rows, columns):
+        raise ShapeError("N must be {n}×{m}; it is {rows}×{columns}.", n=rows, m=columns, rows=cross.shape[0], columns=cross.shape[1])
+    if np.any(cross) and is_definite(R):
+        _not_too_much(Q, R, cross)
+    return cross
 
 
 def _square(A: np.ndarray, name: str) -> int:

@@ -14,23 +14,22 @@ from ..systems.arrays import as_checked, frozen
 from ..systems.balance import balance, state_scale
 from ..systems.errors import PoleError, ShapeError, phrase
 from ..systems.exact_roots import MAX_STATES, exact_poles
-from ..systems.gates.argument_checks import POLES, matrix, takes
+from ..systems.gates.argument_checks import POLES, matrix, optional, takes, vector
 from ..systems.pole_sets import Poles, check_poles, match_poles, move_pole, pole_text
 from ..systems.records import record
 from ..systems.stability import poles_within
 from .eigenstructure import controllable_split, input_factors, place_by_deflation
 from .gain_record import ActsAsGain
-from .robust import place_pairs_robustly
+from .robust import place_robustly
 
 __all__ = ["Placement", "match_poles", "move_pole", "observer_gain", "place"]
 
 SAME_POLE = 1e-5  # a fixed pole counts as requested within this distance, relative to its size
 TURNED = 100  # times rounding of A, by which the staircase may move a fixed pole
-POOR_EIGENVECTORS = 1e9  # at this condition number a gain by deflation is taken where it costs half as much
-WORTH_A_LOOK = 1e5  # below it deflation could not win
-OTHER_STATES = 1.5  # a gain found in balanced states is taken where it is that much smaller: where both are alike, the states given count
+WORSE_EIGENVECTORS = 3.0  # a gain by deflation is taken where it is 1 + 3 times smaller, for its eigenvectors are as they come,
+POOR_EIGENVECTORS = 1e9  # or 1 + 1 times where the robust ones are as poor as this; beside a multiple pole by this condition alone
+OTHER_STATES = 1.5  # where sizes of states are given, a gain found in other states is taken where it is so many times smaller
 ALLOWED_MISS = 1e-6  # of the largest pole: a gain that misses the poles by this counts as twice as large
-
 
 @record()
 class Placement(ActsAsGain):
@@ -87,14 +86,14 @@ def _upper_bound(closed: np.ndarray, asked: Poles) -> tuple[Poles, float]:
     return frozen(found[order]), float((np.abs(asked - found[order]) + slack[order]).max())
 
 
-@takes(A=matrix(), B=matrix(), poles=POLES)
-def place(A: object, B: object, poles: Iterable[complex]) -> Placement:
+@takes(A=matrix(), B=matrix(), poles=POLES, sizes=optional(vector()))
+def place(A: object, B: object, poles: Iterable[complex], *, sizes: object | None = None) -> Placement:
     """State-feedback gain K (m×n) with eig(A − BK) = poles, u = −Kx.
 
     A is n×n, B n×m; n poles closed under conjugation, of any multiplicity. With several inputs the freedom left is
-    used to make the eigenvectors well conditioned (start: Kautsky, Nichols and Van Dooren 1985), in the states given and
-    in balanced ones; of these gains the one with the smaller ‖K‖_F in the units given is returned, that of the balanced
-    states counting 1.5 times and a miss of the poles by 1e-6 of the largest as twice. Uncontrollable modes must be among the
+    used to make the eigenvectors well conditioned (start: Kautsky, Nichols and Van Dooren 1985), in states balanced with the
+    inputs, so that no unit of a state or an input changes the feedback. `sizes` (n,) of the states that count as alike take
+    the place of these, ones for the units given. Uncontrollable modes must be among the
     poles. Raises PoleError with the reason where no gain exists, ShapeError where shapes
     disagree.
 
@@ -102,21 +101,22 @@ def place(A: object, B: object, poles: Iterable[complex]) -> Placement:
     array([[2., 3.]])
     """
     matrices = _checked_pair(A, B, "A", "B")
-    return _place(*matrices, poles, _Wording(phrase("uncontrollable"), "K"))
+    return _place(*matrices, poles, _Wording(phrase("uncontrollable"), "K"), _sizes(sizes, len(matrices[0])))
 
 
-@takes(A=matrix(), C=matrix(), poles=POLES)
-def observer_gain(A: object, C: object, poles: Iterable[complex]) -> Placement:
-    """Observer gain L (n×p) with eig(A − LC) = poles, by duality: L = place(Aᵀ, Cᵀ, poles).gainᵀ.
+@takes(A=matrix(), C=matrix(), poles=POLES, sizes=optional(vector()))
+def observer_gain(A: object, C: object, poles: Iterable[complex], *, sizes: object | None = None) -> Placement:
+    """Observer gain L (n×p) with eig(A − LC) = poles, by duality: L = place(Aᵀ, Cᵀ, poles, sizes=1/sizes).gainᵀ.
 
-    A is n×n, C p×n. Raises as `place` does, with unobservable in place of uncontrollable.
+    A is n×n, C p×n, `sizes` (n,) as `place` takes them. Raises as `place` does, with unobservable in place of uncontrollable.
 
     >>> np.round(observer_gain([[0, 1], [0, 0]], [[1, 0]], [-1, -2]).gain.T, 6)
     array([[3., 2.]])
     """
     C = as_checked(C)
     A_dual, C_dual = _checked_pair(as_checked(A).T, C.T, "Aᵀ", "Cᵀ")
-    dual = _place(A_dual, C_dual, poles, _Wording(phrase("unobservable"), "L"))
+    alike = _sizes(sizes, len(A_dual))
+    dual = _place(A_dual, C_dual, poles, _Wording(phrase("unobservable"), "L"), None if alike is None else 1 / alike)
     return Placement(frozen(dual.gain.T), dual.asked, dual.condition, dual.fixed, dual._pair)
 
 
@@ -138,14 +138,21 @@ def _checked_pair(A: object, B: object, a: str, b: str) -> tuple[np.ndarray, np.
     return first, second
 
 
-def _place(A: np.ndarray, B: np.ndarray, poles: Iterable[complex], words: _Wording) -> Placement:
+def _sizes(sizes: object | None, n: int) -> np.ndarray | None:
+    found = None if sizes is None else as_checked(sizes)
+    if found is not None and (len(found) != n or not found.min() > 0):
+        raise ShapeError("The sizes must be {n} positive numbers, one for each state.", n=n)
+    return found
+
+
+def _place(A: np.ndarray, B: np.ndarray, poles: Iterable[complex], words: _Wording, sizes: np.ndarray | None) -> Placement:
     n = A.shape[0]
     asked = check_poles(poles, n)
-    scales = state_scale(A, B)
+    scales = state_scale(A, B) if B.shape[1] == 1 else balance(A, B).unrounded[:n]
     A_balanced, B_balanced = A * (scales / scales[:, None]), B / scales[:, None]
     Q, reachable = controllable_split(A_balanced, B_balanced)
     if reachable == n:
-        K, condition = _gain(A, B, asked, scales if B.shape[1] == 1 else balance(A, B).unrounded[:n])
+        K, condition = _gain(A, B, asked, scales) if sizes is None else _gain_in(sizes, A, B, asked)
         return _judge(A, B, K, asked, condition, np.empty(0, dtype=complex))
     hidden = Q[:, reachable:]
     fixed, slack = poles_within(hidden.T @ A_balanced @ hidden)
@@ -177,37 +184,53 @@ def _without_fixed(asked: Poles, fixed: Poles, slack: np.ndarray, words: _Wordin
 def _gain(A: np.ndarray, B: np.ndarray, asked: Poles, scales: np.ndarray) -> tuple[np.ndarray, float | None]:
     """Gain of a controllable pair and the condition of its eigenvectors (None: to be measured).
 
-    With freedom left, robust gains found in the states given and in the balanced states x / scales, and one by deflation, are
-    compared by `_price`. Each follows a change of units without a jump, so the least price does not jump either.
+    With freedom left, the robust gain is compared by `_price` with one by deflation. Both are found and judged in the balanced
+    states x / scales, so they know no units.
     """
-    balanced = A * (scales / scales[:, None]), B / scales[:, None]
+    a, b = A * (scales / scales[:, None]), B / scales[:, None]
 
-    def deflated() -> np.ndarray:
-        return place_by_deflation(*balanced, asked) / scales
-
-    rank = input_factors(balanced[1])[0].shape[1]
+    rank = input_factors(b)[0].shape[1]
     multiplicity = max(int(np.count_nonzero(asked == pole)) for pole in asked)
-    if multiplicity > rank:
-        return deflated(), np.inf
-    if rank == 1:
-        return deflated(), None
-    plain, turned = place_pairs_robustly([(A, B), balanced], asked)
-    best = min(plain[1], turned[1])
-    found: list[tuple[float, np.ndarray, float | None]] = [(_price(A, B, plain[0], asked), *plain)] if np.isfinite(plain[1]) else []
-    if np.isfinite(turned[1]):
-        found.append((OTHER_STATES * _price(A, B, turned[0] / scales, asked), turned[0] / scales, None))
-    if best > WORTH_A_LOOK:
-        K = deflated()
-        found.append(((1 + POOR_EIGENVECTORS / best) * _price(A, B, K, asked), K, np.inf if multiplicity > 1 else None))
-    _, K, condition = min(found, key=lambda one: one[0])
-    return K, condition
+    if multiplicity > rank or rank == 1:
+        return place_by_deflation(a, b, asked) / scales, np.inf if multiplicity > rank else None
+    K, condition = place_robustly(a, b, asked)
+    if rank < len(a):
+        other = place_by_deflation(a, b, asked)
+        inputs = _input_sizes(a, b, asked)
+        price, least = (_price(a, b, gain, asked, inputs) for gain in (K, other))
+        better = 1 / (float(multiplicity == 1) / WORSE_EIGENVECTORS + condition / POOR_EIGENVECTORS)
+        if not np.isfinite(condition) or (1 + better) * least < price:
+            return other / scales, np.inf if multiplicity > 1 else None
+    return K / scales, None
 
 
-def _price(A: np.ndarray, B: np.ndarray, K: np.ndarray, asked: Poles) -> float:
-    """‖K‖ in the units given, times 1 + miss / (1e-6 of the largest pole): what the choice between gains is made by."""
+def _gain_in(sizes: np.ndarray, A: np.ndarray, B: np.ndarray, asked: Poles) -> tuple[np.ndarray, float | None]:
+    """Of the robust gain in states of these sizes and the gain of `_gain` the smaller one, the second counting 1.5 times."""
+    scales = balance(A, B).unrounded[:len(A)]
+    K, condition = _gain(A, B, asked, scales)
+    a, b = A * (sizes / sizes[:, None]), B / sizes[:, None]
+    own, good = place_robustly(a, b, asked) if input_factors(b)[0].shape[1] > 1 else (K, np.inf)
+    if not np.isfinite(good):
+        return K, condition
+    alike = np.ones(B.shape[1])
+    if OTHER_STATES * _price(a, b, K * sizes, asked, alike) < _price(a, b, own, asked, alike):
+        return K, condition
+    return own / sizes, None
+
+
+def _input_sizes(A: np.ndarray, B: np.ndarray, asked: Poles) -> np.ndarray:
+    """How far each input (m,) of amplitude one moves the states at the speed of the poles asked for."""
+    speed = float(np.abs(asked).max()) or float(np.linalg.norm(A, 2)) or 1.0
+    moved = np.linalg.lstsq(speed * (1 + 1j) * np.eye(len(A)) - A, B.astype(complex), rcond=None)[0]
+    return np.linalg.norm(moved, axis=0)
+
+
+def _price(A: np.ndarray, B: np.ndarray, K: np.ndarray, asked: Poles, inputs: np.ndarray) -> float:
+    """‖K‖ with each input in units of what it moves, times 1 + miss / (1e-6 of the largest pole)."""
     size = max(float(np.abs(asked).max()), float(np.finfo(float).tiny))
     with np.errstate(all="ignore"):
-        price = float(np.linalg.norm(K)) * (1 + _miss(A, B, K, asked) / (ALLOWED_MISS * size)) if np.isfinite(K).all() else np.inf
+        price = float(np.linalg.norm(inputs[:, None] * K)) if np.isfinite(K).all() else np.inf
+        price = price * (1 + _miss(A, B, K, asked) / (ALLOWED_MISS * size)) if np.isfinite(price) else np.inf
     return price if np.isfinite(price) else np.inf
 
 

@@ -16,18 +16,21 @@ from scipy.linalg import (
 from scipy.linalg.lapack import dgees, dtrsyl  # pyright: ignore[reportAttributeAccessIssue]
 
 from ..systems.arrays import symmetric
-from ..systems.balance import state_scale
+from ..systems.balance import plain_scale, weighed_scale
 from ..systems.errors import RiccatiError
 from ..systems.records import record
 
 __all__ = ["RiccatiProblem", "continuous_residual", "discrete_residual", "solve_continuous", "solve_discrete"]
 
 NEWTON_STEPS = 4  # at most; none or one nearly always does
-GOOD_RESIDUAL = 2e-15
+GOOD_RESIDUAL = 2e-15  # and what rounding of that many states allows
+EPS = float(np.finfo(float).eps)
 DOUBTFUL = 1e8  # condition of R beyond which the Hamiltonian matrix is not trusted
 DOUBLINGS = 50  # of the steps that a loop is followed for: poles to within 1e-13 of the circle
 WELL = 1e6  # condition of A up to which the symplectic matrix, which needs its inverse, is trusted
 SAME_POLE_RTOL = 1e-3  # relative difference of two poles that are the same
+SAME_SCALES = 12  # bits: beyond it a solution is polished in the scales of A alone too
+WIDEST = 1000  # bits of a factor of the cost
 FAIR_RESIDUAL = 1e-13  # above it the equation is solved once more, from another beginning
 
 
@@ -40,6 +43,12 @@ class RiccatiProblem:
     Q: np.ndarray
     R: np.ndarray
     N: np.ndarray
+
+
+Found = tuple[np.ndarray, np.ndarray, float]  # S, K and the relative residual
+Newton = Callable[[RiccatiProblem, np.ndarray, np.ndarray], np.ndarray]
+Quick = Callable[[RiccatiProblem], tuple[np.ndarray, float] | None]
+Evaluate = Callable[[RiccatiProblem, np.ndarray], tuple[np.ndarray, float, np.ndarray]]
 
 
 def continuous_residual(problem: RiccatiProblem, S: np.ndarray) -> tuple[np.ndarray, float, np.ndarray]:
@@ -165,43 +174,79 @@ def solve_discrete(problem: RiccatiProblem) -> tuple[np.ndarray, np.ndarray, flo
 def _solve(
     problem: RiccatiProblem,
     library: Callable[..., np.ndarray],
-    newton: Callable[[RiccatiProblem, np.ndarray, np.ndarray], np.ndarray],
-    evaluate: Callable[[RiccatiProblem, np.ndarray], tuple[np.ndarray, float, np.ndarray]],
-    quick: Callable[[RiccatiProblem], tuple[np.ndarray, float] | None],
+    newton: Newton,
+    evaluate: Evaluate,
+    quick: Quick,
     inside: Callable[[np.ndarray], float],
 ) -> tuple[np.ndarray, np.ndarray, float]:
     plain, first_cost, first_input = unit_scale(problem)  # a common factor of the weights changes not even a bit
     own, states, inputs = in_balanced_units(plain)
     scaled, cost_scale, input_scale = unit_scale(own)
     cost_scale, input_scale = first_cost * cost_scale, first_input * input_scale
-    best = None
-    with suppress(np.linalg.LinAlgError):
-        if (guess := quick(scaled)) is not None:
-            residual, _, K = evaluate(scaled, guess[0])  # a first step in any case: it keeps apart what the plant keeps apart
-            found = _polished(scaled, symmetric(guess[0] + newton(scaled, K, residual)), newton, evaluate)
-            slowest = inside(np.linalg.eigvals(scaled.A - scaled.B @ found[1]))
-            best = found if found[2] < GOOD_RESIDUAL and abs(slowest - guess[1]) <= SAME_POLE_RTOL * guess[1] else None
-    for balanced in (True, False) if best is None else ():  # where SciPy's balancing makes its reordering fail, we do without
-        with suppress(np.linalg.LinAlgError, ValueError):
-            S = library(scaled.A, scaled.B, scaled.Q, scaled.R, s=scaled.N if np.any(scaled.N) else None, balanced=balanced)
-            found = _polished(scaled, symmetric(S), newton, evaluate)
-            best = found if best is None or found[2] < best[2] else best
-            if best[2] < FAIR_RESIDUAL:
-                break
+    x = plain_scale(plain.A) / states
+    apart = np.ptp(np.log2(x)) >= SAME_SCALES
+    best = (_quickly(scaled, newton, evaluate, quick, inside)
+            or _thoroughly(scaled, library, newton, evaluate, (True,) if apart else (True, False)))
+    if apart:  # where weights and drift pull a scale apart, what is small in the one is not in the other
+        best = _in_other_states(x, scaled, best, library, newton, evaluate)
     if best is None:
         raise RiccatiError("The Riccati equation has no stabilising solution; change the weights or the plant.")
     S, K, size = best
     return cost_scale * S / states / states[:, None], input_scale * K * inputs[:, None] / states, size
 
 
-def _polished(
-    problem: RiccatiProblem, S: np.ndarray, newton: Callable[[RiccatiProblem, np.ndarray, np.ndarray], np.ndarray],
-    evaluate: Callable[[RiccatiProblem, np.ndarray], tuple[np.ndarray, float, np.ndarray]],
-) -> tuple[np.ndarray, np.ndarray, float]:
+def _quickly(problem: RiccatiProblem, newton: Newton, evaluate: Evaluate, quick: Quick,
+             inside: Callable[[np.ndarray], float]) -> Found | None:
+    """By our own subspace, None where there is doubt."""
+    with suppress(np.linalg.LinAlgError):
+        if (guess := quick(problem)) is not None:
+            residual, _, K = evaluate(problem, guess[0])  # a first step in any case: it keeps apart what the plant keeps apart
+            found = _polished(problem, symmetric(guess[0] + newton(problem, K, residual)), newton, evaluate)
+            slowest = inside(np.linalg.eigvals(problem.A - problem.B @ found[1]))
+            return found if found[2] < _good(problem) and abs(slowest - guess[1]) <= SAME_POLE_RTOL * guess[1] else None
+    return None
+
+
+def _thoroughly(problem: RiccatiProblem, library: Callable[..., np.ndarray], newton: Newton, evaluate: Evaluate,
+                ways: tuple[bool, ...] = (True, False)) -> Found | None:
+    """By SciPy's pencil; where its balancing makes its reordering fail, we do without. What it found is judged by its residual."""
+    best = None
+    for balanced in ways:
+        with suppress(np.linalg.LinAlgError, ValueError), warnings.catch_warnings(), np.errstate(all="ignore"):
+            warnings.simplefilter("ignore", LinAlgWarning)
+            S = library(problem.A, problem.B, problem.Q, problem.R, s=problem.N if np.any(problem.N) else None, balanced=balanced)
+            found = _polished(problem, symmetric(S), newton, evaluate)
+            best = found if best is None or found[2] < best[2] else best
+            if best[2] < FAIR_RESIDUAL:
+                break
+    return best
+
+
+def _in_other_states(x: np.ndarray, problem: RiccatiProblem, best: Found | None, library: Callable[..., np.ndarray], newton: Newton,
+                     evaluate: Evaluate) -> Found | None:
+    """The solution polished in states scaled by x (n,), or found there where it was not found, if it is no worse."""
+    turned = RiccatiProblem(problem.A * x / x[:, None], problem.B / x[:, None], problem.Q * x * x[:, None], problem.R,
+                            problem.N * x[:, None])
+    known = best is not None and best[2] < FAIR_RESIDUAL
+    other = _polished(turned, best[0] * x * x[:, None], newton, evaluate) if known else _thoroughly(turned, library, newton, evaluate)
+    if other is None:
+        return best
+    S = other[0] / x / x[:, None]
+    _, size, K = evaluate(problem, S)
+    if known:
+        return (S, K, size) if size <= max(best[2], GOOD_RESIDUAL) else best
+    return (S, other[1] / x, other[2]) if best is None or other[2] < best[2] else best
+
+
+def _good(problem: RiccatiProblem) -> float:
+    return max(GOOD_RESIDUAL, len(problem.A) * EPS)
+
+
+def _polished(problem: RiccatiProblem, S: np.ndarray, newton: Newton, evaluate: Evaluate) -> Found:
     """S after Newton's steps, as long as they help, its K and relative residual."""
     residual, size, K = evaluate(problem, S)
     for _ in range(NEWTON_STEPS):
-        if size < GOOD_RESIDUAL:
+        if size < _good(problem):
             break
         try:
             with warnings.catch_warnings():
@@ -224,7 +269,7 @@ def in_balanced_units(problem: RiccatiProblem) -> tuple[RiccatiProblem, np.ndarr
     A, B, Q, R, N = problem.A, problem.B, problem.Q, problem.R, problem.N
     inputs = 2.0 ** -np.round(np.log2(np.where(np.diag(R) > 0, np.diag(R), 1.0)) / 2)
     driven = np.sqrt(np.square(B * inputs).sum(axis=1))[:, None]
-    x = state_scale(A, driven, np.sqrt(np.maximum(np.diag(Q), 0.0))[None])
+    x = weighed_scale(A, driven, np.sqrt(np.maximum(np.diag(Q), 0.0))[None])
     return RiccatiProblem(A * x / x[:, None], B * inputs / x[:, None], Q * x * x[:, None], R * inputs * inputs[:, None],
                           N * inputs * x[:, None]), x, inputs
 
@@ -240,7 +285,7 @@ def unit_scale(problem: RiccatiProblem) -> tuple[RiccatiProblem, float, float]:
     half_r = 2 * round(np.log2(r if r > 0 else q if q > 0 else 1.0) / 2)  # an even power, so that its root is exact too
     ratio = np.log2(q) - half_r if q > 0 else 0.0
     log_b = int(np.clip(round(ratio / 4 - (np.log2(b) if b > 0 else 0.0) / 2), -250, 250))
-    input_scale, cost = 2.0**log_b, 2.0 ** (half_r + 2 * log_b)
+    input_scale, cost = 2.0**log_b, 2.0 ** int(np.clip(half_r + 2 * log_b, -WIDEST, WIDEST))
     # û = u / input_scale turns B into input_scale·B, uᵀRu/cost into ûᵀ(R·input_scale²/cost)û
     scaled = RiccatiProblem(A, B * input_scale, Q / cost, R / 2.0**half_r, N * (input_scale / cost))
     return scaled, cost, input_scale

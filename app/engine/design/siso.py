@@ -27,7 +27,7 @@ from ..systems.gates.argument_checks import (
 )
 from ..systems.gates.plant_gate import PLANT
 from ..systems.plant import Plant, as_matrix
-from ..systems.pole_sets import Poles, match_poles
+from ..systems.pole_sets import Poles, pair_conjugates
 from ..systems.records import record
 from ..systems.spectrum import frequency_response
 from .repeated_roots import merge_repeated_roots
@@ -160,15 +160,10 @@ def _error(plant: Plant, z: np.ndarray, p: np.ndarray, gain: float) -> float:
 
 
 def _paired(roots: Sequence[complex] | np.ndarray) -> np.ndarray:
-    r = np.asarray(roots, dtype=complex)
-    if not np.isfinite(r).all():
-        raise EngineError("Poles and zeros must be finite.")
-    imag = np.imag(r)
-    real = np.abs(imag) <= 1e-12 * np.abs(r)
-    upper, lower = np.sort_complex(r[~real & (imag > 0)]), r[~real & (imag < 0)].conj()
-    if len(upper) != len(lower) or not np.allclose(upper, lower[match_poles(upper, lower)[0]], rtol=1e-6, atol=0):
-        raise EngineError("Complex poles and zeros must come in conjugate pairs.")
-    return np.concatenate([np.sort(np.real(r[real])).astype(complex), upper, upper.conj()])
+    """Real roots first, then those of the upper half plane and their conjugates, each sorted."""
+    r = pair_conjugates(roots, rtol=1e-6)
+    upper = np.sort_complex(r[np.imag(r) > 0])
+    return np.concatenate([np.sort(np.real(r[np.imag(r) == 0])).astype(complex), upper, upper.conj()])
 
 
 def _modal(z: np.ndarray, p: np.ndarray, gain: float) -> Plant:

@@ -76,8 +76,6 @@ def starting_feedback(plant: Plant, *, eager: float = 1.0) -> StartingGain:
     What no input reaches keeps its poles (`bolted`), stable or not; if even the rest defeats the Riccati equation, K is
     zero. Every plant has such a gain. Raises EngineError for an `eager` that is not positive.
     """
-    if not (np.isfinite(eager) and eager > 0):
-        raise EngineError("How eager a gain is must be a positive number.")
     scale, rate = natural_scale(plant.A, plant.B), typical_rate(plant)
     A, B = plant.A * scale / scale[:, None], plant.B / scale[:, None]
     size = np.linalg.norm(B, axis=0)
@@ -148,7 +146,7 @@ def shift_poles(A: np.ndarray, B: np.ndarray, K: np.ndarray, before: Sequence[co
         raise PoleError("These poles lie too close to others of the loop to be moved by themselves; move them one "
                         "by one.")
     Y = Z[:, :count]
-    F = place(form[:count, :count].T, Y.T @ (B / scale[:, None]), new).gain
+    F = place(form[:count, :count].T, Y.T @ (B / scale[:, None]), new, sizes=np.ones(count)).gain
     return K + (F @ Y.T) / scale
 
 

@@ -166,8 +166,6 @@ class NoisyLoop:
         """
         if self.dt:
             raise EngineError("This loop is sampled already; use it as it is.")
-        if not (np.isfinite(dt) and dt > 0):
-            raise EngineError("Sampling needs a period dt > 0 in seconds.")
         if np.any(self.D):
             raise EngineError("White noise passes straight through this loop; samples of it have no finite "
                               "variance.")
@@ -211,8 +209,6 @@ def noisy_loop(plant: Plant, controller: Plant | None, G: object, W: object, *, 
     """
     G = as_checked(G)
     n, m, p = plant.n, plant.m, plant.p
-    if G.shape[0] != n:
-        raise ShapeError("G must have {n} rows, one for each state; it has {rows}.", n=n, rows=G.shape[0])
     noise = np.array(block_diag(as_covariance(W, "W", G.shape[1]), as_covariance(V, "V", p)))
     q, D = G.shape[1], np.asarray(plant.D)
     if controller is None:

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..design.optimal import lqe, lqr
 from ..systems.arrays import as_checked, as_covariance, symmetric
-from ..systems.errors import EngineError, ShapeError
+from ..systems.errors import EngineError
 from ..systems.gates.argument_checks import covariance, matrix, number, takes
 from ..systems.gates.plant_gate import PLANT
 from ..systems.plant import Plant
@@ -38,7 +38,7 @@ class Recovered:
     minimum_phase: bool | None
 
 
-@takes(plant=PLANT, K=matrix(), W=covariance(), V=covariance("p"), q=number(0, 1_000_000_000_000.0), G=matrix())
+@takes(plant=PLANT, K=matrix(), W=covariance(), V=covariance("p"), q=number(0, 1_000_000_000_000.0), G=matrix("n q"))
 def recover(plant: Plant, K: object, W: object, V: object, q: float, *, G: object | None = None) -> Recovered:
     """Recovery at the plant's input: the filter is told of noise G W Gᵀ + q² B Bᵀ, so L Kc P → K (sI − A)⁻¹ B.
 
@@ -49,10 +49,8 @@ def recover(plant: Plant, K: object, W: object, V: object, q: float, *, G: objec
     True
     """
     K = as_checked(K)
-    _check(plant, q)
+    _check(plant)
     G = plant.B if G is None else as_checked(G)
-    if G.shape[0] != plant.n:
-        raise ShapeError("G must have {n} rows, one for each state; it has {rows}.", n=plant.n, rows=G.shape[0])
     noise = G @ as_covariance(W, "W", G.shape[1]) @ G.T + q**2 * plant.B @ plant.B.T
     L = lqe(plant.A, np.eye(plant.n), plant.C, symmetric(noise), as_checked(V)).gain
     aim = sensitivity(_whole(plant), -K)
@@ -69,7 +67,7 @@ def recover_at_output(plant: Plant, L: object, Q: object, R: object, q: float) -
     True
     """
     L = as_checked(L)
-    _check(plant, q)
+    _check(plant)
     weight = as_checked(Q) + q**2 * plant.C.T @ plant.C
     K = lqr(plant.A, plant.B, symmetric(weight), as_checked(R)).gain
     fed = Plant(plant.A, L, plant.C)
@@ -78,11 +76,9 @@ def recover_at_output(plant: Plant, L: object, Q: object, R: object, q: float) -
     return _recovered(plant, K, L, q, aim, target, slice(plant.m, plant.m + plant.p))
 
 
-def _check(plant: Plant, q: float) -> None:
+def _check(plant: Plant) -> None:
     if plant.dt:
         raise EngineError("Recovery is for continuous plants; a sampled loop has the delay of a step that remains.")
-    if not (np.isfinite(q) and q >= 0):
-        raise EngineError("The recovery knob q must be a finite number that is not negative.")
 
 
 def _whole(plant: Plant) -> Plant:

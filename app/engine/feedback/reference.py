@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..systems.arrays import as_checked, frozen
+from ..systems.balance import state_scale
 from ..systems.errors import EngineError
 from ..systems.gates.argument_checks import matrix, number, optional, takes
 from ..systems.gates.plant_gate import PLANT
@@ -14,6 +15,7 @@ from ..systems.records import record
 __all__ = ["IntegralAction", "integral_action", "reference_gain"]
 
 NEAR_ZERO = 1e-9  # of the sizes that are summed: a steady gain below it is rounding
+EVEN_OUT = 8  # turns in which rows and columns are brought to like sizes
 CLOSE = 1e-6  # how near G₀ N̄ must come to I
 
 
@@ -52,25 +54,36 @@ def integral_action(plant: Plant, K: object, rate: float, *, N: object = None) -
     >>> integral_action(Plant([[-1]], [[1]], [[1]]), [[1]], 3.0).K_I
     array([[6.]])
     """
-    least, T, steady = _gains(plant, K)
+    least, T, steady, sizes = _gains(plant, K)
     chosen = least if N is None else as_checked(N)
-    if not np.allclose(steady @ chosen, np.eye(plant.p), atol=CLOSE):
+    if not np.allclose((steady @ chosen) * sizes / sizes[:, None], np.eye(plant.p), atol=CLOSE):
         raise EngineError("N does not hold the outputs at a command; take it from reference_gain.")
     return IntegralAction(frozen(as_checked(K) - rate * chosen @ T), frozen(rate * chosen))
 
 
-def _gains(plant: Plant, K: object) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """N̄ (m×p), T (p×n) and the steady gain G₀ (p×m)."""
+def _gains(plant: Plant, K: object) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """N̄ (m×p), T (p×n), the steady gain G₀ (p×m), and the sizes of the outputs (p,)."""
     K = as_checked(K)
     D = np.asarray(plant.D)
     still = plant.A - plant.B @ K - (np.eye(plant.n) if plant.dt else 0.0)
+    x = state_scale(still)
     try:
-        T = np.linalg.solve(still.T, (plant.C - D @ K).T).T
+        T = np.linalg.solve((still * x / x[:, None]).T, ((plant.C - D @ K) * x).T).T / x
     except np.linalg.LinAlgError as problem:
         raise EngineError("A − B K has a pole that holds a constant; move it before you ask for a steady output.") from problem
     steady = D - T @ plant.B
-    summed = np.abs(D).sum(axis=1) + (np.abs(T) @ np.abs(plant.B)).sum(axis=1)
-    shares = np.linalg.svd(steady / np.where(summed > 0, summed, 1.0)[:, None], compute_uv=False)
+    parts, sizes, inputs = np.abs(D) + np.abs(T) @ np.abs(plant.B), np.ones(plant.p), np.ones(plant.m)
+    for _ in range(EVEN_OUT):  # rows and columns in turn: which output and which input is in small units is not known
+        sizes *= _largest(parts / inputs / sizes[:, None], 1)
+        inputs *= _largest(parts / inputs / sizes[:, None], 0)
+    even = steady / inputs / sizes[:, None]
+    shares = np.linalg.svd(even, compute_uv=False)
     if plant.p > plant.m or shares.size == 0 or not shares[-1] > NEAR_ZERO:
         raise EngineError("No constant input holds the outputs at a command; choose other outputs, or more inputs.")
-    return np.linalg.pinv(steady), T, steady
+    least = np.linalg.inv(even) / inputs[:, None] / sizes if plant.p == plant.m else np.linalg.pinv(steady / sizes[:, None]) / sizes
+    return least, T, steady, sizes
+
+
+def _largest(parts: np.ndarray, axis: int) -> np.ndarray:
+    found = parts.max(axis=axis, initial=0.0)
+    return np.where(found > 0, np.sqrt(found), 1.0)

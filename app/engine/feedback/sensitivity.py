@@ -93,7 +93,7 @@ class Sensitivity:
             if finite.any():
                 values[finite] = frequency_response(self.A, self.B, self.C, self.D, flat[finite], dt=self.dt)
             return values.reshape(*omega.shape, *self.D.shape)[..., :count, :count]
-        residues = self.modal[1][:, :count, :count].reshape(len(self.A), -1)
+        residues = self.modal[1][:, :count, :count].reshape(len(self.A), count * count)
         return (self._weights(omega) @ residues).reshape(*omega.shape, count, count) + self.D[:count, :count]
 
     @gated(i=count())
@@ -142,8 +142,8 @@ def sensitivity(plant: Plant, controller: Plant | object) -> Sensitivity:
     (I − D_k D singular).
 
     >>> plant = Plant([[0]], [[1]], [[1]])
-    >>> np.all(sensitivity(plant, compensator(plant, [[1]], [[2]])).poles.real < 0)
-    np.True_
+    >>> bool(np.all(sensitivity(plant, compensator(plant, [[1]], [[2]])).poles.real < 0))
+    True
     """
     built = controller if isinstance(controller, Plant) else _static(plant, as_matrix(controller, phrase("The controller")))
     if (built.m, built.p) != (plant.p, plant.m):

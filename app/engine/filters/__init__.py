@@ -12,7 +12,9 @@ from .linear.linear_filter import LinearFilter
 from .linear.square_root import SquareRootFilter
 from .linear.trade_off import ErrorParts, Ladder, error_parts, growing_error, noise_ladder
 from .linear.two_forms import posterior_covariances
+from .multiple_models import ModelTrack, MultipleModelFilter
 from .nonlinear.bound import posterior_bound
+from .nonlinear.differences import angles
 from .nonlinear.experiment import Experiment, Sample, Steering
 from .nonlinear.extended import ExtendedKalmanFilter, LinearisedFilter
 from .nonlinear.many_runs import errors_squared, simulate_filters
@@ -41,6 +43,8 @@ __all__ = [
     "Ladder",
     "LinearFilter",
     "LinearisedFilter",
+    "ModelTrack",
+    "MultipleModelFilter",
     "NonlinearFilter",
     "ParticleFilter",
     "ParticleTrack",
@@ -56,6 +60,7 @@ __all__ = [
     "Track",
     "UnscentedKalmanFilter",
     "Whiteness",
+    "angles",
     "as_record",
     "chi2_band",
     "correct",

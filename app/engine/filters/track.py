@@ -52,13 +52,16 @@ class Track:
     """A record filtered: row k holds what is known at sample k.
 
     predicted x̂[k|k−1] (n_t, n), means x̂[k|k] (n_t, n), innovations ν = y − ŷ (n_t, p; NaN where no measurement
-    came). The covariances are in `schedule` and unfolded on demand.
+    came). The covariances are in `schedule` and unfolded on demand. across: cov(x[k], x[k+1]) given the samples to k, (n_t − 1, n, n),
+    where the model alone does not say it. rejected (n_t,): which samples a gate refused.
     """
 
     predicted: np.ndarray
     means: np.ndarray
     innovations: np.ndarray
     schedule: Schedule
+    across: np.ndarray | None = None
+    rejected: np.ndarray | None = None
 
     @property
     def settled(self) -> int | None:

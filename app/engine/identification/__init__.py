@@ -1,8 +1,9 @@
 """Make a filter from a record: read it, fit plant and noises to one part, judge by the other."""
 
 from ..systems.gates.room_gates import with_gates
-from .csv_records import load_record, read_record
 from .identified import FilteredRecord, FittedFilter, RecordFit, filter_record, fit_noise, identify
+from .known_plant import filter_plant
+from .reading.files import load_record, read_record
 from .records import Record
 from .regular import Trend, detrend, resample, split_record, trend_of
 from .smoother import Smoothed
@@ -17,6 +18,7 @@ __all__ = [
     "Subspace",
     "Trend",
     "detrend",
+    "filter_plant",
     "filter_record",
     "fit_noise",
     "identify",

@@ -7,19 +7,23 @@ from dataclasses import field
 import numpy as np
 from scipy.special import fdtri
 
-from ..filters import Belief, KalmanFilter, SquaredError, Track, Whiteness, nis, whiteness
+from ..filters import KalmanFilter, SquaredError, Track, Whiteness, nis, whiteness
 from ..systems.errors import EngineError, phrase
-from ..systems.gates.argument_checks import SECONDS, choice, count, instance, number, optional, takes
+from ..systems.gates.argument_checks import BOOLEAN, SECONDS, choice, count, instance, number, optional, takes
 from ..systems.gates.plant_gate import PLANT
 from ..systems.plant import Plant
 from ..systems.records import record as a_record
 from ..systems.sampling import discretise
+from .conditioning import delayed, slow_outputs, without_outliers
+from .evidence import Evidence, evidence_of
+from .gapped import fit_states, started
 from .noise_fit import NoiseFit, fit_noise_to
 from .predictor import pieces_of
+from .probe import drifts, outliers
 from .records import MAX_ROWS, Record
 from .regular import Trend, detrend, resample, split_record, trend_of
 from .smoother import Smoothed, smooth
-from .subspace import MAX_ORDER, Subspace, subspace
+from .subspace import MAX_ORDER, Subspace
 
 __all__ = ["FilteredRecord", "FittedFilter", "RecordFit", "filter_record", "fit_noise", "identify"]
 
@@ -66,11 +70,17 @@ class FilteredRecord:
     band: tuple[float, float]
     whiteness: Whiteness | None
     fit: np.ndarray
+    evidence: Evidence
+
+    @property
+    def nis_holds(self) -> bool:
+        """Whether the mean NIS lies in its band."""
+        return self.band[0] <= self.mean_nis <= self.band[1]
 
     @property
     def consistent(self) -> bool:
-        """Whether the mean NIS lies in its band."""
-        return self.band[0] <= self.mean_nis <= self.band[1]
+        """Whether every check of the unused rows passes."""
+        return self.evidence.consistent
 
 
 @a_record()
@@ -82,14 +92,19 @@ class RecordFit:
     subspace: Subspace
     fitted: FittedFilter
     judged: FilteredRecord
+    delay: int = 0
+    outliers: np.ndarray = field(default=None, repr=False)  # type: ignore[assignment]  # always an array after `identify`
 
 
-@takes(record=instance(Record), order=optional(count(1, MAX_ORDER)), share=number(0.01, 0.99), degree=choice(0, 1), step=optional(SECONDS))
-def identify(record: Record, *, order: int | None = None, share: float = 0.5, degree: int = 0, step: float | None = None) -> RecordFit:
+@takes(record=instance(Record), order=optional(count(1, MAX_ORDER)), share=number(0.01, 0.99), degree=optional(choice(0, 1)),
+       step=optional(SECONDS), delay=optional(count(0, MAX_ROWS)), robust=BOOLEAN)
+def identify(record: Record, *, order: int | None = None, share: float = 0.5, degree: int | None = None, step: float | None = None,
+             delay: int | None = None, robust: bool = True) -> RecordFit:
     """A filter from a record: resample, take the level out, fit A, B, C, D, Q and R to the first `share`, judge by the rest.
 
-    order: None takes what the singular values suggest. degree: 0 takes out a level, 1 a straight line, both of the first part.
-    step in s: None keeps the record's own. Raises EngineError.
+    order: None takes what the singular values suggest. degree: 0 takes out a level, 1 a straight line, both of the first part; None
+    takes the line where it is sure. step in s: None keeps the record's own. delay: rows by which the inputs act later; None estimates
+    them. robust: outliers count as missing. Outputs that come at every r-th row alone give a model of that step. Raises EngineError.
 
     >>> rng = np.random.default_rng(0)
     >>> u, y = rng.choice([-1.0, 1.0], 600), np.zeros(600)
@@ -97,22 +112,28 @@ def identify(record: Record, *, order: int | None = None, share: float = 0.5, de
     >>> round(float(identify(Record(np.arange(600), u, y), order=1).subspace.poles[0].real), 2)
     0.8
     """
-    regular = resample(record, step=step)
+    regular = slow_outputs(resample(record, step=step))
+    regular, shift = delayed(regular, share, delay)
     first, _ = split_record(regular, share=share)
+    marked = outliers(regular.u, regular.y, first.rows) if robust else np.zeros(regular.y.shape, dtype=bool)
+    regular = without_outliers(regular, marked)
+    first, _ = split_record(regular, share=share)
+    if degree is None:
+        degree = int(drifts(first.u, first.y))
+        if degree:
+            regular = regular.noted(phrase("The outputs drift: a straight line of the first part was taken out."))
     trend = trend_of(first, degree=degree)
     flat = detrend(regular, trend)
     part = flat.part(0, first.rows)
-    found = subspace(part.u, part.y, order=order)
+    found, noises, pieces = fit_states(part.u, part.y, order)
     n, m, p = len(found.A), part.u.shape[1], part.y.shape[1]
-    pieces = pieces_of(part.u, part.y, 2 * found.horizon)
-    noises = fit_noise_to(found.A, found.C, pieces)
     plant = Plant(found.A, noises.B, found.C, noises.D, regular.dt, (), regular.input_names, regular.output_names,
                   tuple(pair for pair in regular.units if pair[1]), "fitted to a record")
     fitted = _fitted(plant, noises, pieces.rows, n * m + p * m + 2 * n * p)
     if np.abs(found.poles).min() > STALE:
         flat = flat.noted(phrase("Even the fastest pole moves little in one step of {step:.3g} s; a coarser step may fit better.",
                                  step=regular.dt))
-    return RecordFit(flat, trend, found, fitted, filter_record(fitted, flat, first.rows))
+    return RecordFit(flat, trend, found, fitted, filter_record(fitted, flat, first.rows), shift, marked)
 
 
 @takes(plant=PLANT, record=instance(Record))
@@ -154,11 +175,9 @@ def _fitted(plant: Plant, noises: NoiseFit, rows: int, parameters: int) -> Fitte
 def filter_record(fitted: FittedFilter, record: Record, first: int, *, factor: float = 1.0, level: float = LEVEL) -> FilteredRecord:
     """Filter and smooth a record about its level; the rows from `first` on judge. `factor` multiplies Q. Raises EngineError."""
     kf = fitted.kalman(factor=factor)
-    if not 0 <= first <= record.rows - 8:
+    if first > record.rows - 8:
         raise EngineError("At least 8 rows must be left to judge the filter by; {count} are.", count=max(record.rows - first, 0))
-    size = np.linalg.norm(np.nanstd(record.y, axis=0)) / max(float(np.linalg.norm(fitted.plant.C)), 1e-300)
-    start = Belief(np.zeros(kf.n), 10.0 * size**2 * np.eye(kf.n) + kf.Q)
-    track = kf.run(start, record.y, record.u if record.u.shape[1] else None)
+    track = kf.run(started(kf, record.y), record.y, record.u if record.u.shape[1] else None)
     nu, p = track.innovations[first:], record.y.shape[1]
     size_test = nis(nu, track.S[first:])
     seen = np.isfinite(nu).all(axis=1)
@@ -170,4 +189,6 @@ def filter_record(fitted: FittedFilter, record: Record, first: int, *, factor: f
     white = whiteness(nu, lags=lags) if seen.all() else None
     away = record.y[first:][seen] - record.y[first:][seen].mean(axis=0)
     fit = 1 - np.linalg.norm(nu[seen], axis=0) / np.maximum(np.linalg.norm(away, axis=0), 1e-300)
-    return FilteredRecord(track, smooth(kf, track), first, size_test, size_test.mean / p, band, white, fit)
+    mean = size_test.mean / p
+    evidence = evidence_of(kf, track, record, first, band[0] <= mean <= band[1], fit, factor != 1)
+    return FilteredRecord(track, smooth(kf, track), first, size_test, mean, band, white, fit, evidence)

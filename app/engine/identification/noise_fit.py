@@ -100,7 +100,7 @@ class _Search:
             return fitted_inputs(self.A, self.C, K, self.pieces, S)
         B, D = self.known
         pairs = tuple((np.zeros((len(u), 0)), y - _answer(self.A, B, self.C, D, u)) for u, y in self.pieces.pairs)
-        rest = Pieces(pairs, self.pieces.rows, self.pieces.left_out)
+        rest = Pieces(pairs, self.pieces.rows, self.pieces.left_out, self.pieces.counted)
         _, _, starts, e = fitted_inputs(self.A, self.C, K, rest, S)
         return B, D, starts, e
 

@@ -10,18 +10,27 @@ from ..systems.errors import EngineError
 from ..systems.recursions import affine_scan
 from .windows import segments_of
 
-__all__ = ["Pieces", "fitted_inputs", "pieces_of", "prediction_errors"]
+__all__ = ["Pieces", "filled_pieces", "fitted_inputs", "pieces_of", "prediction_errors"]
 
 MAX_FIT_ROWS = 20_000  # rows that B, D, Q and R are fitted to
+SETTLING = 2  # rows behind a gap that do not count
 
 
 @dataclass(frozen=True, eq=False)
 class Pieces:
-    """Stretches of a record without a gap, as pairs (u, y); `rows` counts all of their rows, `left_out` what was not taken."""
+    """Stretches of a record without a gap, as pairs (u, y); `rows` counts all of their rows, `left_out` what was not taken.
+
+    `counted` says for each stretch which rows count: those that were measured, where gaps are filled; None where all count.
+    """
 
     pairs: tuple[tuple[np.ndarray, np.ndarray], ...]
     rows: int
     left_out: int
+    counted: tuple[np.ndarray, ...] | None = None
+
+    def kept(self, piece: int, rows: np.ndarray) -> np.ndarray:
+        """Of the rows of a piece those that count."""
+        return rows if self.counted is None else rows[self.counted[piece]]
 
 
 def pieces_of(u: np.ndarray, y: np.ndarray, shortest: int) -> Pieces:
@@ -38,13 +47,26 @@ def pieces_of(u: np.ndarray, y: np.ndarray, shortest: int) -> Pieces:
     return Pieces(tuple(taken), rows, len(y) - rows)
 
 
+def filled_pieces(u: np.ndarray, y: np.ndarray, seen: np.ndarray) -> Pieces:
+    """One stretch whose gaps are filled: a row counts if it was measured and so were the two rows before it.
+
+    The constant gain of the fit is that of a filter without gaps; behind a gap the true one is larger for a few rows.
+    """
+    u, y, seen = u[:MAX_FIT_ROWS], y[:MAX_FIT_ROWS], seen[:MAX_FIT_ROWS]
+    settled = seen.copy()
+    for lag in range(1, 1 + SETTLING):
+        settled[lag:] &= seen[:-lag]
+    counted = settled if settled.sum() >= 0.3 * seen.sum() else seen
+    return Pieces(((u, y),), int(counted.sum()), len(seen) - int(counted.sum()), (counted,))
+
+
 def prediction_errors(A: np.ndarray, B: np.ndarray, C: np.ndarray, D: np.ndarray, K: np.ndarray, starts: np.ndarray,
                       pieces: Pieces) -> np.ndarray:
     """e = y − C x̂ − D u with x̂⁺ = A x̂ + B u + K e, from one start x̂₀ for each piece (pieces, n): (rows, p)."""
     out = []
-    for (u, y), start in zip(pieces.pairs, starts, strict=True):
+    for k, ((u, y), start) in enumerate(zip(pieces.pairs, starts, strict=True)):
         x = affine_scan(A - K @ C, u @ (B - K @ D).T + y @ K.T, start, len(y))[:-1]
-        out.append(y - x @ C.T - u @ D.T)
+        out.append(pieces.kept(k, y - x @ C.T - u @ D.T))
     return np.vstack(out)
 
 
@@ -74,9 +96,9 @@ def fitted_inputs(A: np.ndarray, C: np.ndarray, K: np.ndarray, pieces: Pieces,
                 at += 1
         for i in range(n):
             table[:, :, at + k * n + i] = affine_scan(steady, None, eye[i], len(y))[:-1] @ C.T
-        rows.append(np.einsum("tpc,pq->tqc", table, white).reshape(-1, count))
+        rows.append(np.einsum("tpc,pq->tqc", pieces.kept(k, table), white).reshape(-1, count))
         past = affine_scan(steady, y @ K.T, np.zeros(n), len(y))[:-1]
-        right.append(((y - past @ C.T) @ white).reshape(-1))
+        right.append((pieces.kept(k, y - past @ C.T) @ white).reshape(-1))
     left, wanted = np.vstack(rows), np.concatenate(right)
     size = np.sqrt((left**2).sum(axis=0))
     size[size == 0] = 1.0

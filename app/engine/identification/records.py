@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..systems.arrays import as_numbers, frozen
-from ..systems.errors import EngineError, Phrase, ShapeError
+from ..systems.errors import EngineError, Phrase, ShapeError, phrase
 from ..systems.gates.argument_checks import NAME, items, names, pair, passed
 from ..systems.records import record as a_record
 
@@ -81,7 +81,21 @@ class Record:
         """
         steps = np.diff(self.t)
         middle = float(np.median(steps))
-        return middle if np.abs(steps - middle).max() <= REGULAR * middle else 0.0
+        regular = np.abs(steps - middle).max() <= REGULAR * middle
+        return float(self.t[-1] - self.t[0]) / len(steps) if regular else 0.0  # written times are rounded, their mean step hardly
+
+    @property
+    def size(self) -> Phrase:
+        """Step, rows and length in words.
+
+        >>> Record([0, 1, 2, 3, 4, 5, 6, 7], [], np.ones(8)).size
+        'Step 1 s, 8 rows, 8 s.'
+        """
+        if self.dt:
+            return phrase("Step {step:.6g} s, {rows} rows, {span:.6g} s.", step=self.dt, rows=f"{self.rows:,}", span=self.rows * self.dt)
+        steps = np.diff(self.t)
+        return phrase("Irregular steps from {low:.3g} to {high:.3g} s, {rows} rows, {span:.6g} s.", low=float(steps.min()),
+                      high=float(steps.max()), rows=f"{self.rows:,}", span=float(self.t[-1] - self.t[0]))
 
     def unit(self, name: str) -> str:
         """The unit of a column, "" where none is said."""

@@ -13,6 +13,7 @@ from .records import MAX_ROWS, Record
 
 __all__ = ["Trend", "detrend", "resample", "split_record", "trend_of"]
 
+ON_GRID = 0.01  # of a step: how far the rows of a record with missing rows may lie from a regular grid
 GAP = 3.5  # steps: where two rows lie farther apart, the outputs between them are missing
 TAPS = 10  # of the low-pass filter, for each side, in steps of the coarser grid
 CUT_OFF = 0.8  # of half the new sampling rate
@@ -44,12 +45,12 @@ def resample(record: Record, *, step: float | None = None) -> Record:
     span = float(record.t[-1] - record.t[0])
     if not step < span / 8:
         raise EngineError("A step of {step:g} s leaves fewer than 8 rows of {span:g} s; choose a smaller one.", step=step, span=span)
-    fine = min(step, own)
+    factor = max(1, math.ceil(step / own - 1e-6))
+    fine = step / factor if step > own else step  # a whole number of these makes the step asked for
     if span / fine > MAX_ROWS:
         raise EngineError("At a step of {step:.3g} s this record would have more than {most} rows; choose a larger step.",
                           step=fine, most=MAX_ROWS)
-    regular = record if record.dt and fine == own else _on_grid(record, fine, own)
-    factor = round(step / fine)
+    regular = record if record.dt and abs(fine - own) <= 1e-9 * own else _on_grid(record, fine, own)
     if factor <= 1:
         return regular
     return _thinned(regular, factor)
@@ -57,7 +58,11 @@ def resample(record: Record, *, step: float | None = None) -> Record:
 
 def _on_grid(record: Record, step: float, own: float) -> Record:
     """Inputs held, outputs interpolated, NaN in gaps."""
-    t = record.t[0] + step * np.arange(math.floor((record.t[-1] - record.t[0]) / step + 1e-6) + 1)
+    first = record.t[0]
+    place = np.round((record.t - first) / step).astype(int)
+    if np.abs(record.t - first - step * place).max() <= ON_GRID * step and np.diff(place).min() > 0:
+        return _placed(record, first + step * np.arange(place[-1] + 1), place)
+    t = first + step * np.arange(math.floor((record.t[-1] - first) / step + 1e-6) + 1)
     before = np.searchsorted(record.t, t + 1e-6 * step, side="right") - 1
     y = np.empty((len(t), record.y.shape[1]))
     lost = 0
@@ -75,6 +80,16 @@ def _on_grid(record: Record, step: float, own: float) -> Record:
     if lost:
         notes.append(phrase("Gaps in the record: {count} output values are missing and were not invented.", count=lost))
     return record.noted(*notes, t=t, u=record.u[before], y=y)
+
+
+def _placed(record: Record, t: np.ndarray, place: np.ndarray) -> Record:
+    """The rows where they are on a grid, inputs held and outputs missing in the rows between."""
+    y = np.full((len(t), record.y.shape[1]), np.nan)
+    y[place] = record.y
+    before = np.searchsorted(place, np.arange(len(t)), side="right") - 1
+    note = phrase("Rows that are missing: {count}. Their outputs stay missing, their inputs keep the last value.",
+                  count=len(t) - len(place))
+    return record.noted(note, t=t, u=record.u[before], y=y)
 
 
 def _thinned(record: Record, factor: int) -> Record:

@@ -11,7 +11,7 @@ from ..systems.gates.argument_checks import array, count, optional, takes
 from ..systems.records import record as a_record
 from .windows import Factors, factors_of, triangle_of
 
-__all__ = ["MAX_ORDER", "Subspace", "noise_edge", "order_of", "subspace"]
+__all__ = ["MAX_ORDER", "Subspace", "noise_edge", "order_by_information", "order_of", "subspace"]
 
 MAX_ORDER = 10
 SHORTEST, LONGEST, ROWS_PER_STEP = 5, 15, 30  # steps of past and future, and rows that pay for one
@@ -25,7 +25,7 @@ class Subspace:
     singular_values: canonical correlations between past and future, each from 0 to 1. edge: the largest that noise alone would
     give in a record of this length. suggested: how many lie above it. poles (n,) of A, sorted by (real, imag). deviations (n,):
     standard deviation of each pole, |z − ẑ|. spread (n, 2, 2): covariance of its real and imaginary part.
-    horizon: steps of past and of future that were used.
+    horizon: steps of past and of future that were used. by_information: the order with the least information criterion.
     """
 
     A: np.ndarray
@@ -37,6 +37,7 @@ class Subspace:
     deviations: np.ndarray
     spread: np.ndarray
     horizon: int
+    by_information: int = 0
 
 
 @takes(u=array("k m"), y=array("k p", missing=True), order=optional(count(1, MAX_ORDER)), horizon=optional(count(2, 100)))
@@ -56,16 +57,17 @@ def subspace(u: np.ndarray, y: np.ndarray, *, order: int | None = None, horizon:
     factors = factors_of(u / sizes[0], y / sizes[1], horizon, horizon)
     W, left, values = _decomposed(factors.whole(), factors)
     edge = noise_edge(*factors.sizes[1:], factors.count)
-    suggested = order_of(values, edge)
-    n = suggested if order is None else order
     most = min(MAX_ORDER, (horizon - 1) * p, len(values))
+    suggested = min(order_of(values, edge), most)
+    n = suggested if order is None else order
     if not 1 <= n <= most:
         raise EngineError("The order must be from 1 to {most} for this record; it is {order}.", most=most, order=n)
     A, C = _model(W, left, values, n, p)
     poles = np.sort_complex(np.linalg.eigvals(A))
     spread = _jackknife(factors, n, poles)
     deviations = np.sqrt(np.trace(spread, axis1=1, axis2=2))
-    return Subspace(A, sizes[1][:, None] * C, values, edge, suggested, poles, deviations, spread, horizon)
+    return Subspace(A, sizes[1][:, None] * C, values, edge, suggested, poles, deviations, spread, horizon,
+                    min(order_by_information(values, m, p, factors.count), most))
 
 
 def noise_edge(a: int, b: int, count: int) -> float:
@@ -81,6 +83,16 @@ def order_of(values: np.ndarray, edge: float) -> int:
     """How many singular values stand above the edge of noise: at least 1, at most 10."""
     above = int(np.count_nonzero(values > edge))
     return int(np.clip(above, 1, MAX_ORDER))
+
+
+def order_by_information(values: np.ndarray, m: int, p: int, count: int) -> int:
+    """The order n ≥ 1 with the least σ²_{n+1} + n (2p + m) log(N)/N.
+
+    Source: Bauer, Automatica 37 (2001) 1561–1573.
+    """
+    orders = np.arange(1, min(MAX_ORDER, len(values)) + 1)
+    left = np.append(values, 0.0)[orders] ** 2
+    return int(orders[np.argmin(left + orders * (2 * p + m) * np.log(count) / count)])
 
 
 def _sizes(columns: np.ndarray) -> np.ndarray:

@@ -3,12 +3,12 @@
 Nothing here is needed for an answer: each has a plain way beside it, in the room that calls it.
 """
 
-from .compile_cache import SHELF, as_kernel_array, compiled_kernel, kernels_off, kernels_ready, prepare_kernels
+from .compile_cache import COMPILE_CACHE, as_kernel_array, compiled_kernel, kernels_off, kernels_ready, prepare_kernels
 from .friction import Actuators, Rubbing, friction_steps
 from .threads import run_in_threads
 
 __all__ = [
-    "SHELF",
+    "COMPILE_CACHE",
     "Actuators",
     "Rubbing",
     "as_kernel_array",

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import os
 
-from .compile_cache import SHELF
+from .compile_cache import COMPILE_CACHE
 
 if __name__ == "__main__":
     if hasattr(os, "nice"):
         os.nice(10)
-    SHELF.fill()
+    COMPILE_CACHE.fill()

@@ -41,7 +41,7 @@ from . import (
     tape,
 )
 
-__all__ = ["SHELF", "CompileCache", "as_kernel_array", "compiled_kernel", "kernels_off", "kernels_ready", "prepare_kernels"]
+__all__ = ["COMPILE_CACHE", "CompileCache", "as_kernel_array", "compiled_kernel", "kernels_off", "kernels_ready", "prepare_kernels"]
 
 log = logging.getLogger(__name__)
 Kernel = Callable[..., int]
@@ -149,7 +149,7 @@ class CompileCache:
     def holding(self, made: Mapping[Kernel, Kernel]) -> Iterator[None]:
         """Other forms of the kernels for as long as this lasts, in every thread: none, or the plain functions themselves.
 
-        >>> with SHELF.holding({}):
+        >>> with COMPILE_CACHE.holding({}):
         ...     compiled_kernel(clipped.march) is None
         True
         """
@@ -160,12 +160,12 @@ class CompileCache:
             self.made = made
 
 
-SHELF = CompileCache()
+COMPILE_CACHE = CompileCache()
 
 
 def compiled_kernel(function: Kernel) -> Kernel | None:
     """The compiled form of a kernel if it is ready, else None."""
-    return SHELF.made.get(function)
+    return COMPILE_CACHE.made.get(function)
 
 
 def kernels_off() -> bool:
@@ -175,7 +175,7 @@ def kernels_off() -> bool:
 
 def kernels_ready() -> bool:
     """Whether the kernels are compiled, so that runs by the thousand come at once."""
-    return bool(SHELF.made)
+    return bool(COMPILE_CACHE.made)
 
 
 def as_kernel_array(array: np.ndarray, *, kind: type = float) -> np.ndarray:
@@ -203,7 +203,7 @@ def _prepare() -> None:
             with _alone(folder):
                 if not (folder / DONE).exists():
                     _compile_beside()
-        SHELF.fill()
+        COMPILE_CACHE.fill()
     except Exception as problem:  # whatever a compiler of another version may say: all goes on the plain way
         log.warning("no kernels, so that some runs take longer: %s", problem)
 

@@ -14,12 +14,11 @@ from collections.abc import Iterator
 import numpy as np
 from scipy.linalg import schur
 
-from ..systems.arrays import as_checked, as_covariance, symmetric
-from ..systems.errors import EngineError, RiccatiError, ShapeError
+from ..systems.arrays import as_checked, symmetric
+from ..systems.errors import EngineError, RiccatiError
 from ..systems.gates.argument_checks import SHARE, array, count, covariance, gated, matrix, takes
 from ..systems.lyapunov import settled_covariance
 from ..systems.noise import root
-from ..systems.plant import as_matrix
 from ..systems.records import record
 from .lossy_steps import corrected_covariance, riccati_path, riccati_step
 
@@ -57,24 +56,24 @@ class CriticalLoss:
 
 
 # --- along a record --------------------------------------------------------------------------------------------------
-@takes(A=matrix(), C=matrix(), Q=covariance(), R=covariance(), P0=covariance(), heard=array())
+@takes(A=matrix("n n"), C=matrix("p n"), Q=covariance("n"), R=covariance("p"), P0=covariance("n"), heard=array())
 def intermittent_steps(A: object, C: object, Q: object, R: object, P0: object, heard: object) -> Iterator[np.ndarray]:
     """P[k|k−1] for k = 0 … N, each (…, n, n), of records `heard` (…, N; bool) that share one start P0 (n×n).
 
     Raises ShapeError, EngineError for matrices that do not fit or are no covariances.
     """
-    A, C, Q, R = _model(A, C, Q, R)
+    A, C, Q, R = map(as_checked, (A, C, Q, R))
     heard = np.asarray(heard, dtype=float)
     if not heard.ndim or not np.all((heard >= 0) & (heard <= 1)):
         raise EngineError("A record of packets holds 1 for each that arrived and 0 for each that was lost.")
-    P = np.broadcast_to(as_covariance(P0, "P0", len(A)), (*heard.shape[:-1], *A.shape))
+    P = np.broadcast_to(as_checked(P0), (*heard.shape[:-1], *A.shape))
     yield P
     for k in range(heard.shape[-1]):
         P = riccati_step(P, A, C, Q, R, heard[..., k])
         yield P
 
 
-@takes(A=matrix(), C=matrix(), Q=covariance(), R=covariance(), P0=covariance(), heard=array())
+@takes(A=matrix("n n"), C=matrix("p n"), Q=covariance("n"), R=covariance("p"), P0=covariance("n"), heard=array())
 def intermittent_covariances(A: object, C: object, Q: object, R: object, P0: object, heard: object) -> np.ndarray:
     """P[k|k−1] of each record, (…, N + 1, n, n); see `intermittent_steps`.
 
@@ -85,7 +84,7 @@ def intermittent_covariances(A: object, C: object, Q: object, R: object, P0: obj
 
 
 # --- the mean --------------------------------------------------------------------------------------------------------
-@takes(A=matrix(), C=matrix(), Q=covariance(), R=covariance(), P0=covariance(), loss=array(), steps=count(0, 100_000))
+@takes(A=matrix("n n"), C=matrix("p n"), Q=covariance("n"), R=covariance("p"), P0=covariance("n"), loss=array(), steps=count(0, 100_000))
 def mean_bounds(A: object, C: object, Q: object, R: object, P0: object, loss: object,
                 steps: int) -> tuple[np.ndarray, np.ndarray]:
     """Lower and upper bound of the mean E P[k|k−1], k = 0 … steps, each (…, steps + 1, n, n), for losses `loss` (…).
@@ -93,9 +92,11 @@ def mean_bounds(A: object, C: object, Q: object, R: object, P0: object, loss: ob
     S ≤ E P ≤ V: S⁺ = loss A S Aᵀ + Q, as if a measurement told everything, and V⁺ = g_{1 − loss}(V), since the Riccati
     step is increasing and concave in P.
     """
-    A, C, Q, R = _model(A, C, Q, R)
-    p = _probability(loss)
-    start = np.broadcast_to(as_covariance(P0, "P0", len(A)), (*p.shape, *A.shape))
+    A, C, Q, R = map(as_checked, (A, C, Q, R))
+    p = np.asarray(loss, dtype=float)
+    if not np.all((p >= 0) & (p <= 1)):
+        raise EngineError("A loss is a probability: choose it within 0 … 1.")
+    start = np.broadcast_to(as_checked(P0), (*p.shape, *A.shape))
     lower, upper = np.empty((2, *p.shape, steps + 1, *A.shape))
     lower[..., 0, :, :] = S = start
     for k in range(steps):
@@ -109,24 +110,22 @@ def mean_bounds(A: object, C: object, Q: object, R: object, P0: object, loss: ob
 def mean_lower_limit(A: object, Q: object, loss: float) -> np.ndarray:
     """S = loss A S Aᵀ + Q, n×n: below the mean covariance after many steps. Raises RiccatiError where there is none."""
     A = as_checked(A)
-    if A.shape[0] != A.shape[1]:
-        raise ShapeError("A must be square; it is {rows}×{columns}.", rows=A.shape[0], columns=A.shape[1])
-    p = float(_probability(loss))
+    p = float(loss)
     if p * spectral_radius(A) ** 2 >= 1:
         raise RiccatiError("More packets are lost than the critical share, so the mean covariance has no limit; "
                            "lose fewer packets.")
     return symmetric(settled_covariance(np.sqrt(p) * A, root(as_checked(Q)), dt=1.0))
 
 
-@takes(A=matrix(), C=matrix(), Q=covariance(), R=covariance(), loss=SHARE)
+@takes(A=matrix("n n"), C=matrix("p n"), Q=covariance("n"), R=covariance("p"), loss=SHARE)
 def mare(A: object, C: object, Q: object, R: object, loss: float) -> np.ndarray:
     """X = g(X) = A X Aᵀ + Q − (1 − loss) A X Cᵀ(C X Cᵀ + R)⁻¹ C X Aᵀ, n×n: above the mean covariance after many steps.
 
     Steps of g from Q = g(0) until their gain L stabilises the linear map X ↦ loss A X Aᵀ + (1 − loss)(A − LC) X (A − LC)ᵀ
     + …, then Newton's method on it. Raises RiccatiError where there is no solution.
     """
-    A, C, Q, R = _model(A, C, Q, R)
-    p = float(_probability(loss))
+    A, C, Q, R = map(as_checked, (A, C, Q, R))
+    p = float(loss)
     if p > critical_loss(A, C).lost:
         raise _no_limit()
     X, look = Q, 16  # g(0)
@@ -168,7 +167,7 @@ def _newton(X: np.ndarray, A: np.ndarray, C: np.ndarray, Q: np.ndarray, R: np.nd
 
 
 # --- how much may be lost ----------------------------------------------------------------------------------------------
-@takes(A=matrix(), C=matrix())
+@takes(A=matrix("n n"), C=matrix("p n"))
 def critical_loss(A: object, C: object) -> CriticalLoss:
     """The critical loss of (A, C), or bounds of it.
 
@@ -181,7 +180,7 @@ def critical_loss(A: object, C: object) -> CriticalLoss:
     >>> round(critical_loss([[1.25]], [[1]]).critical, 4)  # 1/a²
     0.64
     """
-    A, C = _pair(A, C)
+    A, C = as_checked(A), as_checked(C)
     Au, Cu = _unstable(A, C)
     n = len(Au)
     if n == 0:
@@ -215,17 +214,17 @@ def _degenerate(A: np.ndarray, C: np.ndarray) -> bool:
     return any(_rank(C @ shapes[:, group]) < group.sum() for group in alike)
 
 
-@takes(A=matrix(), C=matrix(), loss=SHARE, steps=count(1, 100_000))
+@takes(A=matrix("n n"), C=matrix("p n"), loss=SHARE, steps=count(1, 100_000))
 def lossy_growth(A: object, C: object, loss: float, *, steps: int = 4000) -> float:
     """Growth a step of X ↦ A X Aᵀ − (1 − loss) A X Cᵀ(C X Cᵀ)⁺ C X Aᵀ, what noise no longer matters to.
 
     The modified Riccati equation has a solution where this is below 1: a test by power iteration, without inequalities
     of matrices. A should hold unstable modes only.
     """
-    A, C = _pair(A, C)
+    A, C = as_checked(A), as_checked(C)
     if not C.any():
         return spectral_radius(A) ** 2
-    p, X, growth = float(_probability(loss)), np.eye(len(A)), 0.0
+    p, X, growth = float(loss), np.eye(len(A)), 0.0
     R = np.eye(len(C))
     for _ in range(steps):
         scale = 1e-13 * float(np.trace(C @ X @ C.T))
@@ -252,23 +251,3 @@ def _unstable(A: np.ndarray, C: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 def _rank(matrix: np.ndarray) -> int:
     values = np.linalg.svd(matrix, compute_uv=False)
     return int(np.sum(values > RANK_RTOL * values[0])) if values.size and values[0] > 0 else 0
-
-
-def _probability(loss: object) -> np.ndarray:
-    p = np.asarray(loss, dtype=float)
-    if not np.all((p >= 0) & (p <= 1)):
-        raise EngineError("A loss is a probability: choose it within 0 … 1.")
-    return p
-
-
-def _pair(A: object, C: object) -> tuple[np.ndarray, np.ndarray]:
-    A, C = as_matrix(A, "A"), as_matrix(C, "C")
-    if A.shape[0] != A.shape[1] or C.shape[1] != len(A):
-        raise ShapeError("A must be square and C as wide; A is {rows}×{columns}, C {rows2}×{columns2}.",
-                         rows=A.shape[0], columns=A.shape[1], rows2=C.shape[0], columns2=C.shape[1])
-    return A, C
-
-
-def _model(A: object, C: object, Q: object, R: object) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    A, C = _pair(A, C)
-    return A, C, as_covariance(Q, "Q", len(A)), as_covariance(R, "R", len(C))

@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 
 from ..systems.arrays import as_checked
-from ..systems.errors import EngineError, ShapeError
+from ..systems.errors import EngineError
 from ..systems.gates.argument_checks import SHARE, choice, count, matrix, takes
 from ..systems.gates.plant_gate import PLANT
 from ..systems.plant import Plant
@@ -15,7 +15,7 @@ from ..systems.plant import Plant
 __all__ = ["delayed_loop", "mean_square_growth"]
 
 
-@takes(plant=PLANT, K=matrix(), M=matrix(), delay=count(0, 1000), told=choice("asked", "applied"), ahead=count(0, 1000))
+@takes(plant=PLANT, K=matrix("m n"), M=matrix("n p"), delay=count(0, 1000), told=choice("asked", "applied"), ahead=count(0, 1000))
 def delayed_loop(plant: Plant, K: np.ndarray, M: np.ndarray, delay: int, *,
                  told: Literal["asked", "applied"] = "applied",
                  ahead: int = 0) -> np.ndarray:
@@ -28,9 +28,6 @@ def delayed_loop(plant: Plant, K: np.ndarray, M: np.ndarray, delay: int, *,
     _require_packets(plant)
     A, B, C, K, M = plant.A, plant.B, plant.C, as_checked(K), as_checked(M)
     n, m = B.shape
-    if K.shape != (m, n) or M.shape != (n, plant.p):
-        raise ShapeError("K must be {m}×{n} and M {n}×{p}; they are {k_shape} and {m_shape}.",
-                         m=m, n=n, p=plant.p, k_shape=K.shape, m_shape=M.shape)
     N = n + delay * m
     E = np.eye(n) - M @ C
     if ahead > delay:
@@ -65,10 +62,6 @@ def mean_square_growth(plant: Plant, K: np.ndarray, loss: float, on_loss: Litera
     (x, last input) where inputs are held. Raises EngineError.
     """
     _require_packets(plant)
-    if not 0 <= loss <= 1:
-        raise EngineError("A loss is a probability: choose it within 0 … 1.")
-    if on_loss not in ("hold", "zero"):
-        raise EngineError("on_loss must be \"hold\" or \"zero\".")
     A, B = plant.A, plant.B
     n, m = B.shape
     if on_loss == "zero":

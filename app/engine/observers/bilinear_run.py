@@ -74,7 +74,7 @@ def simulate_bilinear(
     if K.shape[1] != plant.n:
         raise ShapeError("K must have {n} columns, one for each state; it has {columns}.",
                          n=plant.n, columns=K.shape[1])
-    if not (np.isfinite(horizon) and np.isfinite(dt) and 0 < dt <= horizon and horizon / dt <= MAX_STEPS):
+    if not (dt <= horizon and horizon / dt <= MAX_STEPS):
         raise EngineError("The horizon must be positive and hold between 1 and {most_steps} steps dt.",
                           most_steps=MAX_STEPS)
     t = np.arange(round(horizon / dt) + 1) * dt

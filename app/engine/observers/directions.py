@@ -6,7 +6,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from ..structure.coprime import CoprimeFactors
-from ..systems.balance import state_scale
+from ..systems.balance import weighed_scale
 from ..systems.plant import Plant
 from ..systems.pole_sets import Poles
 
@@ -96,7 +96,7 @@ def choose_directions(factors: CoprimeFactors, plant: Plant, K: np.ndarray, head
 
 def seen_rows(A: np.ndarray, C: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Orthonormal rows spanning those of C in balanced states (rank × n), and the balance d (n,): rows times d."""
-    d = state_scale(A, None, C)
+    d = weighed_scale(A, np.zeros((len(A), 0)), C)
     _, s, Vt = np.linalg.svd(C * d)
     return Vt[:int(np.count_nonzero(s > 1e-10 * s[0]))], d
 

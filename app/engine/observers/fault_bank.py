@@ -220,4 +220,4 @@ def isolate(alarms: object, signature: object) -> np.ndarray:
                          alarms_shape=alarms.shape, signature_shape=signature.shape)
     fits = (alarms[:, :, None] == signature[None]).all(axis=1)
     single = fits.sum(axis=1) == 1
-    return np.where(single, fits.argmax(axis=1), np.where(alarms.any(axis=1), UNCLEAR_FAULT, NO_FAULT))
+    return np.where(single, fits @ np.arange(fits.shape[1]), np.where(alarms.any(axis=1), UNCLEAR_FAULT, NO_FAULT))

@@ -15,7 +15,7 @@ from ..structure.coprime import CoprimeFactors, coprime_factors
 from ..systems.arrays import as_checked, frozen
 from ..systems.balance import MIN_RATE, UNLIKE, Balance, balance
 from ..systems.errors import EngineError, PoleError, ShapeError
-from ..systems.gates.argument_checks import POLES, array, choice, count, instance, matrix, takes
+from ..systems.gates.argument_checks import INTEGER, POLES, array, choice, instance, matrix, takes
 from ..systems.gates.plant_gate import PLANT
 from ..systems.plant import Plant, as_matrix
 from ..systems.pole_sets import Poles, check_poles, pole_text
@@ -85,7 +85,7 @@ class FunctionalObserver:
         return row_condition(self.T, seen, d) if len(seen) + self.order <= self.plant.n else np.inf
 
 
-@takes(plant=PLANT, K=matrix(), order=count(-1000), poles=POLES, directions=array(imaginary=True), W=matrix(), free=matrix(),
+@takes(plant=PLANT, K=matrix(), order=INTEGER, poles=POLES, directions=array(imaginary=True), W=matrix(), free=matrix(),
        wrong=instance(Perturbations), norm=choice(1, 2, "inf"))
 def functional_observer(
     plant: Plant, K: object, order: int, *, poles: Iterable[complex] | None = None, directions: Any = None,

@@ -186,7 +186,7 @@ def simulate_functional(observer: FunctionalObserver, v: Callable[[np.ndarray], 
     o, p = observer, observer.plant
     loop = perturbed_loop(o, dA=dA, dB=dB, dC=dC)
     dt = p.dt or float(dt)
-    if not (np.isfinite(horizon) and np.isfinite(dt) and 0 < dt <= horizon and horizon / dt <= MAX_STEPS):
+    if not (dt <= horizon and horizon / dt <= MAX_STEPS):
         raise EngineError("The horizon must be positive and hold between 1 and {most_steps} steps dt.",
                           most_steps=MAX_STEPS)
     start = np.concatenate([_start(x0, "x0", p.n), _start(z0, "z0", o.order)])

@@ -110,7 +110,7 @@ def criterion(T: np.ndarray, L: np.ndarray, M: np.ndarray, wrong: Perturbations,
     J depends on the coordinates of the observer and does not see N: compare only observers whose rows of T were
     scaled alike. Source: Duan, Li, Zhou (1993), (6).
     """
-    if wrong.A.shape[1:] != (T.shape[1],) * 2 or wrong.C.shape[1:] != (L.shape[1], T.shape[1]) or M.shape[1] != L.shape[1]:
+    if wrong.A.shape[1:] != (T.shape[1],) * 2 or wrong.C.shape[1:] != (L.shape[1], T.shape[1]):
         raise ShapeError("T q×n, L q×p and M r×p must fit the perturbations of a plant with {n} states and {p} outputs.",
                          n=wrong.A.shape[1], p=wrong.C.shape[1])
     return float(wrong.alpha @ sizes(T @ wrong.A, norm) + wrong.beta @ sizes(L @ wrong.C, norm)

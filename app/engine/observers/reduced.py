@@ -9,6 +9,7 @@ from scipy.linalg import null_space
 
 from ..design.placement import observer_gain
 from ..systems.arrays import frozen
+from ..systems.balance import balance
 from ..systems.errors import EngineError, ShapeError
 from ..systems.gates.argument_checks import POLES, gated, matrix, takes
 from ..systems.gates.plant_gate import PLANT
@@ -54,16 +55,18 @@ class ReducedObserver:
 def reduced_observer(plant: Plant, poles: Any) -> ReducedObserver:
     """The observer of order n − p whose error has these n − p poles, for a plant whose p outputs are independent.
 
-    With the rows of V orthonormal and V Cᵀ = 0, x = C⁺ (y − D u) + Vᵀ z. The outputs' derivative shows C A Vᵀ z, so L_r places the
-    poles of F = (V A − L_r C A) Vᵀ; w = ẑ − L_r (y − D u) avoids the derivative. Source: Luenberger, An Introduction to Observers
-    (IEEE Trans. Automatic Control 16, 1971), section IV. Raises EngineError where the outputs are dependent or measure every state,
-    PoleError as `observer_gain` does.
+    In balanced states and outputs, with the rows of V orthonormal and V Cᵀ = 0, x = C⁺ (y − D u) + Vᵀ z. The outputs' derivative
+    shows C A Vᵀ z, so L_r places the poles of F = (V A − L_r C A) Vᵀ; w = ẑ − L_r (y − D u) avoids the derivative. Source: Luenberger,
+    An Introduction to Observers (IEEE Trans. Automatic Control 16, 1971), section IV. Raises EngineError where the outputs are
+    dependent or measure every state, PoleError as `observer_gain` does.
 
     >>> np.linalg.eigvals(reduced_observer(Plant([[0, 1], [0, 0]], [[0], [1]], [[1, 0]]), [-3]).F)
     array([-3.])
     """
-    A, B, C = plant.A, plant.B, plant.C
-    V = null_space(C).T
+    own = balance(plant.A, plant.B, plant.C)
+    x, y = own.states, own.outputs
+    A, B, C = own.A(plant.A), plant.B / x[:, None], own.C(plant.C)
+    V = null_space(C).T if C.size else np.eye(plant.n)
     if len(V) != plant.n - plant.p:
         raise EngineError("The outputs depend on each other; leave out those that the others give.")
     if not len(V):
@@ -72,5 +75,5 @@ def reduced_observer(plant: Plant, poles: Any) -> ReducedObserver:
     L = observer_gain(V @ A @ V.T, C @ A @ V.T, poles).gain
     step = V @ A - L @ C @ A
     F = step @ V.T
-    return ReducedObserver(frozen(F), frozen(F @ L + step @ seen), frozen(V @ B - L @ C @ B), frozen(V.T), frozen(seen + V.T @ L),
-                           frozen(V - L @ C), plant)
+    return ReducedObserver(frozen(F), frozen((F @ L + step @ seen) / y), frozen(V @ B - L @ C @ B), frozen(x[:, None] * V.T),
+                           frozen(x[:, None] * (seen + V.T @ L) / y), frozen((V - L @ C) / x), plant)

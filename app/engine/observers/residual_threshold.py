@@ -91,8 +91,6 @@ def binomial_band(count: int, rate: float, *, level: float = 0.99) -> tuple[floa
 
     Raises EngineError for fewer than one window, or a rate or level outside (0, 1).
     """
-    if count < 1:
-        raise EngineError("A share needs at least one window.")
     _check(1, rate, phrase("The rate"))
     _check(1, level, phrase("The level"))
     from scipy.stats import binom  # late: 0.6 s

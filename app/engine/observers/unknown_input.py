@@ -83,7 +83,7 @@ class UnknownInputObserver:
         return first, second, third
 
 
-@takes(plant=PLANT, E=matrix("n d"), weight=optional(matrix()))
+@takes(plant=PLANT, E=matrix("n d"), weight=optional(matrix("p p")))
 def decoupling(plant: Plant, E: object, *, weight: object | None = None) -> Decoupling:
     """The two conditions for ignoring an unknown input that enters through E (n×q).
 
@@ -94,9 +94,6 @@ def decoupling(plant: Plant, E: object, *, weight: object | None = None) -> Deco
     nothing about the noise that H lets in. Raises ShapeError, EngineError. Chen and Patton (1999), theorem 3.1.
     """
     E, V = _unknown(plant, E), np.eye(plant.p) if weight is None else as_checked(weight)
-    if V.shape != (plant.p, plant.p):
-        raise ShapeError("weight must be {p}×{p}, a row for each output; it is {rows}×{columns}.",
-                         p=plant.p, rows=V.shape[0], columns=V.shape[1])
     if np.abs(V - V.T).max() > RANK_RTOL * np.abs(V).max() or not is_definite(symmetric(V)):
         raise EngineError("The weight must be symmetric and positive definite, as the covariance of noise on "
                           "every sensor is.")

@@ -155,6 +155,8 @@ class Found:
                 return EngineError("{name} is an object of MATLAB's class {of}, which only MATLAB opens; save its matrices there: {line}.",
                                    name=name[:40], of=value.of[:40] or "?",
                                    line=f"[A,B,C,D]=ssdata({name[:40]}); Ts={name[:40]}.Ts; save('plant.mat','A','B','C','D','Ts','-v7')")
+        if "y" in self._entries and ("t" in self._entries or "u" in self._entries):
+            return EngineError("This file holds a record (t, u, y) and no plant; a record opens in lesson record with --data.")
         return EngineError("The file has no matrix {missing}; a plant needs A, B and C (D may be left out).", missing="A")
 
 

@@ -162,6 +162,9 @@ def bytes_of(source: str | os.PathLike[str] | bytes) -> bytes:
 def kind_of(name: str) -> str:
     """The suffix of a file's name. Raises EngineError unless it is .json or .mat."""
     suffix = Path(name).suffix.lower()
+    if suffix in (".csv", ".tsv", ".txt", ".dat", ".parquet", ".mf4", ".mdf", ".mcap"):
+        raise EngineError("This looks like a record of measurements; a record opens in lesson record with --data, and a plant is a .json "
+                          "or .mat file.")
     if suffix not in (".json", ".mat"):
         raise EngineError("A plant file must end in .json or .mat.")
     return suffix

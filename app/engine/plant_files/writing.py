@@ -8,6 +8,7 @@ from typing import IO
 
 from scipy.io import savemat
 
+from ..systems.errors import EngineError
 from ..systems.gates.argument_checks import Sizes, instance, takes
 from ..systems.gates.plant_gate import PLANT
 from ..systems.plant import Plant
@@ -58,5 +59,8 @@ def to_mat(plant: Plant, path: str | os.PathLike[str] | IO[bytes]) -> None:
     """
     bounded(plant)
     target = path if hasattr(path, "write") else os.fspath(path)  # type: ignore[arg-type]
-    savemat(target, {**{key: getattr(plant, key) for key in _MATRICES}, "Ts": plant.dt, "labels": as_text(plant)},
-            appendmat=False, do_compression=True)
+    try:
+        savemat(target, {**{key: getattr(plant, key) for key in _MATRICES}, "Ts": plant.dt, "labels": as_text(plant)},
+                appendmat=False, do_compression=True)
+    except OSError as problem:
+        raise EngineError("The file {name} cannot be written; check its name and place.", name=str(path)) from problem

@@ -169,8 +169,6 @@ def sampled_cost(plant: Plant, Q: object, R: object, dt: float) -> tuple[np.ndar
     From ∫ e^{Mᵀs} diag(Q, R) e^{Ms} ds with M = [A B; 0 0]. Shapes n×n, m×m, n×m. Raises EngineError.
     """
     require_continuous(plant)
-    if not (np.isfinite(dt) and dt > 0):
-        raise EngineError("Sampling needs a period dt > 0 in seconds.")
     n, m = plant.n, plant.m
     M = np.zeros((n + m, n + m))
     M[:n, :n], M[:n, n:] = plant.A, plant.B
@@ -180,29 +178,27 @@ def sampled_cost(plant: Plant, Q: object, R: object, dt: float) -> tuple[np.ndar
     return whole[:n, :n], whole[n:, n:], whole[:n, n:]
 
 
-@takes(plant=PLANT, Q=covariance("n"), R=covariance("m"), W=covariance(), V=covariance("p"), dt=SECONDS, G=matrix())
+@takes(plant=PLANT, Q=covariance("n"), R=covariance("m"), W=covariance(), V=covariance("p"), dt=SECONDS, G=matrix("n q"))
 def sampled_lqg(plant: Plant, Q: object, R: object, W: object, V: object, dt: float, *,
                 G: object | None = None) -> SampledLqg:
     """The LQG loop that minimises the continuous cost average of xᵀQx + uᵀRu with a computer's held input.
 
     Plant, cost and noise are sampled exactly (Van Loan), R = V/dt; K from the discrete Riccati equation. Weights and
-    intensities as in `lqg`. Platform report (003), equations (53)–(59) and section 5.3.2. Raises as `lqg` does.
+    intensities as in `lqg`. A plant that is sampled every dt already is taken as it is, Q, R its cost of a sample, W, V covariances.
+    Platform report (003), equations (53)–(59) and section 5.3.2. Raises as `lqg` does, and for a plant of another period.
 
     >>> design = sampled_lqg(Plant([[0]], [[1]], [[1]]), [[1]], [[1]], [[1]], [[1]], 0.1)
     >>> design.filter.dt
     0.1
     """
-    require_continuous(plant)
     G = plant.B if G is None else as_checked(G)
-    if G.shape[0] != plant.n:
-        raise ShapeError("G must have {n} rows, one for each state; it has {rows}.", n=plant.n, rows=G.shape[0])
     kf = KalmanFilter.from_plant(plant, W, V, dt=dt, G=G)
     sampled = Plant(kf.A, kf.B, kf.C, kf.D, dt, plant.state_names, plant.input_names, plant.output_names, plant.units,
                     plant.name)
     if np.any(sampled.D):
         raise EngineError("A sampled loop that answers in the same sample needs a plant without a direct path (D "
                           "= 0).")
-    Qd, Rd, Nd = sampled_cost(plant, Q, R, dt)
+    Qd, Rd, Nd = (as_checked(Q), as_checked(R), None) if plant.dt else sampled_cost(plant, Q, R, dt)
     regulator = dlqr(sampled.A, sampled.B, Qd, Rd, N=Nd)
     return SampledLqg(sampled, regulator.gain, regulator, kf)
 

@@ -64,9 +64,9 @@ def simulate_trials(loop: SampledLoop, runs: int, seconds: float, seed: int, *, 
     a Welch segment (Hann, half overlap, mean removed), by default a power of two near half a run. A generator: it
     yields every few milliseconds and may be closed at any time. Raises EngineError for an unstable loop.
     """
-    steps = round(seconds / loop.dt) if np.isfinite(seconds) else 0
+    steps = round(seconds / loop.dt)
     length = 2 ** int(np.log2(max(steps // 2, 8))) if segment is None else int(segment)
-    if not 8 <= length <= steps or runs < 1 or together < 1:
+    if not 8 <= length <= steps:
         raise EngineError("A Monte-Carlo needs at least one run, and a segment of 8 samples that is not longer "
                           "than a run.")
     signals = len(loop.outputs) + loop.U.shape[1]
@@ -202,8 +202,6 @@ def welch_expectation(loop: SampledLoop, length: int) -> Spectrum:
     >>> float(welch_expectation(loop, 64).frequency[-1])
     5.0
     """
-    if length < 2:
-        raise EngineError("A segment must hold at least two samples.")
     window = np.hanning(length + 1)[:-1]
     overlap = np.fft.irfft(np.abs(np.fft.rfft(window, 2 * length)) ** 2, 2 * length)[:length]
     rows = np.vstack([loop.outputs, loop.feedback])

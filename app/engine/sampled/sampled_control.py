@@ -14,7 +14,7 @@ from ..systems.gates.argument_checks import SECONDS, choice, count, instance, ma
 from ..systems.gates.plant_gate import PLANT
 from ..systems.plant import Plant
 from ..systems.records import record
-from ..systems.recursions import step_matrices
+from ..systems.sampling import discretise, tustin
 
 __all__ = ["SampledController", "recursive_controller", "sampled_controller"]
 
@@ -67,19 +67,8 @@ def sampled_controller(controller: Plant, dt: float, *, method: Method = "tustin
                               "same period.",
                               dt=controller.dt, dt2=dt)
         return _steady(controller.A, controller.B, controller.C, np.asarray(controller.D), dt)
-    if not (np.isfinite(dt) and dt > 0):
-        raise EngineError("A sampled controller needs a period dt > 0 in seconds.")
-    A, B, C, D = controller.A, controller.B, controller.C, np.asarray(controller.D)
-    if method == "tustin":
-        try:
-            solve = np.linalg.inv(np.eye(len(A)) - A * (dt / 2))
-        except np.linalg.LinAlgError:
-            raise EngineError("The controller has a pole at 2/dt = {dt:g} rad/s, which Tustin's rule sends to "
-                              "infinity; choose another period.",
-                              dt=2 / dt) from None
-        return _steady(solve @ (np.eye(len(A)) + A * (dt / 2)), solve @ B * dt, C @ solve, D + C @ solve @ B * (dt / 2), dt)
-    Phi, Phi1 = step_matrices(A, dt)
-    return _steady(Phi, Phi1 @ B, C, D, dt)
+    done = (tustin if method == "tustin" else discretise)(controller, dt)
+    return _steady(done.A, done.B, done.C, np.asarray(done.D), dt)
 
 
 def _steady(A: np.ndarray, B: np.ndarray, C: np.ndarray, D: np.ndarray, dt: float) -> SampledController:
@@ -104,8 +93,6 @@ def recursive_controller(estimator: LinearFilter, K: object, start: Belief, step
         raise EngineError("The filter must say its period: make it with from_plant, or give dt.")
     if np.any(estimator.D):
         raise EngineError("A filter of a plant with direct feedthrough (D ≠ 0) cannot be closed through u = −K x̂[k|k].")
-    if steps < 1:
-        raise EngineError("The gain must be computed for at least one sample.")
     A, C, M = estimator.A, estimator.C, estimator.schedule(start, steps).gains
     corrected = np.eye(estimator.n) - M @ C
     Cc, Dc = -K @ corrected, -K @ M

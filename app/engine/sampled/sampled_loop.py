@@ -11,7 +11,7 @@ import numpy as np
 from ..feedback.loop_spectrum import NoisyLoop
 from ..systems.arrays import as_checked, as_covariance, frozen, symmetric
 from ..systems.errors import EngineError, ShapeError, phrase
-from ..systems.gates.argument_checks import count, covariance, gated, instance, items, matrix, optional, takes
+from ..systems.gates.argument_checks import INTEGER, count, covariance, gated, instance, items, matrix, optional, takes
 from ..systems.gates.plant_gate import PLANT
 from ..systems.lyapunov import settled_covariance
 from ..systems.noise import root
@@ -144,8 +144,8 @@ class SampledLoop:
                          white, r, q, self.dt)
 
 
-@takes(plant=PLANT, controller=instance(SampledController), controls=items(count(-1000), 1000), hardware=instance(Hardware),
-       W=covariance(), V=covariance("p"), shaping=PLANT, disturbances=matrix(), outputs=matrix())
+@takes(plant=PLANT, controller=instance(SampledController), controls=items(INTEGER, 1000), hardware=instance(Hardware),
+       W=covariance(), V=covariance("p"), shaping=PLANT, disturbances=matrix(), outputs=matrix("k n"))
 def sampled_loop(plant: Plant, controller: SampledController, controls: Sequence[int], *, hardware: Hardware = IDEAL,
                  W: object | None = None, V: object | None = None, shaping: Plant | None = None,
                  disturbances: np.ndarray | None = None, outputs: np.ndarray | None = None) -> SampledLoop:
@@ -178,9 +178,6 @@ def sampled_loop(plant: Plant, controller: SampledController, controls: Sequence
     if hardware.delay > MOST_DELAY * dt:
         raise EngineError("The delay is longer than {most_delay} samples; shorten it.", most_delay=MOST_DELAY)
     rows = as_matrix(plant.C if outputs is None else outputs, phrase("The outputs"))
-    if rows.shape[1] != plant.n:
-        raise ShapeError("The outputs must have {n} columns, one for each state; they have {columns}.",
-                         n=plant.n, columns=rows.shape[1])
     noise = None if W is None else as_covariance(W, "W", shaping.m if shaping else len(others))
     known = None if disturbances is None else as_checked(disturbances)
     held = held_mechanics(

@@ -21,7 +21,7 @@ MOST_NUMBERS = 40_000_000  # state numbers in one run
 FIRST_BLOCK_SAMPLES = 256  # samples of the first block
 SHORT_BLOCK_SAMPLES = 160  # a block that ends sooner is followed by BURST samples one by one, which takes less time
 KEPT_DRAWS = 4000  # samples of a run whose draws are kept for the next with its seed
-BURST = 128  # twice as many each time, until a block of four times SHORT is met
+BURST = 128  # twice as many each time, until a block of four times SHORT_BLOCK_SAMPLES is met
 
 
 @record()
@@ -78,7 +78,7 @@ def simulate_trial(loop: SampledLoop, steps: int, *, seed: int | None = None, st
     True
     """
     kicks = tuple((k, _jump(loop, jump)) for k, jump in kicks)
-    if steps < 1 or steps * loop.n > MOST_NUMBERS:
+    if steps * loop.n > MOST_NUMBERS:
         raise EngineError("The run must have at least one sample and fit into memory; shorten it.")
     push, v = _forcing(loop, steps, seed, disturbance, kicks)
     w0 = np.zeros(loop.n) if start is None else as_checked(start).ravel().copy()

@@ -11,7 +11,7 @@ from ..systems.recursions import step_matrices
 
 __all__: list[str] = []
 
-CONTACT_HALVINGS = 8  # a change of contact is located to h / 2^PARTS
+CONTACT_HALVINGS = 8  # a change of contact is located to h / 2^CONTACT_HALVINGS
 TURNS = 12  # changes of contact followed within one step
 TORQUE_ROUNDING = 1e-12  # of the terms of a torque: what is smaller counts as none
 Flow = tuple[tuple[np.ndarray, np.ndarray], ...]
@@ -94,7 +94,7 @@ class Contact:
 
 
 def _flow(M: np.ndarray, enter: np.ndarray, h: float) -> Flow:
-    """(Φ, Φ₁) of ż = M z + `enter` g over h, h/2 … h/2^PARTS."""
+    """(Φ, Φ₁) of ż = M z + `enter` g over h, h/2 … h/2^CONTACT_HALVINGS."""
     Phi, Phi1 = step_matrices(M, h / 2**CONTACT_HALVINGS)
     flow = [(Phi, Phi1 @ enter)]
     for _ in range(CONTACT_HALVINGS):

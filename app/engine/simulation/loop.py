@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..systems.errors import ShapeError
 from ..systems.gates.argument_checks import SECONDS, matrix, takes
 from ..systems.gates.plant_gate import PLANT
 from ..systems.plant import Plant
@@ -48,9 +47,6 @@ def emulated_gain(plant: Plant, L: np.ndarray, dt: float) -> np.ndarray:
     e^{λ dt} of the continuous ones. Raises EngineError for a plant that is sampled already.
     """
     require_continuous(plant)
-    if L.shape != (plant.n, plant.p):
-        raise ShapeError("L must be {n}×{p}; it is {rows}×{columns}.",
-                         n=plant.n, p=plant.p, rows=L.shape[0], columns=L.shape[1])
     return step_matrices(plant.A - L @ plant.C, dt)[1] @ L
 
 

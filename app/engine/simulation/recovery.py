@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ..systems.errors import EngineError, ShapeError
-from ..systems.gates.argument_checks import SERIES, count, instance, number, optional, takes
+from ..systems.gates.argument_checks import INTEGER, SERIES, instance, number, optional, takes
 from ..systems.records import record
 from .batch import RunBatch
 from .scenario import Scenario
@@ -45,7 +45,7 @@ def _axis(values: object, name: str) -> np.ndarray:
     return axis
 
 
-@takes(s=instance(Scenario), x_index=count(-1000), x_values=SERIES, e_index=count(-1000), e_values=SERIES)
+@takes(s=instance(Scenario), x_index=INTEGER, x_values=SERIES, e_index=INTEGER, e_values=SERIES)
 def starts_of(s: Scenario, x_index: int, x_values: np.ndarray, e_index: int, e_values: np.ndarray) -> np.ndarray:
     """The starts (n_x·n_e, 2n): x(0) and e(0) of the scenario with one entry each replaced, x̂(0) = x(0) − e(0)."""
     n = s.plant.n
@@ -63,7 +63,7 @@ def starts_of(s: Scenario, x_index: int, x_values: np.ndarray, e_index: int, e_v
     return np.concatenate([x, x - e], axis=2).reshape(-1, 2 * n)
 
 
-@takes(scenario=instance(Scenario), x_index=count(-1000), x_values=SERIES, e_index=count(-1000), e_values=SERIES,
+@takes(scenario=instance(Scenario), x_index=INTEGER, x_values=SERIES, e_index=INTEGER, e_values=SERIES,
        threshold=optional(number(above=0, high=1e+100)), bound=optional(number(above=0, high=1e+100)), slice_seconds=number(0))
 def simulate_recovery(scenario: Scenario, x_index: int, x_values: object, e_index: int, e_values: object, *,
                  threshold: float | None = None, bound: float | None = None,

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import field
+from functools import cached_property
+
 import numpy as np
 
 from ..systems.arrays import frozen
@@ -41,11 +44,35 @@ class Mode:
 
 
 @record()
+class _Seen:
+    """A pair (A, C), its poles (n,), and which copies of them leave a trace; of controllability the dual."""
+
+    A: np.ndarray
+    C: np.ndarray
+    dt: float
+    poles: np.ndarray
+    visible: np.ndarray
+
+
+@record()
 class _Report:
-    matrix: np.ndarray
-    singular_values: np.ndarray
     rank: int
-    modes: tuple[Mode, ...]
+    _seen: _Seen = field(repr=False)
+
+    @cached_property
+    def matrix(self) -> np.ndarray:
+        """The matrix of the powers of A; raises EngineError where one overflows."""
+        return frozen(_powers(self._seen.A, self._seen.C))
+
+    @cached_property
+    def singular_values(self) -> np.ndarray:
+        """Those of `matrix` (n,)."""
+        return frozen(np.linalg.svd(self.matrix, compute_uv=False))
+
+    @cached_property
+    def modes(self) -> tuple[Mode, ...]:
+        """Every pole with its distances, sorted by (real, imag)."""
+        return _modes(self._seen)
 
     def matrix_rank(self, rtol: float | None = None) -> int:
         """Singular values of the matrix above rtol·σ₁ (default max(shape)·eps): the naive rank, for comparison."""
@@ -54,11 +81,11 @@ class _Report:
 
     @property
     def _hidden(self) -> tuple[complex, ...]:
-        return tuple(mode.pole for mode in self.modes if not mode.visible)
+        return tuple(complex(pole) for pole in self._seen.poles[~self._seen.visible])
 
     @property
     def _hidden_are_stable(self) -> bool:
-        return all(mode.stable for mode in self.modes if not mode.visible)
+        return not self._hidden or all(mode.stable for mode in self.modes if not mode.visible)
 
     @property
     def weakest(self) -> Mode | None:
@@ -94,6 +121,11 @@ class Controllability(_Report):
     `rank` = dimension of the reachable subspace, by the staircase; `modes` as in Observability,
     where `visible` reads "reached by u"."""
 
+    @cached_property
+    def matrix(self) -> np.ndarray:
+        """[B, AB, …, Aⁿ⁻¹B] (n×nm); raises EngineError where a power of A overflows."""
+        return frozen(_powers(self._seen.A, self._seen.C).T)
+
     @property
     def uncontrollable(self) -> tuple[complex, ...]:
         """Poles that no input moves, repeated as often as they are fixed."""
@@ -117,20 +149,25 @@ def _distances(A: np.ndarray, C: np.ndarray, poles: np.ndarray) -> np.ndarray:
     return np.linalg.svd(stack, compute_uv=False)[:, -1] if poles.size else np.zeros(0)
 
 
-def _modes(A: np.ndarray, C: np.ndarray, dt: float, rtol: float | None) -> tuple[Mode, ...]:
+def _seen(A: np.ndarray, C: np.ndarray, dt: float, rtol: float | None) -> _Seen:
     """Every pole, labelled by the diagonal block of the staircase it comes from: repeated poles count right."""
     scale, Q, seen = balanced_staircase(A.T, C.T, rtol)
     turned = Q.T @ (A * scale[:, None] / scale) @ Q
     poles = np.concatenate([sorted_poles(turned[:seen, :seen]), sorted_poles(turned[seen:, seen:])])
-    own, judged = stable_poles(A, dt=dt)
-    stable = judged[match_poles(poles, own)[0]]
     order = np.lexsort((np.imag(poles), np.real(poles)))
+    return _Seen(A, C, dt, frozen(poles[order]), frozen(order < seen))
+
+
+def _modes(seen: _Seen) -> tuple[Mode, ...]:
+    A, C, poles = seen.A, seen.C, seen.poles
+    own, judged = stable_poles(A, dt=seen.dt)
+    stable = judged[match_poles(poles, own)[0]]
     size = max((float(np.linalg.norm(M, 2)) for M in (A, C) if M.size), default=0.0)
     distances = _distances(A, C, _sure(A, poles))
     return tuple(
-        Mode(complex(poles[i]), float(distances[i] / size) if size else 0.0, float(distances[i]), bool(i < seen),
+        Mode(complex(poles[i]), float(distances[i] / size) if size else 0.0, float(distances[i]), bool(seen.visible[i]),
              bool(stable[i]))
-        for i in order
+        for i in range(len(poles))
     )
 
 
@@ -151,10 +188,6 @@ def _powers(A: np.ndarray, C: np.ndarray) -> np.ndarray:
     if not np.all(np.isfinite(stacked)):
         raise EngineError("The powers of A overflow; choose a unit of time in which the poles are nearer to 1.")
     return stacked
-
-
-def _with_values(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    return frozen(matrix), frozen(np.linalg.svd(matrix, compute_uv=False))
 
 
 @takes(plant=SEEN)
@@ -185,14 +218,14 @@ def observability(plant: Plant, *, rtol: float | None = None) -> Observability:
 
     O = [C; CA; …; CAⁿ⁻¹] (pn×n); pole λ is hidden when [A − λI; C] loses rank. Hidden means: found so by the
     staircase at relative tolerance rtol (default 1e-10). Distances say how near the others are.
-    Raises EngineError for rtol outside [0, 1) or when a power of A overflows.
+    Modes with their distances, O and its values are computed when they are asked for. Raises EngineError for rtol outside [0, 1).
     Source: Popov, Belevitch, Hautus (the PBH test).
 
     >>> observability(Plant(np.diag([-1, -2]), np.ones((2, 1)), [[1, 0]])).rank
     1
     """
-    modes = _modes(plant.A, plant.C, plant.dt, rtol)
-    return Observability(*_with_values(_powers(plant.A, plant.C)), sum(mode.visible for mode in modes), modes)
+    found = _seen(plant.A, plant.C, plant.dt, rtol)
+    return Observability(int(np.count_nonzero(found.visible)), found)
 
 
 @takes(plant=DRIVEN, rtol=number())
@@ -200,11 +233,10 @@ def controllability(plant: Plant, *, rtol: float | None = None) -> Controllabili
     """Whether, and how nearly not, the input reaches every state: `observability` of (Aᵀ, Bᵀ).
 
     matrix = [B, AB, …, Aⁿ⁻¹B] (n×nm); pole λ is out of reach when [A − λI, B] loses rank.
-    Raises EngineError for rtol outside [0, 1) or when a power of A overflows.
+    Raises EngineError for rtol outside [0, 1).
 
     >>> controllability(Plant(np.diag([-1, -2]), [[1], [0]], np.eye(2))).rank
     1
     """
-    modes = _modes(plant.A.T, plant.B.T, plant.dt, rtol)
-    matrix, values = _with_values(_powers(plant.A.T, plant.B.T))
-    return Controllability(matrix.T, values, sum(mode.visible for mode in modes), modes)
+    found = _seen(plant.A.T, plant.B.T, plant.dt, rtol)
+    return Controllability(int(np.count_nonzero(found.visible)), found)

@@ -186,6 +186,8 @@ def kalman_decomposition(plant: Plant, *, rtol: float | None = None) -> KalmanDe
     (1, 1, 0, 0)
     """
     T, sizes = _basis(plant, tolerance(rtol))
+    if sizes[0] == plant.n:  # nothing to take apart
+        T = np.eye(plant.n)
     A, B, C = np.linalg.solve(T, plant.A @ T), np.linalg.solve(T, plant.B), plant.C @ T
     edges = np.cumsum((0, *sizes))
     cuts = [slice(a, b) for a, b in pairwise(edges)]

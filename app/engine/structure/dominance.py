@@ -61,19 +61,20 @@ def dominance(plant: Plant, omega: object) -> Dominance:
     if plant.m != plant.p:
         raise ShapeError("Dominance is about a square transfer matrix; this one is {p}×{m}.", p=plant.p, m=plant.m)
     w = np.atleast_1d(np.asarray(omega, dtype=float))
-    return dominance_of(w, frequency_response(plant.A, plant.B, plant.C, plant.D, w, dt=plant.dt))
+    G = frequency_response(plant.A, plant.B, plant.C, plant.D, w, dt=plant.dt)
+    if not np.isfinite(G).all():
+        raise EngineError("The response is not finite; leave out frequencies that lie on a pole.")
+    return dominance_of(w, G)
 
 
 @takes(omega=SERIES, response=array("… k k", imaginary=True))
 def dominance_of(omega: np.ndarray, response: np.ndarray) -> Dominance:
     """The same from a response (n_ω, k, k) that is known already."""
     G = np.asarray(response)
-    if G.ndim != 3 or G.shape[1] != G.shape[2] or len(G) != len(omega):
+    if G.ndim != 3 or len(G) != len(omega):
         raise ShapeError("A response must be n×k×k with one k×k matrix for each of the n frequencies; it is "
                          "{g_shape}.",
                          g_shape=G.shape)
-    if not np.isfinite(G).all():
-        raise EngineError("The response is not finite; leave out frequencies that lie on a pole.")
     size = np.abs(G)
     own = np.diagonal(size, axis1=1, axis2=2)
     off = size * (1 - np.eye(G.shape[1]))
@@ -92,10 +93,8 @@ def relative_gains(response: object) -> np.ndarray:
     where G is singular. Source: Bristol, "On a new measure of interaction for multivariable process control" (1966).
     """
     G = np.asarray(response)
-    if G.ndim < 2 or G.shape[-1] != G.shape[-2] or not G.size:
+    if not G.size:
         raise ShapeError("Relative gains are defined for square matrices; take as many inputs as outputs.")
-    if not np.isfinite(G).all():
-        raise EngineError("The response is not finite; leave out frequencies that lie on a pole.")
     try:
         even = _even(_even(G, -1), -2)  # an inverse of entries of like size: the units of G cost no digits
         gains = even * np.swapaxes(np.linalg.inv(even), -1, -2)

@@ -10,11 +10,12 @@ import numpy as np
 from scipy.linalg import expm, schur, solve_sylvester
 
 from ..systems.arrays import frozen, symmetric
-from ..systems.balance import balance, state_scale
+from ..systems.balance import MIN_RATE, balance, state_scale
 from ..systems.errors import EngineError, phrase
-from ..systems.gates.argument_checks import HORIZON, count, takes
+from ..systems.exact_roots import MAX_STATES
+from ..systems.gates.argument_checks import HORIZON, INTEGER, takes
 from ..systems.gates.plant_gate import PLANT
-from ..systems.lyapunov import settled_factor
+from ..systems.lyapunov import settled_covariance, settled_factor
 from ..systems.plant import Plant
 from ..systems.records import record
 from ..systems.stability import poles_within, stable_poles
@@ -95,8 +96,8 @@ def gramians(plant: Plant) -> Gramians:
     array([[0.5]])
     """
     _require_stable(plant, phrase("use observability_gramian or reachability_gramian with a finite horizon"))
-    Rc, Ro = _factors(plant)
-    return Gramians(frozen(Rc @ Rc.T), frozen(Ro @ Ro.T))
+    return Gramians(frozen(settled_covariance(plant.A, plant.B, dt=plant.dt)),
+                    frozen(settled_covariance(plant.A.T, plant.C.T, dt=plant.dt)))
 
 
 @takes(plant=PLANT)
@@ -132,6 +133,8 @@ def split_stable(plant: Plant) -> StableSplit:
     own = balance(plant.A, plant.B, plant.C)
     A = own.A(plant.A)
     poles, stable = stable_poles(A, dt=plant.dt)
+    if stable.all() and n > MAX_STATES:  # of many states a triangular form would take digits
+        return StableSplit(plant, _part(plant, np.zeros((n, 0)), np.zeros((0, n)), None, "unstable part"), frozen(np.eye(n)))
 
     def inside(re: float, im: float) -> bool:
         return bool(stable[np.argmin(np.abs(poles - complex(re, im)))])
@@ -175,7 +178,7 @@ def _signs(rows: np.ndarray, B: np.ndarray) -> np.ndarray:
     return np.where(clear.any(axis=1) & (first < 0), -1.0, 1.0)
 
 
-@takes(plant=PLANT, order=count(-1000))
+@takes(plant=PLANT, order=INTEGER)
 def balanced_truncation(plant: Plant, order: int) -> Truncation:
     """Keep the `order` states that both u and y feel most.
 
@@ -188,20 +191,20 @@ def balanced_truncation(plant: Plant, order: int) -> Truncation:
     >>> balanced_truncation(Plant(np.diag([-1, -50]), [[1], [1]], [[1, 1]]), 1).plant.n
     1
     """
-    if isinstance(order, bool) or int(order) != order or not 0 <= order <= plant.n:
+    if not 0 <= order <= plant.n:
         raise EngineError("The order must be a whole number from 0 to {n}; it is {order}.", n=plant.n, order=order)
     split = split_stable(plant)
     kept = plant.n - split.stable.n if plant.n else 0
     if order < kept:
         raise EngineError("{kept} unstable states must stay; ask for an order of at least {kept}.", kept=kept)
-    r = int(order) - kept
+    r = order - kept
     sigma, right, left, dust = _balance(split.stable, r)
     k = split.stable.n
     scale = balance(plant.A, plant.B, plant.C).states
     inverse = np.linalg.inv(split.T / scale[:, None]) / scale
     T = np.hstack([split.T[:, :k] @ right, split.T[:, k:]])
     L = np.vstack([left @ inverse[:k], inverse[k:]])
-    reduced = _part(plant, T, L, plant.D, f"cut to {int(order)}")
+    reduced = _part(plant, T, L, plant.D, f"cut to {order}")
     bound = (
         float(2 * sigma[r:].sum()) * (1 + _unsure(split.stable))
         + 2 * len(sigma[r:]) * dust
@@ -231,10 +234,11 @@ def _accumulate(E: np.ndarray, Q: np.ndarray, steps: int) -> np.ndarray:
 
 
 def _one_step(A: np.ndarray, Q: np.ndarray, h: float) -> tuple[np.ndarray, np.ndarray]:
-    """e^{Ah} and ∫₀ʰ e^{As} Q e^{Aᵀs} ds from one exponential of [A Q; 0 −Aᵀ] (Van Loan 1978), for small ‖A‖h."""
-    n = A.shape[0]
-    block: np.ndarray = expm(h * np.block([[A, Q], [np.zeros_like(A), -A.T]]))
-    return block[:n, :n], block[:n, n:] @ block[:n, :n].T
+    """e^{Ah} and ∫₀ʰ e^{As} Q e^{Aᵀs} ds from one exponential of [A Q; 0 −Aᵀ] (Van Loan 1978), Q of the size of A, for small ‖A‖h."""
+    n, most = A.shape[0], np.abs(Q).max(initial=0.0)
+    size = 2.0 ** np.round(np.log2(max(np.abs(A).max(initial=0.0), MIN_RATE)) - np.log2(most)) if most > 0 else 1.0
+    block: np.ndarray = expm(h * np.block([[A, Q * size], [np.zeros_like(A), -A.T]]))
+    return block[:n, :n], block[:n, n:] @ block[:n, :n].T / size
 
 
 @takes(plant=PLANT, horizon=HORIZON)
@@ -246,8 +250,6 @@ def reachability_gramian(plant: Plant, horizon: float) -> np.ndarray:
     Raises EngineError for a horizon that is negative or not finite, and when growth overflows within it.
     """
     t = float(horizon)
-    if not np.isfinite(t) or t < 0:
-        raise EngineError("The horizon must be a finite number of seconds, zero or more.")
     scale = state_scale(plant.A, plant.B)
     A, B = plant.A * scale / scale[:, None], plant.B / scale[:, None]
     with np.errstate(over="ignore", invalid="ignore"):

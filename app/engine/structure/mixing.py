@@ -13,7 +13,7 @@ from scipy.optimize import minimize
 from ..kernels import as_kernel_array, compiled_kernel
 from ..kernels.decoupling_search import decoupling_search_steps
 from ..systems.errors import EngineError, ShapeError
-from ..systems.gates.argument_checks import FINITE, array, count, pair, takes
+from ..systems.gates.argument_checks import FINITE, INTEGER, array, count, pair, takes
 from ..systems.records import record
 
 __all__ = ["Coupling", "Mixing", "best_mixing", "coupling", "mixing_matrix"]
@@ -112,13 +112,13 @@ class Mixing:
     count: int
 
 
-@takes(a=FINITE, b=FINITE, size=count(2, 1000), channels=pair(count(-1000), count(-1000)))
+@takes(a=FINITE, b=FINITE, size=count(2, 1000), channels=pair(INTEGER, INTEGER))
 def mixing_matrix(a: float, b: float, *, size: int = 2, channels: tuple[int, int] = (0, 1)) -> np.ndarray:
     """The identity of `size` with [[1, b], [a, 1]] at two channels: T_u,opt = T_u S, eq. (20).
 
     Raises EngineError where 1 − ab is nearly zero: the two mixed inputs would then be one.
     """
-    if not (np.isfinite(a) and np.isfinite(b)) or abs(1 - a * b) < NEAR_SINGULAR:
+    if abs(1 - a * b) < NEAR_SINGULAR:
         raise EngineError("With a = {a:.4g} and b = {b:.4g} the mixing is singular, 1 − ab = {a2:.2g}; keep ab "
                           "away from 1.",
                           a=a, b=b, a2=1 - a * b)
@@ -130,12 +130,11 @@ def mixing_matrix(a: float, b: float, *, size: int = 2, channels: tuple[int, int
     return S
 
 
-@takes(response=array("… k k", imaginary=True), channels=pair(count(-1000), count(-1000)))
+@takes(response=array("… k k", imaginary=True), channels=pair(INTEGER, INTEGER))
 def coupling(response: object, *, channels: tuple[int, int] = (0, 1)) -> Coupling:
     """The index J(a, b) of two channels of a response G (n_ω, k, k). Raises ShapeError or EngineError."""
     G = np.asarray(response)
-    if (G.ndim != 3 or G.shape[1] != G.shape[2] or not len(G) or not all(0 <= i < G.shape[1] for i in channels)
-            or channels[0] == channels[1]):
+    if G.ndim != 3 or not len(G) or not all(0 <= i < G.shape[1] for i in channels) or channels[0] == channels[1]:
         raise ShapeError("The index needs a response of at least one frequency, n×k×k, and two different channels "
                          "of it.")
     block = G[:, channels][:, :, channels]
@@ -162,7 +161,7 @@ def _bottom(J: Coupling, x: np.ndarray) -> np.ndarray | None:
     return None
 
 
-@takes(response=array("… k k", imaginary=True), channels=pair(count(-1000), count(-1000)))
+@takes(response=array("… k k", imaginary=True), channels=pair(INTEGER, INTEGER))
 def best_mixing(response: object, *, channels: tuple[int, int] = (0, 1)) -> Mixing:
     """(a, b) that minimises J of eq. (21): a closed-form start, then simplices without derivatives, then Newton's steps.
 

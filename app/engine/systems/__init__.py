@@ -9,7 +9,7 @@ from .jacobian import Map, each_column, slopes
 from .lyapunov import settled_covariance
 from .noise import process_noise, root, step_covariance
 from .plant import Plant
-from .pole_sets import Poles, check_poles, match_poles, move_pole, pole_text, sorted_poles
+from .pole_sets import Poles, check_poles, match_poles, move_pole, pair_conjugates, pole_text, sorted_poles
 from .recursions import affine_scan, held_scan, step_matrices
 from .sampling import continuous_of, discretise
 from .spectrum import Spectrum, amplitude_response, frequency_response, modal_coordinates, psd
@@ -46,6 +46,7 @@ __all__ = [
     "modal_coordinates",
     "move_pole",
     "natural_scale",
+    "pair_conjugates",
     "phrase",
     "pole_text",
     "process_noise",

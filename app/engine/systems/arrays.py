@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sized
 from functools import lru_cache
-from numbers import Real
-from typing import cast
+from numbers import Complex, Real
+from typing import Any, cast
 
 import numpy as np
 
@@ -26,25 +27,30 @@ __all__ = [
     "symmetric",
 ]
 
-ASYMMETRY = 1e-9  # beside the roots of the diagonal entries; below ROUNDING of the largest entry nothing is said of it
+ASYMMETRY = 1e-9  # beside the roots of the diagonal entries; below EIGENVALUE_ROUNDING of the largest entry nothing is said of it
 EIGENVALUE_ROUNDING = 1e-15
+LEAST_DEVIATION = 1e-146  # a smaller one has a variance that lost its digits at the end of the range of doubles
 NEGATIVE = 1e-9  # how far below zero rounding may push an eigenvalue of the correlation matrix
 MAX_ENTRIES = 10_000_000  # entries of one matrix
 CACHED_ENTRIES = 1024  # entries: a weight or covariance up to this size is judged once, however often a loop is built from it
 
 
 def as_numbers(value: object, name: str, *, missing: bool = False, imaginary: bool = False,
-               infinite: bool = False) -> np.ndarray:
-    """Numbers in an array of any shape, floats or complex; finite, but NaN where a value is `missing` if that may be.
+               infinite: bool = False, single: bool = False) -> np.ndarray:
+    """Numbers in an array of any shape, doubles (or as `single` as they are) or complex; finite, but NaN where
+    a value is `missing` if that may be.
 
-    Masked entries are missing ones. Raises EngineError with `name` in it for text, dates, ragged lists, imaginary parts
+    Sparse matrices are filled; masked entries are missing ones.
+    Raises EngineError with `name` in it for text, dates, ragged lists, imaginary parts
     (unless `imaginary`), masked or NaN entries (unless `missing`) and infinity (unless `infinite`), ShapeError for more entries than memory
     should hold.
     """
-    if type(value) is np.ndarray and not imaginary and value.dtype.kind == "f" and value.size <= MAX_ENTRIES and np.isfinite(value).all():
+    if type(value) is np.ndarray and not imaginary and value.dtype == np.float64 and value.size <= MAX_ENTRIES and np.isfinite(value).all():
         return value
     if isinstance(value, np.ma.MaskedArray):
         value = _unmasked(value, name, missing)
+    if type(value).__module__.startswith("scipy.sparse"):
+        value = _whole(value, name)
     count = value.size if isinstance(value, np.ndarray) else len(value) if isinstance(value, Sized) else 1
     if count > MAX_ENTRIES:
         raise ShapeError("{name} has more than {largest:.0e} entries; give a smaller matrix.", name=name, largest=MAX_ENTRIES)
@@ -55,8 +61,8 @@ def as_numbers(value: object, name: str, *, missing: bool = False, imaginary: bo
         array = np.real(array)
     if imaginary:
         array = array.astype(complex, copy=False)
-    elif array.dtype.kind != "f":  # floats keep their precision
-        array = array.astype(float)
+    elif not (single and array.dtype == np.float32):
+        array = array.astype(float, copy=False)
     fine = ~np.isnan(array) if infinite else np.isfinite(array)
     if not (fine | np.isnan(array) if missing else fine).all():
         if missing:
@@ -73,14 +79,23 @@ def _unmasked(value: np.ma.MaskedArray, name: str, missing: bool) -> np.ndarray:
     return np.ma.filled(value.astype(float), np.nan)
 
 
-def _plain(value: object, name: str) -> np.ndarray:
-    """The array that a value is, of booleans, integers, floats or complex numbers."""
-    if isinstance(value, np.ndarray) and value.dtype.kind in "fiubc":
+def _whole(value: Any, name: str) -> object:
+    """A sparse matrix of SciPy with its zeros; any other of its things as it is."""
+    if not hasattr(value, "toarray"):
         return value
+    if math.prod(value.shape) > MAX_ENTRIES:
+        raise ShapeError("{name} has more than {largest:.0e} entries; give a smaller matrix.", name=name, largest=MAX_ENTRIES)
+    return value.toarray()
+
+
+def _plain(value: object, name: str) -> np.ndarray:
+    """The array that a value is, of booleans, integers, floats or complex numbers; no subclass, whose * may be another."""
+    if isinstance(value, np.ndarray) and value.dtype.kind in "fiubc":
+        return np.asarray(value)
     try:
         array = np.asarray(value)
-        if array.dtype.kind == "O" and all(isinstance(v, Real) for v in array.flat):  # fractions, integers beyond 64 bits
-            array = array.astype(float)
+        if array.dtype.kind == "O" and all(isinstance(v, Complex) for v in array.flat):  # fractions, integers beyond 64 bits
+            array = array.astype(float if all(isinstance(v, Real) for v in array.flat) else complex)
     except (TypeError, ValueError, OverflowError) as problem:
         raise EngineError("{name} must be a matrix of real numbers; {given} was given.", name=name, given=described(value)) from problem
     if array.dtype.kind not in "fiubc":
@@ -115,14 +130,15 @@ def frozen(array: np.ndarray) -> np.ndarray:
 
 def symmetric(matrix: np.ndarray) -> np.ndarray:
     """(M + Mᵀ)/2 of a matrix, or of each in a stack (…, n, n)."""
-    return (matrix + matrix.swapaxes(-1, -2)) / 2
+    half = matrix / 2  # the sum of two of the largest numbers is none
+    return half + half.swapaxes(-1, -2)
 
 
 def correlations(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The correlations R (n×n) and the deviations d (n,) of a covariance d R d: units are in d alone. d_i = 1 where the
     variance is not positive."""
     spread = np.sqrt(np.abs(np.diag(matrix)))
-    spread = np.where(spread > 0, spread, 1.0)
+    spread = np.where(spread > LEAST_DEVIATION, spread, 1.0)
     return matrix / spread / spread[:, None], spread
 
 

@@ -11,6 +11,7 @@ from functools import lru_cache
 
 import numpy as np
 from scipy.linalg import matrix_balance
+from scipy.sparse.csgraph import connected_components
 
 from .arrays import frozen
 from .errors import ShapeError
@@ -20,6 +21,7 @@ from .records import record
 __all__ = ["MIN_RATE", "UNLIKE", "Balance", "balance", "natural_scale", "plain_scale", "state_scale", "without_dust"]
 
 ROUNDING_ENTRY_RTOL = 1e-14  # an entry this small beside its row and its column is rounding: it must not steer the scales
+REAL_ENTRY_RTOL = 1e-7  # what looked like rounding is none where it is this large in the units that the rest tells
 UNLIKE = 2.0**12  # states whose natural units are further apart than this are not in like units
 CANCELLED = 1e-14
 MIN_RATE = 1e-200  # a rate below this is none
@@ -63,8 +65,9 @@ def balance(A: np.ndarray, B: np.ndarray | None = None, C: np.ndarray | None = N
     """The scales of states (n,), inputs (m,) and outputs (p,) for A n×n, B n×m, C p×n, D p×m; parts may be left out.
 
     log scales δ are the least squares of log L_ij + δ_j − δ_i over the strongest paths L_ij from j to i (edges |A|/rate,
-    |B|/rate, |C|, |D|), then moved so that no path is stronger than one. For states alone this is what balancing a
-    matrix does; here states that only feed or are only fed get their scale too. Source of the least squares: Curtis and
+    |B|/rate, |C|, |D|), then moved so that no path is stronger than one. This is done for the states with A alone, and then for
+    inputs, outputs and what A does not couple. It is what balancing a matrix does; but states that only feed or are only fed get
+    their scale too, and what lies far from an input or an output keeps its own. Source of the least squares: Curtis and
     Reid, "On the automatic scaling of matrices for Gaussian elimination" (1972).
     """
     n = len(A)
@@ -80,17 +83,44 @@ def balance(A: np.ndarray, B: np.ndarray | None = None, C: np.ndarray | None = N
 
 @lru_cache(maxsize=256)
 def _balance(a: bytes, b: bytes, c: bytes, d: bytes, n: int, m: int, p: int) -> Balance:
-    A, B, C, D = (np.abs(np.frombuffer(data)).reshape(shape)
-                  for data, shape in ((a, (n, n)), (b, (n, m)), (c, (p, n)), (d, (p, m))))
-    tall, wide = _largest(A, 0), _largest(A, 1)
-    A = np.where(ROUNDING_ENTRY_RTOL * np.minimum(wide, tall) < A, A, 0.0)
-    B, C = np.where(ROUNDING_ENTRY_RTOL * _largest(B, 0) < B, B, 0.0), np.where(ROUNDING_ENTRY_RTOL * _largest(C, 1) < C, C, 0.0)
-    rate = float(np.abs(np.linalg.eigvals(A)).max(initial=0.0))
-    rate = rate if rate > MIN_RATE else 1.0
-    delta = _scales(_paths(A, B, C, D, np.log2(rate)), n)
-    delta = np.clip(delta, -WIDEST, WIDEST)
+    A, B, C, D = _sizes(a, b, c, d, n, m, p)
+    rate = _rate(A)
+    delta = np.clip(_scales(_paths(A, B, C, D, np.log2(rate)), _members(A)), -WIDEST, WIDEST)
     scale, exact = frozen(2.0 ** np.round(delta)), frozen(2.0 ** delta)
     return Balance(scale[:n], scale[n:n + m], scale[n + m:], rate, exact)
+
+
+@lru_cache(maxsize=256)
+def _weighed(a: bytes, b: bytes, c: bytes, n: int, m: int, p: int) -> np.ndarray:
+    A, B, C, D = _sizes(a, b, c, bytes(8 * m * p), n, m, p)
+    L = _paths(A, B, C, D, np.log2(_rate(A)))
+    direct = np.zeros(L.shape, dtype=bool)
+    direct[:n, :n], direct[:n, n:n + m], direct[n + m:, :n] = True, B > 0, C > 0
+    delta = np.clip(_fitted(np.where(direct, L, -np.inf), L), -WIDEST, WIDEST)
+    return frozen(2.0 ** np.round(delta[:n]))
+
+
+def _sizes(a: bytes, b: bytes, c: bytes, d: bytes, n: int, m: int, p: int) -> tuple[np.ndarray, ...]:
+    """|A|, |B|, |C|, |D| without what is rounding: not in the units given, which may be unlike, but in those that the rest tells."""
+    A, B, C, D = (np.abs(np.frombuffer(data)).reshape(shape)
+                  for data, shape in ((a, (n, n)), (b, (n, m)), (c, (p, n)), (d, (p, m))))
+    found = _clear(A, B, C)
+    if sum(map(np.count_nonzero, found)) < sum(map(np.count_nonzero, (A, B, C))):
+        delta = _scales(_paths(*found, D, np.log2(_rate(found[0]))), _members(found[0]))
+        x, u, y = np.split(2.0 ** np.clip(delta, -WIDEST, WIDEST), [n, n + m])
+        clear = _clear(A * x / x[:, None], B * u / x[:, None], C * x / y[:, None], REAL_ENTRY_RTOL)
+        found = tuple(np.where((kept > 0) | (first > 0), M, 0.0) for kept, first, M in zip(clear, found, (A, B, C), strict=True))
+    return *found, D
+
+
+def _clear(A: np.ndarray, B: np.ndarray, C: np.ndarray, rtol: float = ROUNDING_ENTRY_RTOL) -> tuple[np.ndarray, ...]:
+    A = np.where(rtol * np.minimum(_largest(A, 1), _largest(A, 0)) < A, A, 0.0)
+    return A, *(np.where(rtol * _largest(M, axis) < M, M, 0.0) for M, axis in ((B, 0), (C, 1)))
+
+
+def _rate(A: np.ndarray) -> float:
+    rate = float(np.abs(np.linalg.eigvals(A)).max(initial=0.0))
+    return rate if rate > MIN_RATE else 1.0
 
 
 def _largest(M: np.ndarray, axis: int) -> np.ndarray:
@@ -111,14 +141,40 @@ def _paths(A: np.ndarray, B: np.ndarray, C: np.ndarray, D: np.ndarray, rate: flo
     return L
 
 
-def _scales(L: np.ndarray, n: int) -> np.ndarray:
-    """log₂ of the scales of all nodes from the strongest paths between them."""
-    known = np.isfinite(L)
+def _members(A: np.ndarray) -> list[np.ndarray]:
+    """The states in parts between which A has no entry."""
+    count, label = connected_components(A != 0, directed=False) if len(A) else (0, np.zeros(0))
+    return [np.flatnonzero(label == k) for k in range(count)]
+
+
+def _scales(L: np.ndarray, parts: list[np.ndarray]) -> np.ndarray:
+    """log₂ of the scales of all nodes from the strongest paths between them.
+
+    States of one part first, by the paths within A alone; then the parts, inputs and outputs beside each other.
+    """
+    n = sum(map(len, parts))
+    nodes = [*parts, *np.arange(n, len(L))[:, None]]
+    delta = np.zeros(len(L))
+    for part in parts:
+        delta[part] = _fitted(L[np.ix_(part, part)])
+    if len(nodes) > 1:
+        moved = L + delta - delta[:, None]
+        between = np.array([[moved[np.ix_(a, b)].max() for b in nodes] for a in nodes])
+        np.fill_diagonal(between, -np.inf)
+        for node, shift in zip(nodes, _fitted(between), strict=True):
+            delta[node] += shift
+    return delta
+
+
+def _fitted(edges: np.ndarray, L: np.ndarray | None = None) -> np.ndarray:
+    """δ that brings these of L_ij + δ_j − δ_i to zero by least squares, then all of L (by default the same) below zero."""
+    L = edges if L is None else L
+    known = np.isfinite(edges)
     if not known.any():
         return np.zeros(len(L))
     both = known.astype(float) + known.T
     laplacian = np.diag(both.sum(axis=1)) - both
-    values = np.where(known, L, 0.0)
+    values = np.where(known, edges, 0.0)
     delta = np.linalg.lstsq(laplacian, values.sum(axis=1) - values.sum(axis=0), rcond=1e-10)[0]
     ahead = np.maximum(delta, (L + delta).max(axis=1))
     back = np.maximum(-delta, (L - delta[:, None]).max(axis=0))
@@ -129,6 +185,13 @@ def _scales(L: np.ndarray, n: int) -> np.ndarray:
 def state_scale(A: np.ndarray, B: np.ndarray | None = None, C: np.ndarray | None = None) -> np.ndarray:
     """Powers of two d (n,) such that diag(1/d) A diag(d) is balanced: the `states` of `balance`."""
     return balance(A, B, C).states
+
+
+def weighed_scale(A: np.ndarray, B: np.ndarray, C: np.ndarray) -> np.ndarray:
+    """Powers of two (n,) for states that B n×m drives and C p×n weighs: entries of B and C count as those of A do, each beside the
+    states that it stands for and no others."""
+    A, B, C = (np.ascontiguousarray(M, dtype=float) for M in (A, B, C))
+    return _weighed(A.tobytes(), B.tobytes(), C.tobytes(), len(A), B.shape[1], len(C))
 
 
 @takes(A=matrix("n n"), B=optional(matrix("n m")), C=optional(matrix("p n")))
@@ -145,7 +208,10 @@ def plain_scale(A: np.ndarray) -> np.ndarray:
     """Powers of two (n,) that bring rows and columns of A to like norms, as LAPACK does: for one matrix by itself."""
     if not A.size:
         return np.ones(0)
+    own = state_scale(A)
     clean = np.where(np.abs(A) > CANCELLED * np.abs(A).max(), A, 0.0)
+    if np.count_nonzero(clean) < np.count_nonzero(A):  # what is small is judged in balanced states, not in the units given
+        clean = without_dust(A, own)
     return matrix_balance(clean, permute=False, separate=True)[1][0]
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from .gates.argument_checks import FUNCTION, NAME, SECONDS, count, optional, passed
+from .gates.map_roles import CLOCK_ROWS
 from .jacobian import Map, slopes
 from .plant import Plant
 from .records import record
@@ -68,6 +69,29 @@ class Flow:
             x = x + h / 6 * (k1 + 2 * (k2 + k3) + rhs(fourth, u))
         assert Phi is not None
         return x, Phi
+
+
+@record()
+class FlowInTime:
+    """A flow over steps of any length: u has two more rows, t and the step dt in s; parts are as long as the flow's own, or shorter."""
+
+    flow: Flow
+
+    def _over(self, step: float) -> Flow | None:
+        parts = int(np.ceil(self.flow.parts * step / self.flow.step - 1e-9))
+        return Flow(self.flow.rhs, step, max(parts, 1), self.flow.slope) if step > 0 else None
+
+    def __call__(self, x: np.ndarray, u: np.ndarray) -> np.ndarray:
+        """The states dt later; as they are where dt = 0."""
+        flow = self._over(float(u[-1, 0]))
+        return x if flow is None else flow(x, u[:-CLOCK_ROWS])
+
+    def expand(self, x: np.ndarray, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The states dt later (n, N) and ∂f/∂x (N, n, n)."""
+        flow = self._over(float(u[-1, 0]))
+        if flow is None:
+            return x, np.repeat(np.eye(len(x))[None], x.shape[1], axis=0)
+        return flow.expand(x, u[:-CLOCK_ROWS])
 
 
 @record()

@@ -61,6 +61,8 @@ def _companion(numerator: np.ndarray, denominator: np.ndarray, dt: float) -> tup
 def _checked(numerator: np.ndarray, denominator: np.ndarray) -> Fraction:
     if not (np.isfinite(numerator).all() and np.isfinite(denominator).all()):
         raise EngineError("The coefficients of a transfer function must be finite numbers.")
+    if not numerator.size:
+        raise EngineError("The numerator of a transfer function is empty; give its coefficients, highest power first, or 0.")
     over, under = np.trim_zeros(numerator, "f"), np.trim_zeros(denominator, "f")
     if not under.size:
         raise EngineError("The denominator of a transfer function is zero; give its coefficients, highest power first.")

@@ -50,9 +50,10 @@ def period_of(system: Any) -> float:
 
 def fractions_of(system: Any) -> list[list[Fraction]]:
     """Numerators and denominators (p×m) of a transfer function of python-control or SciPy, zeros and poles included."""
-    if hasattr(system, "num_list"):
+    if type(system).__module__.split(".")[0] == "control":
+        given = (system.num_list, system.den_list) if hasattr(system, "num_list") else (system.num, system.den)  # before control 0.10.2
         return [[(np.asarray(num, dtype=float), np.asarray(den, dtype=float)) for num, den in zip(nums, dens, strict=True)]
-                for nums, dens in zip(system.num_list, system.den_list, strict=True)]
+                for nums, dens in zip(*given, strict=True)]
     if hasattr(system, "zeros") and hasattr(system, "gain"):
         return [[zeros_and_poles(np.atleast_1d(system.zeros), np.atleast_1d(system.poles), float(system.gain))]]
     return [[(np.asarray(row, dtype=float), np.asarray(system.den, dtype=float))] for row in np.atleast_2d(system.num)]

@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
+import warnings
+
 import numpy as np
+from scipy.linalg import solve_continuous_lyapunov, solve_discrete_lyapunov
 from scipy.linalg.lapack import dgees, dgeqrf, dtrsyl  # pyright: ignore[reportAttributeAccessIssue]
 
-from .balance import balance
+from .arrays import correlations, symmetric
+from .balance import balance, plain_scale
 from .errors import EngineError
 from .gates.argument_checks import PERIOD, matrix, takes
 from .records import record
 
-__all__ = ["settled_covariance", "settled_factor"]
+__all__ = ["lyapunov_solution", "settled_covariance", "settled_factor"]
 
 EPS = float(np.finfo(float).eps)
 UNEVEN = 1e-4  # deviations further apart than this, in balanced states, cost the small ones digits
 DIM = 1e-7  # squares tell deviations down to this share of the largest
+STIFF, FEW = 1e5, 60  # ratio of the rates; states up to which they are asked for
 MAX_FACTOR_WIDTH = 4  # times as many columns as states, before a factor is compressed
 MAX_FACTOR = 1e150  # a factor as large as this has variances that overflow
 
@@ -23,7 +28,56 @@ MAX_FACTOR = 1e150  # a factor as large as this has variances that overflow
 def settled_covariance(A: np.ndarray, G: np.ndarray, *, dt: float = 0.0) -> np.ndarray:
     """P (n×n) ⪰ 0 with A P + P Aᵀ + G Gᵀ = 0, or A P Aᵀ − P + G Gᵀ = 0 where dt > 0, for stable A n×n and G n×q."""
     R = settled_factor(A, G, dt)
-    return R @ R.T
+    exact = _stiff(A, G) if dt == 0 and 1 < len(A) <= FEW else None
+    return R @ R.T if exact is None else exact
+
+
+def _stiff(A: np.ndarray, G: np.ndarray) -> np.ndarray | None:
+    """The solution by back substitution, where rates are so far apart that the transform behind the factor costs digits and where it is
+    positive definite; else None."""
+    rates = np.abs(np.linalg.eigvals(A))
+    if not STIFF * rates.min() < rates.max():
+        return None
+    try:
+        X = symmetric(lyapunov_solution(A, G @ G.T))
+        np.linalg.cholesky(correlations(X)[0])
+    except np.linalg.LinAlgError:
+        return None
+    return X
+
+
+def lyapunov_solution(A: np.ndarray, Q: np.ndarray, dt: float = 0.0) -> np.ndarray:
+    """X (n×n) of A X + X Aᵀ + Q = 0, or A X Aᵀ − X + Q = 0 where dt > 0, for any A with one solution and any Q.
+
+    In states balanced with what Q drives, again in those of the deviations √|X_ii| where these are far apart, and with one step of
+    refinement. Raises LinAlgError where double precision finds more than one solution.
+    """
+    if not Q.any():
+        return np.zeros_like(Q)
+    size = 2.0 ** np.round(np.log2(np.abs(Q).max()))
+    scale = balance(A, np.sqrt(np.abs(np.diag(Q)) / size)[:, None]).states
+    X = _solved(A, Q / size, scale, dt)
+    spread = np.sqrt(np.abs(np.diag(X)))
+    if 0 < spread.min() < UNEVEN * spread.max():
+        scale = _units(scale, spread)
+        X = _solved(A, Q / size, scale, dt)
+    return size * (X * scale * scale[:, None])
+
+
+def _solved(A: np.ndarray, Q: np.ndarray, scale: np.ndarray, dt: float) -> np.ndarray:
+    """X in scaled states."""
+    F, forcing = A * scale / scale[:, None], Q / scale / scale[:, None]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        try:
+            X = _direct(F, forcing, dt)
+            return X + _direct(F, F @ X @ F.T - X + forcing if dt else F @ X + X @ F.T + forcing, dt)
+        except (RuntimeWarning, ValueError) as problem:  # SciPy's words for a pair of poles that adds up to zero, or for overflow
+            raise np.linalg.LinAlgError from problem
+
+
+def _direct(A: np.ndarray, Q: np.ndarray, dt: float) -> np.ndarray:
+    return solve_discrete_lyapunov(A, Q) if dt else solve_continuous_lyapunov(A, -Q)
 
 
 def settled_factor(A: np.ndarray, G: np.ndarray, dt: float = 0.0) -> np.ndarray:
@@ -35,7 +89,13 @@ def settled_factor(A: np.ndarray, G: np.ndarray, dt: float = 0.0) -> np.ndarray:
     """
     if not len(A):
         return np.zeros((0, 0))
-    scale = balance(A, np.linalg.norm(G, axis=1)[:, None]).states
+    try:
+        return _factor(A, G, dt, balance(A, np.linalg.norm(G, axis=1)[:, None]).states)
+    except EngineError:  # powers that grow in the one scale need not in the other
+        return _factor(A, G, dt, plain_scale(A))
+
+
+def _factor(A: np.ndarray, G: np.ndarray, dt: float, scale: np.ndarray) -> np.ndarray:
     pair = _Triangular.of(A, G, scale)
     spread = pair.deviations() if dt == 0 else None
     if spread is not None and DIM * spread.max() < spread.min() < UNEVEN * spread.max():

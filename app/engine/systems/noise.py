@@ -6,21 +6,31 @@ import numpy as np
 from scipy.linalg import expm
 
 from .arrays import symmetric
-from .gates.argument_checks import GENERATOR, MOST_NUMBERS, SECONDS, count, covariance, matrix, number, takes
+from .balance import MIN_RATE, balance
+from .gates.argument_checks import GENERATOR, HORIZON, MOST_NUMBERS, SECONDS, count, covariance, matrix, takes
 
 __all__ = ["process_noise", "step_covariance"]
 
 
-@takes(A=matrix("n n"), intensity=covariance("n"), duration=number(0, 1_000_000_000.0))
+@takes(A=matrix("n n"), intensity=covariance("n"), duration=HORIZON)
 def step_covariance(A: np.ndarray, intensity: np.ndarray, duration: float) -> np.ndarray:
     """Q_d = ∫₀ʰ e^{A s} Q e^{Aᵀ s} ds, n×n, for the intensity Q (n×n) of white noise on ẋ = A x + w.
 
     Van Loan (1978), the exponential of [−A Q; 0 Aᵀ], over a fraction of the step so short that it cannot
-    overflow, then Q(2h) = Q(h) + Φ(h) Q(h) Φ(h)ᵀ up to the whole step.
+    overflow, then Q(2h) = Q(h) + Φ(h) Q(h) Φ(h)ᵀ up to the whole step. In states balanced with what drives
+    them, and with Q of the size of A.
     """
     n = len(A)
-    if not n:
-        return np.zeros((0, 0))
+    if not n or not intensity.any():
+        return np.zeros((n, n))
+    scale = balance(A, np.sqrt(np.diag(intensity))[:, None]).states
+    A, own = A * scale / scale[:, None], intensity / scale / scale[:, None]
+    size = 2.0 ** np.round(np.log2(max(float(np.linalg.norm(A, 1)), MIN_RATE)) - np.log2(np.abs(own).max()))
+    return scale * symmetric(_over_step(A, own * size, duration)) / size * scale[:, None]
+
+
+def _over_step(A: np.ndarray, intensity: np.ndarray, duration: float) -> np.ndarray:
+    n = len(A)
     doublings = max(0, int(np.ceil(np.log2(max(np.linalg.norm(A, 1) * duration, 1e-300)))) + 1)
     h = duration / 2**doublings
     exponential: np.ndarray = expm(np.block([[-A, intensity], [np.zeros((n, n)), A.T]]) * h)
@@ -29,7 +39,7 @@ def step_covariance(A: np.ndarray, intensity: np.ndarray, duration: float) -> np
     for _ in range(doublings):
         Q = Q + Phi @ Q @ Phi.T
         Phi = Phi @ Phi
-    return symmetric(Q)
+    return Q
 
 
 @takes(covariance=matrix("n n"))

@@ -85,7 +85,7 @@ class Plant:
             raise ShapeError("D must be {rows}×{columns}; it is {rows2}×{columns2}.",
                              rows=C.shape[0], columns=B.shape[1], rows2=D.shape[0], columns2=D.shape[1])
         try:
-            dt = float(self.dt)
+            dt = np.nan if isinstance(self.dt, bool | np.bool_) else float(self.dt)
         except (TypeError, ValueError, OverflowError):
             dt = np.nan
         if not np.isfinite(dt) or dt < 0:

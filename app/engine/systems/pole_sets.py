@@ -9,9 +9,9 @@ import numpy.typing as npt
 from scipy.optimize import linear_sum_assignment
 
 from .errors import PoleError
-from .gates.argument_checks import COMPLEX, POLES, array, count, items, number, takes
+from .gates.argument_checks import COMPLEX, INTEGER, POLES, array, count, items, number, takes
 
-__all__ = ["Poles", "check_poles", "match_poles", "move_pole", "pole_text", "sorted_poles"]
+__all__ = ["Poles", "check_poles", "match_poles", "move_pole", "pair_conjugates", "pole_text", "sorted_poles"]
 
 Poles = npt.NDArray[np.complex128]
 
@@ -53,18 +53,27 @@ def check_poles(poles: Iterable[complex], count: int) -> Poles:
         raise PoleError("A requested pole is NaN or infinite; every pole must be a finite number.")
     if asked.size and np.abs(asked).max() > MAX_POLE:
         raise PoleError("A requested pole is larger than {largest:g}; ask for slower poles.", largest=MAX_POLE)
-    return _pair_up(asked.copy())
+    return pair_conjugates(asked)
 
 
-def _pair_up(asked: Poles) -> Poles:
-    """Make near-real poles real and near-conjugate pairs exact; PoleError where a partner is missing."""
-    size = np.maximum(np.abs(asked), MIN_POLE)
+@takes(poles=POLES, rtol=number(0), floor=number(0))
+def pair_conjugates(poles: Iterable[complex], *, rtol: float = PAIR_TOLERANCE, floor: float = 0.0) -> Poles:
+    """The poles in the order given, near-real ones made real and near-conjugate pairs exact.
+
+    `rtol` is how far a pole may be from the conjugate of its partner, relative to its size or to `floor` where that is larger.
+    Raises PoleError where a partner is missing.
+
+    >>> pair_conjugates([-1 + 2.0000000001j, -3, -1 - 2j])
+    array([-1.+2.j, -3.+0.j, -1.-2.j])
+    """
+    asked = np.array(list(poles), dtype=np.complex128)
+    size = np.maximum(np.abs(asked), max(MIN_POLE, floor))
     near_real = np.abs(asked.imag) <= PAIR_TOLERANCE * size
     asked[near_real] = asked[near_real].real
     lower = [i for i in range(asked.size) if asked[i].imag < 0]
     for i in (i for i in range(asked.size) if asked[i].imag > 0):
         partner = min(lower, key=lambda j: abs(asked[j] - asked[i].conjugate()), default=None)
-        if partner is None or abs(asked[partner] - asked[i].conjugate()) > PAIR_TOLERANCE * size[i]:
+        if partner is None or abs(asked[partner] - asked[i].conjugate()) > rtol * size[i]:
             raise _unpaired(asked[i])
         asked[partner] = asked[i].conjugate()
         lower.remove(partner)
@@ -99,7 +108,7 @@ def match_poles(a: Sequence[complex] | np.ndarray, b: Sequence[complex] | np.nda
     return columns, float(distance[rows, columns].max())
 
 
-@takes(poles=POLES, index=count(-1000), to=COMPLEX, axis_snap=number(0), fixed=items(count()))
+@takes(poles=POLES, index=INTEGER, to=COMPLEX, axis_snap=number(0), fixed=items(count()))
 def move_pole(
     poles: Sequence[complex], index: int, to: complex, *, axis_snap: float = 0.0, fixed: Sequence[int] = ()
 ) -> tuple[complex, ...]:

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from math import factorial
+
 import numpy as np
-from scipy.linalg import expm
+from scipy.linalg import expm, matrix_balance
 
 from ..kernels import as_kernel_array, compiled_kernel
 from ..kernels.scan import scan_steps
+from .balance import UNLIKE
 from .gates.argument_checks import FINITE, MOST_NUMBERS, array, count, matrix, optional, takes, vector
 
 __all__ = ["affine_scan", "held_scan", "step_matrices"]
 
+LARGE = 48  # states from which a step is made by doubling: one exponential of twice the size takes longer
 SHORT_SCAN_STEPS = 24  # below this many steps a plain loop is faster
 BLOCK_STEPS = 16
 NARROW, SLIM = 48, 20  # states for which the kernel's steps are quicker than products of blocks, and than those of few inputs
@@ -19,14 +23,50 @@ HELD_BLOCK_STEPS = 8  # steps a block where the forcing comes from few inputs
 
 @takes(M=matrix("N N"), duration=FINITE)
 def step_matrices(M: np.ndarray, duration: float) -> tuple[np.ndarray, np.ndarray]:
-    """Φ = e^{M h} and Φ₁ = ∫₀ʰ e^{M s} ds, both N×N, from one exponential of [M I; 0 0] h."""
+    """Φ = e^{M h} and Φ₁ = ∫₀ʰ e^{M s} ds, both N×N, from one exponential of [M I; 0 0] h, in like units where those of M are unlike."""
     N = len(M)
+    if N >= LARGE:
+        if (half := _apart(M)) and np.array_equal(M[:half, :half], M[half:, half:]):
+            return tuple(np.kron(np.eye(2), part) for part in step_matrices(M[:half, :half], duration))  # type: ignore[return-value]
+        return step_by_doubling(M, np.eye(N), duration)
+    x = matrix_balance(M, permute=False, separate=True)[1][0] if N else np.ones(0)
+    unlike = N > 0 and x.max() > UNLIKE * x.min()
     block = np.zeros((2 * N, 2 * N))
-    block[:N, :N] = M * duration
+    block[:N, :N] = (M * x / x[:, None] if unlike else M) * duration
     block[:N, N:] = np.eye(N) * duration
     with np.errstate(over="ignore", invalid="ignore"):  # an overflow shows as inf and ends the run
         power = expm(block)
-    return power[:N, :N], power[:N, N:]
+        Phi, Phi1 = power[:N, :N], power[:N, N:]
+        return (Phi * x[:, None] / x, Phi1 * x[:, None] / x) if unlike else (Phi, Phi1)
+
+
+def _apart(M: np.ndarray) -> int:
+    """Half the states where the first half and the second do not act on each other, as a plant and a copy of it; else 0."""
+    half = len(M) // 2
+    return half if 2 * half == len(M) and not M[:half, half:].any() and not M[half:, :half].any() else 0
+
+
+def step_by_doubling(M: np.ndarray, B: np.ndarray, duration: float) -> tuple[np.ndarray, np.ndarray]:
+    """e^{M h} (N×N) and ∫₀ʰ e^{M s} ds B (N×m) of many states: Φ₁ by its Taylor series over h/2ˢ where ‖M‖h/2ˢ ≤ 1/4, Φ = I + M Φ₁,
+    then Φ₁(2h) = Φ₁(h) + Φ(h) Φ₁(h). M is balanced first, so that its norm is near that of its rates.
+    """
+    one = np.eye(len(M))
+    even, (scale, _) = matrix_balance(M * duration, permute=False, separate=True)
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        size = float(np.linalg.norm(even, 1))
+        doublings = max(0, int(np.ceil(np.log2(size))) + 2) if 0 < size < np.inf else 0
+        X = even / 2.0**doublings
+        squared = X @ X
+        cube, fourth = X @ squared, squared @ squared
+        low, middle, high = (one / factorial(k + 1) + X / factorial(k + 2) + squared / factorial(k + 3) + cube / factorial(k + 4)
+                             for k in (0, 4, 8))
+        Phi1: np.ndarray = low + fourth @ (middle + fourth @ high)
+        Phi: np.ndarray = one + X @ Phi1
+        Gamma: np.ndarray = Phi1 @ (B / scale[:, None] * (duration / 2.0**doublings))
+        for _ in range(doublings):
+            Gamma = Gamma + Phi @ Gamma
+            Phi = Phi @ Phi
+        return Phi * (scale[:, None] / scale), Gamma * scale[:, None]
 
 
 @takes(Phi=matrix("N N"), forcing=optional(array("k N")), z0=vector("N"), steps=count(0, MOST_NUMBERS, beside="N"))
@@ -87,6 +127,8 @@ def _one_by_one(Phi: np.ndarray, forcing: np.ndarray, z0: np.ndarray) -> np.ndar
 
 
 def _doubling(Phi: np.ndarray, z0: np.ndarray, steps: int) -> np.ndarray:
+    if len(z0) >= LARGE and (half := _apart(Phi)):
+        return np.hstack([_doubling(Phi[:half, :half], z0[:half], steps), _doubling(Phi[half:, half:], z0[half:], steps)])
     states = np.empty((steps + 1, len(z0)))
     states[0] = z0
     done, power = 1, Phi.T
@@ -94,6 +136,11 @@ def _doubling(Phi: np.ndarray, z0: np.ndarray, steps: int) -> np.ndarray:
         count = min(done, steps + 1 - done)
         np.matmul(states[:count], power, out=states[done:done + count])
         done += count
+        if done <= steps and done >= LARGE <= len(z0):  # a further power costs more than products with this one
+            for k in range(done, steps + 1, count):
+                last = min(k + count, steps + 1)
+                np.matmul(states[k - count:last - count], power, out=states[k:last])
+            break
         if done <= steps:
             power = power @ power
     return states

@@ -1,4 +1,4 @@
-"""Discretise a plant by the zero-order hold, and invert it."""
+"""Discretise a plant by the zero-order hold or by Tustin's rule, and invert both."""
 
 from __future__ import annotations
 
@@ -7,13 +7,14 @@ import warnings
 import numpy as np
 from scipy.linalg import expm, logm
 
+from .balance import balance, state_scale
 from .errors import EngineError
 from .gates.argument_checks import SECONDS, takes
 from .gates.plant_gate import PLANT
 from .plant import Plant
-from .recursions import step_matrices
+from .recursions import LARGE, step_by_doubling, step_matrices
 
-__all__ = ["continuous_of", "discretise", "require_continuous"]
+__all__ = ["continuous_of", "discretise", "from_tustin", "require_continuous", "tustin"]
 
 ROUND_TRIP = 1e-7  # how well e^{M dt} must give back what was sampled, relative to its size
 
@@ -31,9 +32,13 @@ def discretise(plant: Plant, dt: float) -> Plant:
     Raises EngineError for a plant that is sampled already.
     """
     require_continuous(plant)
-    Phi, Phi1 = step_matrices(plant.A, dt)
-    return Plant(Phi, Phi1 @ plant.B, plant.C, plant.D, dt, plant.state_names, plant.input_names,
-                 plant.output_names, plant.units, plant.name, plant.notes)
+    if plant.n >= LARGE:
+        Phi, Gamma = step_by_doubling(plant.A, plant.B, dt)
+    else:
+        x = state_scale(plant.A, plant.B)  # the exponential loses digits where states are in unlike units
+        Phi, Phi1 = step_matrices(plant.A * x / x[:, None], dt)
+        Phi, Gamma = Phi * x[:, None] / x, x[:, None] * (Phi1 @ (plant.B / x[:, None]))
+    return _with_matrices(plant, Phi, Gamma, plant.C, np.asarray(plant.D), dt)
 
 
 @takes(plant=PLANT)
@@ -54,8 +59,9 @@ def continuous_of(plant: Plant) -> Plant:
             raise EngineError("This sampled plant has a pole at {pole_real:.4g}: on the negative real axis no "
                               "pole comes from a continuous plant of the same order.",
                               pole_real=pole.real)
+    like = balance(plant.A, plant.B)
     wide = np.eye(n + m)
-    wide[:n, :n], wide[:n, n:] = plant.A, plant.B
+    wide[:n, :n], wide[:n, n:] = like.A(plant.A), like.B(plant.B)
     with warnings.catch_warnings(), np.errstate(all="ignore"):
         warnings.simplefilter("ignore")
         root = np.asarray(logm(wide), dtype=complex) / dt
@@ -64,8 +70,46 @@ def continuous_of(plant: Plant) -> Plant:
     if not np.isfinite(scale) or np.abs(np.imag(root)).max() > 1e-8 * scale or _miss(M, wide, dt) > ROUND_TRIP:
         raise EngineError("No continuous plant could be found behind this sampled one: its logarithm is lost in "
                           "rounding.")
-    return Plant(M[:n, :n], M[:n, n:], plant.C, plant.D, 0.0, plant.state_names, plant.input_names, plant.output_names,
-                 plant.units, plant.name, plant.notes)
+    x, u = like.states, like.inputs
+    return _with_matrices(plant, M[:n, :n] * x[:, None] / x, M[:n, n:] * x[:, None] / u, plant.C, np.asarray(plant.D), 0.0)
+
+
+@takes(plant=PLANT, dt=SECONDS)
+def tustin(plant: Plant, dt: float) -> Plant:
+    """The plant with s = 2(z − 1)/(dt (z + 1)): A_d = S (I + A dt/2), B_d = S B dt, C_d = C S, S = (I − A dt/2)⁻¹, D_d = D + C S B dt/2.
+
+    Raises EngineError for a plant that is sampled already, and for a pole at 2/dt.
+    """
+    require_continuous(plant)
+    half = plant.A * (dt / 2)
+    S = _inverse(np.eye(plant.n) - half, EngineError("The plant has a pole at 2/dt = {dt:g} rad/s, which Tustin's rule sends to infinity; "
+                                                     "choose another period.", dt=2 / dt))
+    return _with_matrices(plant, S @ (np.eye(plant.n) + half), S @ plant.B * dt, plant.C @ S,
+                          np.asarray(plant.D) + plant.C @ S @ plant.B * (dt / 2), dt)
+
+
+@takes(plant=PLANT)
+def from_tustin(plant: Plant) -> Plant:
+    """The continuous plant whose `tustin` is this one. Raises EngineError for a pole at −1, and for a plant that is continuous."""
+    if not plant.dt:
+        raise EngineError("This plant is continuous already.")
+    dt = plant.dt
+    back = _inverse((np.eye(plant.n) + plant.A) / 2, EngineError("This sampled plant has a pole at −1, which Tustin's rule has from no "
+                                                                 "continuous plant."))
+    return _with_matrices(plant, (np.eye(plant.n) - back) * (2 / dt), back @ plant.B / dt, plant.C @ back,
+                          np.asarray(plant.D) - plant.C @ back @ plant.B / 2, 0.0)
+
+
+def _inverse(M: np.ndarray, refusal: EngineError) -> np.ndarray:
+    """M⁻¹, or the refusal where its smallest singular value is rounding."""
+    values = np.linalg.svd(M, compute_uv=False)
+    if values.size and values[-1] <= 1e-14 * values[0]:
+        raise refusal
+    return np.linalg.inv(M)
+
+
+def _with_matrices(plant: Plant, A: np.ndarray, B: np.ndarray, C: np.ndarray, D: np.ndarray, dt: float) -> Plant:
+    return Plant(A, B, C, D, dt, plant.state_names, plant.input_names, plant.output_names, plant.units, plant.name, plant.notes)
 
 
 def _miss(M: np.ndarray, sampled: np.ndarray, dt: float) -> float:

@@ -6,9 +6,10 @@ from functools import lru_cache
 
 import numpy as np
 from scipy.linalg import matrix_balance
+from scipy.sparse.csgraph import connected_components
 
 from .arrays import frozen
-from .balance import balance
+from .balance import balance, weighed_scale
 from .errors import EngineError, ShapeError
 from .gates.argument_checks import COUNT, PERIOD, POSITIVE, SERIES, array, choice, matrix, optional, takes
 from .plant import as_matrix
@@ -59,10 +60,6 @@ def psd(series: object, fs: float, *, segment: int | None = None, window: str = 
     data = np.asarray(series, dtype=float)
     if data.ndim not in (1, 2) or len(data) < 8:
         raise EngineError("A spectrum needs a series of at least 8 samples, time first.")
-    if not np.isfinite(data).all():
-        raise EngineError("The series holds NaN or infinity; a spectrum needs finite samples.")
-    if not (np.isfinite(fs) and fs > 0):
-        raise EngineError("fs must be a positive sampling frequency in Hz.")
     length = min(len(data), max(256, len(data) // 8)) if segment is None else int(segment)
     if not 8 <= length <= len(data):
         raise EngineError("A segment must hold between 8 and {count} samples; it holds {length}.",
@@ -90,6 +87,9 @@ def modal_coordinates(A: np.ndarray, B: np.ndarray, C: np.ndarray) -> tuple[np.n
 
 def _in_modes(A: np.ndarray, B: np.ndarray, C: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
     balanced, (scale, _) = matrix_balance(A, permute=False, separate=True)
+    if connected_components(A != 0, directed=False)[0] > 1:  # A alone does not say how large parts beside each other are
+        scale = balance(A, B, C).states
+        balanced = A * scale / scale[:, None]
     poles, vectors = np.linalg.eig(balanced)
     if np.linalg.cond(vectors) > WORST_EIGENVECTORS:
         return None
@@ -138,8 +138,8 @@ def response_at(modal: tuple[np.ndarray, np.ndarray, np.ndarray] | None, a: np.n
     residues = (out.T[:, :, None] * into[:, None, :]).reshape(len(poles), -1)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         weights = 1 / (points[:, None] - poles)
-        found = (weights @ residues).reshape(-1, *d.shape) + d
-        terms = (np.abs(weights) @ np.abs(residues)).reshape(-1, *d.shape)
+        found = (weights @ residues).reshape(len(points), *d.shape) + d
+        terms = (np.abs(weights) @ np.abs(residues)).reshape(len(points), *d.shape)
         told = np.where(terms > 0, np.abs(found) / terms, 1.0)
     # an entry of a whole sweep that never rises above rounding is a channel that is not there
     there = (told.max(axis=0, initial=0.0) > ABSENT) | (len(points) <= FEW_POINTS)
@@ -154,11 +154,11 @@ def solved_response(a: np.ndarray, b: np.ndarray, c: np.ndarray, d: np.ndarray, 
 
     In balanced states, where each state of a chain has its own size, the elimination keeps relative accuracy.
     """
-    own = balance(a, b, c)
-    a, b, c = own.A(a), b / own.states[:, None], c * own.states
+    own = weighed_scale(a, b, c)
+    a, b, c = a * own / own[:, None], b / own[:, None], c * own
     pencil = points[:, None, None] * np.eye(len(a)) - a
     try:
-        return c @ np.linalg.solve(pencil, b.astype(complex)) + d
+        return c @ np.linalg.solve(pencil, b[None].astype(complex)) + d  # a stack on both sides: NumPy 1 takes a matrix for vectors
     except np.linalg.LinAlgError:
         rows = [_solved_once(p, b, c, d) for p in pencil]
         return np.array(rows)

@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from ...colours import COLOURS
-from ...text import NO_WORDS, Text
+from ...text import NO_WORDS, Text, text
 
 Vector = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]  # (w, x, y, z)
@@ -96,13 +96,28 @@ class Arrow:
 
 
 @dataclass(frozen=True)
+class PartName:
+    """What a part of the body, or of its `ghost`, is called: words that stand `away` from it, at the end of a line to it."""
+
+    words: Text
+    part: str
+    away: Vector
+    ghost: bool = False
+
+
+MOST_NAMES = 4  # of a body's parts
+GHOST_NAME, UNCONTROLLED = text("ghost: the estimate"), text("ghost: without control")
+
+
+@dataclass(frozen=True)
 class Body:
     """A plant that can be posed.
 
     `pose(x, gain)` places every part for the state x (SI units); `gain` is how many times motion is exaggerated.
     `arrows(x, u, gain)` draws the inputs; `anchors(x, gain)` are the points that thin lines join from the plant to
     its ghost, so that the error can be seen. `gain` is the default exaggeration, shown beside the plant; so is `forces`,
-    how many times longer than usual the arrows of the inputs are. `labels` are words that stand on the stage and where.
+    how many times longer than usual the arrows of the inputs are. `labels` are words that stand on the stage and where;
+    `names`, at most MOST_NAMES, say what a newcomer sees, until he has done something.
     """
 
     parts: tuple[Part, ...]
@@ -113,6 +128,7 @@ class Body:
     caption: Text = NO_WORDS
     labels: tuple[tuple[Text | str, Vector], ...] = ()
     forces: float = 1.0
+    names: tuple[PartName, ...] = ()
 
 
 def with_longer_arrows(body: Body, times: float, inputs: int) -> Body:
@@ -121,6 +137,11 @@ def with_longer_arrows(body: Body, times: float, inputs: int) -> Body:
         return body.arrows(x, [times * v for v in u[:inputs]] + list(u[inputs:]), gain)
 
     return replace(body, arrows=arrows, forces=times)
+
+
+def called(body: Body, ghost: Text) -> tuple[PartName, ...]:
+    """The names of a body whose ghost is not the estimate but something else."""
+    return tuple(replace(name, words=ghost) if name.ghost else name for name in body.names)
 
 
 def about_y(angle: float) -> Quaternion:

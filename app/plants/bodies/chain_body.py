@@ -8,6 +8,7 @@ from ...text import text
 from .body import (
     COPPER,
     DARK_GREY,
+    GHOST_NAME,
     LYING,
     METAL,
     PLANT_COLOUR,
@@ -17,6 +18,7 @@ from .body import (
     Box,
     Cylinder,
     Part,
+    PartName,
     Pose,
     Rod,
     Spring,
@@ -65,6 +67,12 @@ def _fixed(left: float, right: float) -> dict[str, Pose]:
         else:
             poses[f"housing {side}"] = Pose((sign * (WALL - 0.21), 0.18, RAIL_TOP + 0.14), LYING)
     return poses
+
+
+def held_at(block: int, x: Sequence[float], gain: float) -> Vector:
+    """Where a hand holds a block: the middle of its front."""
+    at = REST_POSITIONS[block] + bound_displacement(float(x[block]) * STAGE_SCALE * gain, MAX_DRAWN_DISPLACEMENT)
+    return at, -0.4, MIDDLE
 
 
 def chain_body(left: float, right: float, forces: Sequence[tuple[float, float]]) -> Body:
@@ -118,4 +126,8 @@ def chain_body(left: float, right: float, forces: Sequence[tuple[float, float]])
     def anchors(x: Sequence[float], gain: float) -> tuple[Vector, ...]:
         return tuple((at, y, RAIL_TOP + BLOCK_EDGE) for at in middles(x, gain) for y in (-0.4, 0.4))
 
-    return Body(parts, pose, arrows, anchors, 1.0, text("Two blocks on a rail; the green arrows are the forces"))
+    return Body(parts, pose, arrows, anchors, 1.0, text("Two blocks on a rail; the green arrows are the forces"), names=(
+        PartName(text("block 1"), "block 1", (0.0, -0.4, 0.8)),
+        PartName(text("block 2"), "block 2", (0.0, -0.4, 0.8)),
+        PartName(GHOST_NAME, "block 2", (0.5, -0.6, -0.75), True),
+    ))

@@ -9,6 +9,7 @@ from ...text import text
 from .body import (
     COPPER,
     DARK_GREY,
+    GHOST_NAME,
     LYING,
     METAL,
     PLANT_COLOUR,
@@ -19,6 +20,7 @@ from .body import (
     Box,
     Cylinder,
     Part,
+    PartName,
     Pose,
     Rod,
     Spring,
@@ -160,7 +162,17 @@ def _body(a: float, b: float, s: float, h: float, masses: bool) -> Body:
 
     return Body(_parts(), _poser(a, b, s, h, masses), arrows, anchors, MOTION_GAIN, text("Deck on two springs and a side "
                                                                                   "spring; green arrows are the "
-                                                                                  "coil forces"))
+                                                                                  "coil forces"), names=(
+        PartName(text("deck"), "deck", (-0.95, -0.7, -0.4)),
+        PartName(text("coil"), "coil right", (0.95, -0.6, 0.35)),
+        PartName(text("spring"), "seat left", (-0.9, -0.4, 0.25)),
+        PartName(GHOST_NAME, "payload lid", (0.9, -0.3, 0.4), True),
+    ))
+
+
+def held_at(h: float, x: Sequence[float], gain: float) -> Vector:
+    """Where a hand holds the deck, whose centre of mass is h metres above its plane: above the right coil, at the front."""
+    return _at(_placed(x, gain, h), DECK_HALF_WIDTH - 0.16, 0.0, -DECK_DEPTH / 2)
 
 
 def deck_body(a: float, b: float, s: float, h: float) -> Body:

@@ -20,6 +20,7 @@ from .body import (
     Box,
     Cylinder,
     Part,
+    PartName,
     Pose,
     Rod,
     Vector,
@@ -80,4 +81,8 @@ def rack_body(n: int, q: int, full: Sequence[float]) -> Body:
 
     return Body(tuple(parts), pose, arrows, anchors, 1.0, text("Blue columns: the plant's states; red columns: "
                                                                "the observer's. The gauge shows the input wanted, "
-                                                               "its ghost the input given; the green arrow too"))
+                                                               "its ghost the input given; the green arrow too"), names=(
+        PartName(text("plant's states"), "x2 level", (-0.6, -0.4, 0.85)),
+        PartName(text("observer's state"), "z1 level", (0.3, -0.4, 0.9)),
+        PartName(text("input"), "u level", (0.0, -0.4, 0.75)),
+    ))

@@ -19,6 +19,7 @@ from ...text import text
 from .body import (
     COPPER,
     DARK_GREY,
+    GHOST_NAME,
     METAL,
     PLANT_COLOUR,
     STEEL,
@@ -28,6 +29,7 @@ from .body import (
     Box,
     Cylinder,
     Part,
+    PartName,
     Pose,
     Rod,
     Vector,
@@ -160,4 +162,8 @@ def body(parameters: Parameters = PARAMETERS) -> Body:
 
     return Body(_parts(), pose, arrows, anchors, 1.0, text("A falling body and the radar that measures its "
                                                            "distance; a mark every 30 km. The ghost's error is "
-                                                           "drawn 100 times larger"))
+                                                           "drawn 100 times larger"), names=(
+        PartName(text("radar"), "dish", (-0.8, 0.0, 0.3)),
+        PartName(text("falling body"), "capsule", (-0.8, 0.0, 0.0)),
+        PartName(GHOST_NAME, "capsule", (0.7, 0.0, -0.5), True),
+    ))

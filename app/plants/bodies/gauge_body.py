@@ -5,8 +5,24 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from ...colours import COLOURS
-from ...text import subscript, text
-from .body import DARK_GREY, METAL, PLANT_COLOUR, STEEL, Arrow, Ball, Body, Box, Cylinder, Part, Pose, Rod, Vector, bound_displacement
+from ...text import same, subscript, text
+from .body import (
+    DARK_GREY,
+    METAL,
+    PLANT_COLOUR,
+    STEEL,
+    Arrow,
+    Ball,
+    Body,
+    Box,
+    Cylinder,
+    Part,
+    PartName,
+    Pose,
+    Rod,
+    Vector,
+    bound_displacement,
+)
 from .body import force_arrow as arrow
 
 LOWEST_LEVEL, ZERO_LEVEL = 0.26, 1.16  # lowest level of a column, and its level at zero
@@ -56,7 +72,14 @@ def gauge_body(states: int, measured: Sequence[int]) -> Body:
     last = subscript(f"x{states}")
     return Body(_parts(states, lit), pose, arrows, anchors, 1.0, text("Small gauges: the states x₁ … {last}; {seen} are measured and "
                                                                       "lit; large gauge: g and its ghost ĝ",
-                                                                      last=last, seen=seen))
+                                                                      last=last, seen=seen), names=_names(states, lit))
+
+
+def _names(states: int, lit: frozenset[int]) -> tuple[PartName, ...]:
+    dark = sorted(frozenset(range(states)) - lit)
+    return (*(PartName(text("lit: measured"), f"lamp {i}", (-0.1, -0.2, 0.3)) for i in sorted(lit)[:1]),
+            *(PartName(text("dark: not measured"), f"lamp {i}", (0.4, -0.2, 0.3)) for i in dark[-1:]),
+            PartName(same("g"), "large level", (-0.45, -0.4, 0.0)), PartName(text("ghost: ĝ"), "large level", (0.55, -0.4, 0.35), True))
 
 
 def _parts(states: int, lit: frozenset[int]) -> tuple[Part, ...]:

@@ -13,6 +13,7 @@ from ...colours import COLOURS
 from ...text import NO_WORDS, Text, joined, text
 from .body import (
     DARK_GREY,
+    GHOST_NAME,
     METAL,
     PLANT_COLOUR,
     STEEL,
@@ -22,6 +23,7 @@ from .body import (
     Box,
     Cylinder,
     Part,
+    PartName,
     Pose,
     Rod,
     Vector,
@@ -85,7 +87,10 @@ def tubes_body(names: Sequence[Text | str], full: Sequence[float], measured: Seq
                    ) if count <= MOST_IN_ROW else ()
     seen = text("A lit lamp: that state is measured by itself.") if lit else NO_WORDS
     note = joined(text("One tube per state, from left to right and front to back; green arrows: inputs."), seen)
-    return Body(tuple(parts), pose, arrows, anchors, 1.0, note, labels)
+    lamp = (PartName(text("lit: measured"), f"lamp {min(lit)}", (0.3, -0.2, 0.2)),) if lit else ()
+    names = (*lamp, PartName(text("state"), "collar 0", (-0.45, -0.3, 0.3)),
+             PartName(GHOST_NAME, f"collar {count - 1}", (0.3, -0.3, -0.6) if count > 1 else (0.7, -0.3, -0.25), True))
+    return Body(tuple(parts), pose, arrows, anchors, 1.0, note, labels, names=names)
 
 
 def _stand(rows: tuple[int, ...], gap: float) -> tuple[list[Part], dict[str, Pose]]:

@@ -109,7 +109,7 @@ def calibrate(start: Parameters | None = None, wanted: np.ndarray | None = None,
     def residual(logs: np.ndarray) -> np.ndarray:
         return (measured(at(logs)) / wanted - 1)[picked]
 
-    found = least_squares(residual, np.log([getattr(start, name) for name in unknowns]), xtol=1e-15, ftol=1e-15, gtol=1e-15)
+    found = least_squares(residual, np.log([getattr(start, name) for name in unknowns]), jac="3-point", xtol=1e-15, ftol=1e-15, gtol=1e-15)
     if np.abs(found.fun).max() > TOLERANCE:
         raise EngineError("No solution near this start: the equations are missed by {fun:.1e}; start nearer.",
                           fun=np.abs(found.fun).max())

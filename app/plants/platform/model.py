@@ -3,7 +3,7 @@
 With ten states it carries the two small test masses of its inertial sensors ("platform"); in the limit of a very
 stiff servo spring they ride with the deck and six states remain ("deck"). The report that this plant is taken from
 prints its structure and ten Hankel singular values but no matrices: these parameters reproduce the published list,
-so this is a plausible plant, not the only one; `platform_calibration` solves for them and says what stays open.
+so this is a plausible plant, not the only one; `calibration` solves for them and says what stays open.
 
 Coordinates q = (x, z, θ, p_L, p_R): centre of mass, pitch with the right side up positive, heights of the test
 masses. M q̈ + D q̇ + K q = G u, y = S q̇, state (q, q̇). Inputs u1, u2 (left and right vertical coil, N), u3
@@ -14,13 +14,15 @@ right sensor is mounted turned by half a revolution, so C has rank three.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from ...engine import Plant
 from ...text import text
 from ..bodies.body import Body
-from ..bodies.deck_body import deck_body, platform_body
+from ..bodies.deck_body import deck_body, held_at, platform_body
+from ..grip import Grip
 from ..model import Model, Signal, Window
 
 STATE_NAMES = ("x", "z", "theta", "vx", "vz", "omega")
@@ -166,6 +168,12 @@ def _watched(width: int) -> tuple[Signal, ...]:
     )
 
 
+def grips(plant: Plant) -> tuple[Grip, ...]:
+    """A hand pulls the deck up or down where its right coil acts."""
+    return (Grip("pull", text("force of a hand on the deck"), ("deck",), partial(held_at, Parameters.h), (0.0, 0.0, 1.0),
+                 tuple(plant.B[:, 1].tolist()), 1.5),)
+
+
 CONTROLLER_POLES = _pairs(-6 + 7j, -5 + 6j, -4 + 5j)
 OBSERVER_POLES = _pairs(-13 + 8j, -11 + 7j, -9 + 6j)
 START_OFFSETS = (0.0015, 0.002, -0.009)
@@ -184,6 +192,7 @@ DECK_MODEL = Model(
     controller_window=Window(-16.0, 4.0, 12.0),
     observer_window=Window(-20.0, 4.0, 12.0),
     kick=(0.0, 0.0, 0.0, 0.015, -0.02, 0.09),
+    grips=grips(deck()),
     watched=_watched(6),
     u_max=3.0,
     source=SOURCE,
@@ -215,6 +224,7 @@ PLATFORM_MODEL = Model(
     controller_window=Window(-16.0, 4.0, 12.0),
     observer_window=Window(-20.0, 4.0, 12.0),
     kick=(0.0, 0.0, 0.0, 0.0, 0.0, 0.015, -0.02, 0.09, -0.02 - 0.09 * Parameters.s, -0.02 + 0.09 * Parameters.s),
+    grips=grips(plant()),
     watched=(
         *_watched(10),
         Signal(text("test masses against each other"), (0.0, 0.0, 2 * Parameters.s, 1.0, -1.0, *(0.0,) * 5), "µm", 1e6),

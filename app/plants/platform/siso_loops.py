@@ -1,6 +1,6 @@
 """Design decoupled SISO controllers of the platform: the published pair and our own.
 
-Channels z = T_y y and u = T_u v as in `platform_channels`; all controllers here run from z to v or from y to u with
+Channels z = T_y y and u = T_u v as in `channels`; all controllers here run from z to v or from y to u with
 their sign inside. The report (003, chapter 2) prints C_v (26) with a minus sign in its numerator and C_h (31), (32)
 with plus signs, and writes unit negative feedback only for the latter. On this plant one choice alone holds every
 pole but one: v = +C_v z and v = −C_h z. The one is the pole that C_v itself has at +7.94e-11 rad/s.

@@ -6,6 +6,7 @@ import sys
 
 import numpy as np
 import pytest
+import scipy
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from mpmath import mp
@@ -78,7 +79,8 @@ def scipy_cases():
     """The CAREX and DAREX collections of SciPy's own tests, read in a process whose pytest markers are not strict."""
     code = (
         "import pickle, sys; from scipy.linalg.tests import test_solvers as t; "
-        "sys.stdout.buffer.write(pickle.dumps((t.TestSolveContinuousAre.cases, t.TestSolveDiscreteAre.cases)))"
+        "kinds = [getattr(t, f'TestSolve{time}Are', None) for time in ('Continuous', 'Discrete')]; "  # none before SciPy 1.14
+        "sys.stdout.buffer.write(pickle.dumps([getattr(kind, 'cases', []) for kind in kinds]))"
     )
     return pickle.loads(subprocess.run([sys.executable, "-c", code], check=True, capture_output=True).stdout)
 
@@ -97,6 +99,7 @@ def real_cases(cases):
 CAREX, DAREX = map(real_cases, scipy_cases())
 
 
+@pytest.mark.skipif(tuple(map(int, scipy.__version__.split(".")[:2])) < (1, 14), reason="SciPy keeps them within a function")
 def test_the_benchmark_collections_are_there():
     assert len(CAREX) >= 11 and len(DAREX) >= 13
 
@@ -157,13 +160,18 @@ def test_the_solution_is_the_cost_of_the_loop_it_makes(seed, n, m):
 
 
 def summed(M, stage):
-    """Σ (Mᵀ)ᵏ stage Mᵏ by doubling: SciPy's solution through a bilinear map loses six digits more on these loops (60-digit sums)."""
+    """Σ (Mᵀ)ᵏ stage Mᵏ by doubling: SciPy's solution through a bilinear map loses six digits more on these loops (60-digit sums).
+
+    In long doubles: in doubles the sum itself loses ten digits where a gain is large (seed 1280: 7e-6, our S 8e-8).
+    """
+    M, stage = M.astype(np.longdouble), stage.astype(np.longdouble)
     while np.linalg.norm(M) > 1e-30:
         stage, M = stage + M.T @ stage @ M, M @ M
-    return stage
+    return stage.astype(float)
 
 
 @settings(max_examples=40)
+@example(seed=1280, n=6, m=1)
 @example(seed=5778, n=6, m=1)  # gains of a hundred and a cost of 6e7
 @example(seed=188, n=7, m=1)
 @given(seed=st.integers(0, 10_000), n=st.integers(1, 7), m=st.integers(1, 3))
@@ -174,8 +182,10 @@ def test_the_discrete_solution_is_the_cost_of_the_loop_it_makes(seed, n, m):
     Q = Q + N @ np.linalg.solve(R, N.T)
     optimal = dlqr(A, B, Q, R, N=N)
     K, S = optimal.gain, optimal.solution
-    stage = Q - N @ K - K.T @ N.T + K.T @ R @ K
+    stage, B, K = (M.astype(np.longdouble) for M in (Q, B, K))
+    stage = stage - N @ K - K.T @ N.T + K.T @ R @ K
     cost = summed(A - B @ K, stage)
+    B, K = B.astype(float), K.astype(float)
     np.testing.assert_allclose(S, cost, rtol=0, atol=1e-7 * np.linalg.norm(S))
     np.testing.assert_allclose(np.linalg.eigvals(A - B @ K).astype(complex).sum(), optimal.poles.sum(), atol=1e-9)
 

@@ -148,7 +148,7 @@ def test_an_unstable_loop_has_a_density_but_no_variance() -> None:
 
 def test_parts_that_do_not_fit_are_refused_in_a_sentence() -> None:
     plant, controller, G = random_loop(1)
-    with pytest.raises(ShapeError, match="G must be 3×q"):
+    with pytest.raises(ShapeError, match="G must have 3 rows"):
         noisy_loop(plant, controller, np.eye(2), 1.0)
     with pytest.raises(ShapeError, match="controller must have 2 inputs"):
         noisy_loop(plant, Plant([[-1.0]], [[1.0]], [[1.0]]), G, 1.0)

@@ -64,3 +64,11 @@ def test_a_pole_at_zero_is_refused() -> None:
 def test_a_gain_that_does_not_hold_the_outputs_is_refused() -> None:
     with pytest.raises(EngineError, match="N does not hold the outputs"):
         integral_action(Plant([[-1.0]], [[1.0]], [[1.0]]), [[1.0]], 1.0, N=[[1.0]])
+
+
+@pytest.mark.parametrize("unit", [1e-9, 1e9])
+def test_the_gain_of_a_command_holds_in_any_unit_of_an_input(unit: float) -> None:
+    plant = Plant(np.diag([-1.0, -2.0]), np.array([[1.0, 0.3], [0.2, 1.0]]), np.eye(2))
+    units = np.array([unit, 1.0])
+    found = reference_gain(Plant(plant.A, plant.B * units, plant.C), np.zeros((2, 2)))
+    np.testing.assert_allclose(found * units[:, None], reference_gain(plant, np.zeros((2, 2))), rtol=1e-9)

@@ -68,12 +68,17 @@ def test_given_slopes_and_the_complex_step_agree():
     np.testing.assert_allclose(by_step.covariances, by_hand.covariances, rtol=1e-11, atol=1e-14)
 
 
-@pytest.mark.parametrize("wrong", [
-    lambda x, u: np.abs(x),  # no imaginary part comes back
-    lambda x, u: np.stack([float(v) for v in x[:, 0]])[:, None] * np.ones((1, x.shape[1])),
-    lambda x, u: x.astype(float),
-])
-def test_a_map_that_loses_the_complex_step_is_refused_not_believed(wrong):
+@pytest.mark.parametrize("lossy", [lambda x, u: np.abs(x), lambda x, u: x.astype(float)])  # no imaginary part comes back
+def test_a_map_that_loses_the_complex_step_has_the_slope_of_its_differences(lossy):
+    P = np.array([[0.2, 0.1], [0.1, 0.3]])
+    led = ExtendedKalmanFilter(lossy, lambda x, u: x, np.zeros((2, 2)), np.eye(2)).predict(Belief(np.array([1.0, -1.0]), P))
+    S = np.diag(lossy(np.array([[1.0], [-1.0]]), None)[:, 0] * [1.0, -1.0])
+    np.testing.assert_allclose(led.covariance, S @ P @ S, rtol=1e-8)
+
+
+def test_a_map_that_mixes_its_columns_is_refused_not_believed():
+    def wrong(x, u):
+        return np.stack([float(v) for v in x[:, 0]])[:, None] * np.ones((1, x.shape[1]))
     with pytest.raises(EngineError, match="give its slope"):
         ExtendedKalmanFilter(wrong, lambda x, u: x, np.eye(2), np.eye(2)).predict(Belief(np.ones(2), np.eye(2)))
 

@@ -121,6 +121,22 @@ def test_with_bounds_the_whole_record_is_bounded_least_squares(seed: int) -> Non
         np.testing.assert_allclose(found.means[k], best[-kf.n:], atol=2e-5)
 
 
+@pytest.mark.parametrize("seed", RNG_SEEDS)
+def test_bounds_hold_in_any_units(seed: int) -> None:
+    kf, P, y, u, lost = case(seed, steps=12)
+    rng = np.random.default_rng(seed)
+    y, low, high = np.where(lost, np.nan, y), np.full(kf.n, -0.5), np.full(kf.n, 0.7)
+    own = moving_horizon(kf, y, u, start=(np.zeros(kf.n), P), lower=low, upper=high, horizon=5)  # type: ignore[arg-type]
+    for decades in (-9, 9, 0):
+        X, Y, U = (10.0 ** (decades if decades else rng.uniform(-9, 9, k)) * np.ones(k) for k in (kf.n, len(kf.C), 1))
+        other = KalmanFilter(kf.A * X / X[:, None], kf.B * U / X[:, None], kf.C * X / Y[:, None], kf.Q / np.outer(X, X),
+                             kf.R / np.outer(Y, Y))
+        found = moving_horizon(other, y / Y, u / U, start=(np.zeros(kf.n), P / np.outer(X, X)), lower=low / X,  # type: ignore[arg-type]
+                               upper=high / X, horizon=5)
+        np.testing.assert_allclose(found.means * X, own.means, atol=1e-7)
+        assert own.bounded.any() and (found.bounded == own.bounded).all()
+
+
 def test_a_noise_free_state_keeps_its_bounds_in_the_moving_horizon() -> None:
     kf = KalmanFilter([[1.0, 1.0], [0.0, 1.0]], np.zeros((2, 1)), [[1.0, 0.0]], np.diag([1.0, 0.0]), 1.0)
     y = -0.3 * np.arange(12.0)

@@ -98,7 +98,7 @@ def test_covariances_are_covariances_and_shapes_are_told() -> None:
         with pytest.raises(ShapeError):
             error_parts(stable, *wrong, np.eye(2))
     parts = error_parts(stable, L, np.eye(3), 1.0, 1.0)
-    with pytest.raises(ShapeError, match="rows must be k×3"):
+    with pytest.raises(ShapeError, match="rows must have 3 columns"):
         growing_error(stable, L, parts, 1.0, 0.1, np.eye(2), 5)
 
 

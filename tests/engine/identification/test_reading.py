@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from record_files import all_files, table, wrong
+from scipy.io import savemat
 
-from observer_lab.engine import EngineError
+from observer_lab.engine import EngineError, Plant, to_json
 from observer_lab.engine.identification import Record, load_record, read_record
+from observer_lab.engine.plant_files import read_plant
 
 ROWS = 12
 
@@ -80,6 +85,36 @@ def test_a_file_is_read_as_its_text_and_a_missing_or_binary_one_is_refused(tmp_p
     for name, words in (("none.csv", "cannot be read"), ("b.csv", "not UTF-8"), ("", "cannot be read")):
         with pytest.raises(EngineError, match=words):
             load_record(tmp_path / name)
+
+
+def test_no_file_of_the_table_is_read_wrongly() -> None:
+    """At least 60 files, each with its right value or its sentence; those of libraries that are not installed are left out."""
+    files = all_files()
+    assert len(files) > 60
+    assert [(file.name, *wrong(file)) for file in files if wrong(file)[0]] == []
+
+
+def test_the_table_sees_a_wrong_answer() -> None:
+    file = next(file for file in all_files() if file.name == "time_ms")
+    for data in (file.data.replace(b"time_ms", b"time_us"), file.data.replace(b"20.5", b"20.6"), file.data.replace(b"temp", b"other")):
+        assert wrong(replace(file, data=data))[0]
+    assert wrong(replace(file, refused="nothing"))[0]
+
+
+def test_a_plant_given_as_a_record_and_a_record_given_as_a_plant_point_to_each_other(tmp_path) -> None:
+    savemat(tmp_path / "r.mat", {"t": np.arange(9.0), "u": np.ones(9), "y": np.ones(9)})
+    for name, data in (("r.csv", b"t,u,y\n"), ("r.mat", (tmp_path / "r.mat").read_bytes())):
+        with pytest.raises(EngineError, match="lesson record with --data"):
+            read_plant(name, data)
+    (tmp_path / "p.json").write_text(to_json(Plant([[-1]], [[1]], [[1]])), encoding="utf-8")
+    with pytest.raises(EngineError, match="plant with --plant"):
+        load_record(tmp_path / "p.json")
+
+
+def test_a_large_plain_file_is_read_as_a_small_one() -> None:
+    text = table(lambda k: f"{0.5 * k:.1f}")
+    odd = text.replace("\n2.0,", "\n 2.0 ,", 1).replace("20.5", "2.05E1")
+    np.testing.assert_array_equal(read_record(text).u, read_record(odd).u)
 
 
 def test_the_step_is_that_of_all_rows_or_none() -> None:

@@ -27,7 +27,7 @@ def test_a_gap_stays_missing_and_is_said() -> None:
     t = np.delete(np.arange(40.0), slice(10, 18))
     found = resample(Record(t, np.ones(len(t)), t))
     assert np.flatnonzero(np.isnan(found.y[:, 0])).tolist() == list(range(10, 18))
-    assert "8 output values are missing" in found.notes[1]
+    assert "Rows that are missing: 8" in found.notes[0]
 
 
 def test_a_coarser_step_keeps_slow_signals_and_takes_fast_ones_out() -> None:
@@ -57,3 +57,18 @@ def test_a_level_and_a_line_are_those_of_the_first_part() -> None:
 def test_what_leaves_nothing_is_refused(act, words: str) -> None:
     with pytest.raises(EngineError, match=words):
         act(Record(np.arange(100.0), np.ones(100), np.ones(100)))
+
+
+@pytest.mark.parametrize("step", [1.4, 2.0, 3.7, 0.6])
+def test_a_record_comes_at_the_step_that_was_asked_for(step: float) -> None:
+    t = np.arange(400.0)
+    found = resample(Record(t, np.ones(400), np.sin(0.05 * t)), step=step)
+    np.testing.assert_allclose(np.diff(found.t), step, rtol=1e-9)
+    inside = slice(20, -20)
+    np.testing.assert_allclose(found.y[inside, 0], np.sin(0.05 * found.t[inside]), atol=5e-3)
+
+
+def test_a_step_that_is_a_little_too_large_keeps_the_last_row() -> None:
+    t = 0.05 * np.arange(478)
+    found = resample(Record(np.delete(t, 7), np.ones(477), np.arange(477.0)), step=float(np.float32(0.05)))
+    assert len(found.t) == 478 and np.isfinite(found.y[-1]).all()

@@ -39,7 +39,7 @@ from observer_lab.engine.filters import (
     simulate_filters,
     slopes_along,
 )
-from observer_lab.engine.kernels import SHELF, compile_cache, prepare_kernels
+from observer_lab.engine.kernels import COMPILE_CACHE, compile_cache, prepare_kernels
 from observer_lab.engine.kernels.compile_cache import SIGNATURES
 from observer_lab.engine.kernels.tape import recorded
 from observer_lab.engine.network import Link, NetworkScenario, mean_bounds, simulate_network
@@ -236,9 +236,9 @@ def differing(steps: int, kernels: dict) -> list[str]:
     """The cases in which these kernels and the plain ways differ by more than rounding."""
     found = []
     for name, work in cases(steps):
-        with SHELF.holding(kernels):
+        with COMPILE_CACHE.holding(kernels):
             quick = work()
-        with SHELF.holding({}):
+        with COMPILE_CACHE.holding({}):
             plain = work()
         for part, wanted in plain.items():
             got = quick[part]
@@ -255,7 +255,7 @@ def test_kernels_are_plain_functions_that_say_what_the_plain_ways_say() -> None:
 
 def test_what_a_kernel_cannot_judge_is_left_to_the_plain_way() -> None:
     twice = KalmanFilter([[1]], [[0]], [[1], [1]], 1.0, np.zeros((2, 2)))
-    with SHELF.holding({f: f for f in SIGNATURES}), pytest.raises(EngineError, match="singular"):
+    with COMPILE_CACHE.holding({f: f for f in SIGNATURES}), pytest.raises(EngineError, match="singular"):
         twice.run(Belief([0], [[0]]), np.ones((3, 2)))
 
 
@@ -267,7 +267,7 @@ def test_a_compiler_that_fails_leaves_the_plain_ways(monkeypatch: pytest.MonkeyP
     monkeypatch.setattr(compile_cache, "cache_folder", lambda: None)
     monkeypatch.setattr(compile_cache, "_compiled", fails)
     prepare_kernels().join()
-    assert not SHELF.made and "another version is needed" in caplog.text
+    assert not COMPILE_CACHE.made and "another version is needed" in caplog.text
 
 
 def test_equations_that_no_tape_can_hold_are_left_to_numpy() -> None:
@@ -279,13 +279,13 @@ def test_equations_that_no_tape_can_hold_are_left_to_numpy() -> None:
 
 @pytest.mark.slow
 def test_compiled_kernels_say_what_the_plain_ways_say(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(SHELF, "made", {})
+    monkeypatch.setattr(COMPILE_CACHE, "made", {})
     prepare_kernels().join()
-    assert not SHELF.made  # switched off for all tests
+    assert not COMPILE_CACHE.made  # switched off for all tests
     monkeypatch.delenv("OBSERVER_LAB_KERNELS")
     prepare_kernels().join()
-    assert set(SHELF.made) == set(SIGNATURES)
-    assert not differing(800, SHELF.made)
+    assert set(COMPILE_CACHE.made) == set(SIGNATURES)
+    assert not differing(800, COMPILE_CACHE.made)
 
 
 def test_a_cache_is_only_called_complete_for_the_files_that_the_compiler_would_take_from_it(tmp_path, monkeypatch) -> None:

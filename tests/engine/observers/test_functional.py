@@ -216,7 +216,7 @@ def test_peak_gain_is_that_of_a_fine_grid(seed):
     A -= (np.linalg.eigvals(A).real.max() + 10 ** rng.uniform(-1.5, 0.5)) * np.eye(n)
     B, C, D = rng.standard_normal((n, 1)), rng.standard_normal((1, n)), rng.standard_normal((1, 1)) * (seed % 2)
     w = np.concatenate([[0.0], np.geomspace(1e-3, 1e3, 3000), np.abs(np.linalg.eigvals(A).imag)])
-    seen = np.abs(C @ np.linalg.solve(1j * w[:, None, None] * np.eye(n) - A, B + 0j) + D).max()
+    seen = np.abs(C @ np.linalg.solve(1j * w[:, None, None] * np.eye(n) - A, B[None] + 0j) + D).max()
     assert seen * (1 - 1e-9) <= peak_gain(A, B, C, D)[0] <= 1.01 * seen
 
 

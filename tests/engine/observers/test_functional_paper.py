@@ -91,7 +91,7 @@ def grid_worst(s):
                 B, TB = np.array([2.0, 1.0]), 2 + s
                 whole = np.block([[A + np.outer(B, M * C), (N * B)[:, None]], [(L + TB * M) * C, s + TB * N]])
                 into, out = np.append(B, TB), np.append(M * C - [-30, 50], N)
-                solved = np.linalg.solve(1j * omega[:, None, None] * np.eye(3) - whole, into[:, None] + 0j)
+                solved = np.linalg.solve(1j * omega[:, None, None] * np.eye(3) - whole, into[None, :, None] + 0j)
                 worst = max(worst, np.abs(out @ solved[:, :, 0].T).max())
     return worst
 

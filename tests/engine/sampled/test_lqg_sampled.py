@@ -144,9 +144,9 @@ def test_the_reduced_plant_gets_the_same_loop() -> None:
     assert peaks[0] == pytest.approx(peaks[1], abs=0.1)
 
 
-def test_sampled_plants_and_direct_paths_are_refused() -> None:
+def test_other_periods_and_direct_paths_are_refused() -> None:
     plant = Plant([[-1.0]], [[1.0]], [[1.0]], [[1.0]])
     with pytest.raises(EngineError, match="direct path"):
         sampled_lqg(plant, [[1.0]], [[1.0]], 1.0, 1.0, 0.1)
-    with pytest.raises(EngineError, match="sampled already"):
-        sampled_lqg(Plant([[0.5]], [[1.0]], [[1.0]], None, 0.1), [[1.0]], [[1.0]], 1.0, 1.0, 0.1)
+    with pytest.raises(EngineError, match="sampled every"):
+        sampled_lqg(Plant([[0.5]], [[1.0]], [[1.0]], None, 0.1), [[1.0]], [[1.0]], 1.0, 1.0, 0.2)

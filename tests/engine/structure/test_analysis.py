@@ -184,4 +184,4 @@ def test_absurd_tolerance_is_refused(rtol):
 
 def test_overflowing_powers_are_a_sentence():
     with pytest.raises(EngineError, match="unit of time"):
-        observability(Plant(1e200 * np.eye(3), np.ones((3, 1)), np.ones((1, 3))))
+        observability(Plant(1e200 * np.eye(3), np.ones((3, 1)), np.ones((1, 3)))).matrix  # noqa: B018

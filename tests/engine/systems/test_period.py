@@ -21,7 +21,7 @@ TIMELESS = {  # A, B, C and D alone say it, whatever the period; of the first on
     "structure.kalman_decomposition", "plant_files.to_control", "plant_files.to_json", "plant_files.to_mat",
     "systems.transmission_zeros", "observers.UnknownInputObserver.residuals", "observers.existence", "feedback.to_tf",
     "feedback.compensator", "design.series", "design.in_natural_units",
-    "aliases.ctrb", "aliases.obsv", "aliases.poles", "aliases.zeros",
+    "aliases.ctrb", "aliases.estim", "aliases.obsv", "aliases.poles", "aliases.zeros",
     "observers.decoupling", "observers.reduced_observer",
     "observers.unknown_input_observer",  # without zeros here; with zeros see test_unknown_input
 }
@@ -45,7 +45,7 @@ def _answer(name: str, dt: float) -> list[np.ndarray] | str:
         found = the_call(name)(**arguments)
         found = list(found) if hasattr(found, "__next__") else found
         for record in found if isinstance(found, tuple) else (found,):
-            for lazy in ("poles", "stable", "omega", "detectable", "stabilizable"):
+            for lazy in ("poles", "stable", "omega", "modes", "detectable", "stabilizable"):
                 getattr(record, lazy, None)
         return _numbers(found)
     except EngineError as problem:

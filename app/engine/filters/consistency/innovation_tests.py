@@ -72,7 +72,7 @@ def whiteness(innovations: object, *, lags: int = 20, level: float = 0.95) -> Wh
     """
     nu = record_of(innovations, phrase("The innovations"))
     N, p = nu.shape
-    if not 1 <= lags <= N // 2:
+    if lags > N // 2:
         raise EngineError("With {n} samples the lags must be between 1 and {n2}.", n=N, n2=N // 2)
     if not np.isfinite(nu).all():
         raise EngineError("A test of whiteness needs every sample; the innovations hold NaN.")

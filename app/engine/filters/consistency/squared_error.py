@@ -99,8 +99,6 @@ def nees(x: object, xhat: object, P: object, *, level: float = 0.95, independent
     each = squared(e, covariances_of(P, e.shape, "P"), "P")
     if not np.isfinite(each).all():
         raise EngineError("x or x̂ holds NaN or infinity; cut the record where it diverged.")
-    if independent is not None and not independent > 0:
-        raise EngineError("A record counts as a positive number of independent samples.")
     count = each.size / _correlation_time(each) if independent is None else independent * len(each)
     return _judged(each.mean(axis=0), each, e.shape[-1], count, len(each), level)
 
@@ -119,8 +117,6 @@ def independent_errors(Phi: object, P: object, steps: int, *, T: object | None =
     if Phi.shape != P.shape or Phi.shape[0] != Phi.shape[1] or T.shape[1] != len(P):
         raise ShapeError("Φ and P must be n×n and T k×n; they are {phi_shape}, {p_shape}, {t_shape}.",
                          phi_shape=Phi.shape, p_shape=P.shape, t_shape=T.shape)
-    if steps < 1:
-        raise EngineError("A record has at least one sample.")
     seen = T @ P @ T.T
     if not (np.diag(seen) > 0).all():
         raise EngineError("P must be positive definite: a variance is zero or negative.")

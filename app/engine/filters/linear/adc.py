@@ -56,7 +56,8 @@ class AdcNoise:
         if self.corner == 0:
             return np.zeros(0), 0.0
         top = max(min(RELAXATION_SPAN * self.corner, 0.25 / self.dt), self.lowest)
-        count = int(np.ceil(PER_DECADE * np.log10(top / self.lowest))) + 1
+        span = PER_DECADE * (np.log10(top) - np.log10(self.lowest))
+        count = int(np.ceil(min(span, MAX_RELAXATIONS))) + 1
         corners = self.lowest * 10 ** (np.arange(count) / PER_DECADE)
         variance = 2 * self.sigma**2 * self.dt * self.corner * np.log(10) / PER_DECADE
         return np.exp(-2 * np.pi * corners * self.dt), float(variance)

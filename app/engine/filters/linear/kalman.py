@@ -15,6 +15,7 @@ from ...systems.records import record
 from ..belief import Belief
 from .compiled_schedule import Goal, quick_schedule
 from .linear_filter import LOOK_EVERY, LinearFilter
+from .timed_runs import Source as Source  # the inherited fields name it, and the API pages look for it here
 
 __all__ = ["KalmanFilter", "ahead", "correct", "gain_of", "joseph", "predict", "short_form"]
 
@@ -76,7 +77,7 @@ def gain_of(S: np.ndarray, across: np.ndarray) -> np.ndarray:
                           "square-root filter.") from problem
 
 
-@takes(P=array("… n n"), C=array("… p n"), R=array("… p p"), M=array("… n p"))
+@takes(P=array("… n n", single=True), C=array("… p n", single=True), R=array("… p p", single=True), M=array("… n p", single=True))
 def joseph(P: np.ndarray, C: np.ndarray, R: np.ndarray, M: np.ndarray) -> np.ndarray:
     """(I − M C) P (I − M C)ᵀ + M R Mᵀ, symmetric: right for any gain M, positive semidefinite whatever the rounding.
 
@@ -91,7 +92,7 @@ def _one(n: int, dtype: np.dtype) -> np.ndarray:
     return frozen(np.eye(n, dtype=dtype))
 
 
-@takes(P=array("… n n"), C=array("… p n"), M=array("… n p"))
+@takes(P=array("… n n", single=True), C=array("… p n", single=True), M=array("… n p", single=True))
 def short_form(P: np.ndarray, C: np.ndarray, M: np.ndarray) -> np.ndarray:
     """(I − M C) P: right for the optimal gain in exact arithmetic only; neither symmetric nor safely positive."""
     return P - M @ (C @ P)
@@ -126,20 +127,21 @@ class KalmanFilter(LinearFilter):
         """As `LinearFilter`, in Joseph's form."""
         return quick_schedule(joseph_steps, (self.A, self.C, self.Q, self.R), spread, sizes, seen, goal, LOOK_EVERY)
 
-    def forward(self, spread: np.ndarray) -> np.ndarray:
+    def forward(self, spread: np.ndarray, *, A: np.ndarray | None = None, Q: np.ndarray | None = None) -> np.ndarray:
         """A P Aᵀ + Q."""
-        return ahead(self.A, self.Q, spread)
+        return ahead(self.A if A is None else A, self.Q if Q is None else Q, spread)
 
-    def corrected(self, spread: np.ndarray, seen: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def corrected(self, spread: np.ndarray, seen: np.ndarray, *, R: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """S, M and P after the measurement by the sensors that were `seen`."""
+        R = self.R if R is None else R
         if np.count_nonzero(seen) == len(seen):
-            S, M = gain(spread, self.C, self.R)
-            return S, M, joseph(spread, self.C, self.R, M)
+            S, M = gain(spread, self.C, R)
+            return S, M, joseph(spread, self.C, R, M)
         M = np.zeros((self.n, len(seen)))
-        S = symmetric(self.C @ spread @ self.C.T) + self.R
+        S = symmetric(self.C @ spread @ self.C.T) + R
         if not seen.any():
             return S, M, spread
-        C, R = self.C[seen], self.R[np.ix_(seen, seen)]
+        C, R = self.C[seen], R[np.ix_(seen, seen)]
         M[:, seen] = gain(spread, C, R)[1]
         return S, M, joseph(spread, C, R, M[:, seen])
 

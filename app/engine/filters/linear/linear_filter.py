@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from dataclasses import field
 from functools import cached_property
 from typing import Self
 
@@ -11,15 +12,29 @@ import numpy as np
 from ...design.optimal import DiscreteFilter, dlqe
 from ...systems.arrays import as_covariance, as_numbers
 from ...systems.errors import EngineError, ShapeError
-from ...systems.gates.argument_checks import MOST_NUMBERS, RECORD, SECONDS, count, covariance, gated, instance, matrix, optional, passed
+from ...systems.gates.argument_checks import (
+    MOST_NUMBERS,
+    RECORD,
+    SECONDS,
+    array,
+    count,
+    covariance,
+    gated,
+    instance,
+    matrix,
+    optional,
+    passed,
+)
 from ...systems.gates.plant_gate import PLANT
 from ...systems.noise import step_covariance
 from ...systems.plant import Plant, as_matrix
 from ...systems.records import record
 from ...systems.sampling import discretise
 from ..belief import BELIEF, Belief, Correction
+from ..moments import moments_of
 from ..track import Schedule, Track, as_record, means_along
 from .compiled_schedule import Goal
+from .timed_runs import Source, timed_run
 
 __all__ = ["LinearFilter"]
 
@@ -40,7 +55,8 @@ class LinearFilter(ABC):
 
     A n×n, B n×m, C p×n, Q n×n ≥ 0, R p×p ≥ 0 (a number is that number times I), D p×m (zero if left out), dt in s
     (0: not said). Steps are pure: they take a belief and return a new one. A measurement that is NaN did not arrive;
-    the sensors that did are used. Raises ShapeError, EngineError for matrices that do not fit or are no covariances.
+    the sensors that did are used. `source` is the continuous plant with its noise, which `from_plant` keeps for irregular times.
+    Raises ShapeError, EngineError for matrices that do not fit or are no covariances.
     """
 
     A: np.ndarray
@@ -50,9 +66,10 @@ class LinearFilter(ABC):
     R: np.ndarray
     D: np.ndarray = None  # type: ignore[assignment]  # always an array after construction
     dt: float = 0.0
+    source: Source | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
-        passed(self, A=matrix(), Q=covariance(), R=covariance())
+        passed(self, A=matrix(), Q=covariance(), R=covariance(), source=optional(instance(Source)))
         plant = Plant(self.A, self.B, self.C, self.D, self.dt)
         for name in ("A", "B", "C", "D", "dt"):
             object.__setattr__(self, name, getattr(plant, name))
@@ -80,11 +97,12 @@ class LinearFilter(ABC):
                 raise EngineError("This plant is sampled every {dt:g} s; leave dt out or give the same.",
                                   dt=plant.dt)
             return cls(plant.A, plant.B, plant.C, noise, V, plant.D, plant.dt)
-        if dt is None or not (np.isfinite(dt) and dt > 0):
+        if dt is None:
             raise EngineError("A continuous plant needs a sampling period dt > 0 in seconds for its discrete "
                               "filter.")
         sampled = discretise(plant, dt)
-        return cls(sampled.A, sampled.B, sampled.C, step_covariance(plant.A, noise, dt), V / dt, sampled.D, dt)
+        return cls(sampled.A, sampled.B, sampled.C, step_covariance(plant.A, noise, dt), V / dt, sampled.D, dt,
+                   Source(plant, noise))
 
     @property
     def n(self) -> int:
@@ -157,24 +175,31 @@ class LinearFilter(ABC):
             spread = self.forward(spread)
         return Schedule(steps, *(part[:k + 1].copy() for part in stored))
 
-    @gated(y=optional(RECORD), schedule=optional(instance(Schedule)))
-    def run(self, start: object, y: object = None, u: object | None = None, *, schedule: Schedule | None = None) -> Track:
+    @gated(y=optional(RECORD), schedule=optional(instance(Schedule)), t=optional(array()), R=optional(array()), gate=optional(array()))
+    def run(self, start: object, y: object = None, u: object | None = None, *, schedule: Schedule | None = None,
+            t: object | None = None, R: object | None = None, gate: object | None = None) -> Track:
         """A record y (n_t, p) with the inputs u (n_t, m) filtered; `start` is the belief before the first measurement.
 
         `start` is a Belief or (mean, covariance); `run(y)` alone starts at zero with the steady covariance P[k|k−1]. Row k of u
         acts on sample k through D and is held until sample k + 1. A `schedule` made before for the same start and length
-        saves the covariances (thousands of runs of one filter share it). Raises ShapeError.
+        saves the covariances (thousands of runs of one filter share it). t (n_t,) are times in s of a filter made by `from_plant`, in
+        steps of any length. R is the noise of the readings, p×p or one such matrix a sample. A `gate`, as 0.999 or one a sample, is the
+        share of good readings that it lets through: readings that surprise more are not used. Raises ShapeError, EngineError.
         """
         if y is None:
             start, y = self.default_start, RECORD(start, "y", {})
         start = BELIEF(start, "start", {})
         y = as_record(y, "y", len(self.C))
-        known, push = y, None
+        known, push, inputs = y, None, None
         if u is not None:
-            u = as_record(u, "u", self.B.shape[1], rows=len(y))
-            if np.isnan(u).any():
+            inputs = as_record(u, "u", self.B.shape[1], rows=len(y))
+            if np.isnan(inputs).any():
                 raise EngineError("u holds NaN; every input must be known.")
-            known, push = y - u @ self.D.T, u @ self.B.T
+            known, push = y - inputs @ np.asarray(self.D).T, inputs @ self.B.T
+        if t is not None or R is not None or gate is not None:
+            if schedule is not None:
+                raise EngineError("A schedule has its own times and noises; leave it out, or t, R and gate.")
+            return timed_run(self, self._fitting(start), y, inputs, moments_of(len(y), self.R, t, R, gate))
         seen = np.isfinite(y)
         if not seen.all():
             schedule = self.schedule(start, len(y), seen=seen)
@@ -235,9 +260,10 @@ class LinearFilter(ABC):
         """P (n×n) from what is carried along."""
 
     @abstractmethod
-    def forward(self, spread: np.ndarray) -> np.ndarray:
-        """What A P Aᵀ + Q is in what is carried along."""
+    def forward(self, spread: np.ndarray, *, A: np.ndarray | None = None, Q: np.ndarray | None = None) -> np.ndarray:
+        """What A P Aᵀ + Q is in what is carried along; A and Q are the filter's own if left out."""
 
     @abstractmethod
-    def corrected(self, spread: np.ndarray, seen: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """S (p×p), gain M (n×p; zero columns for sensors not seen), and the spread after the measurement."""
+    def corrected(self, spread: np.ndarray, seen: np.ndarray, *, R: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """S (p×p), gain M (n×p; zero columns for sensors not seen), and the spread after the measurement; R is the filter's own if
+        left out."""

@@ -14,6 +14,7 @@ from ...systems.records import record
 from ..belief import Belief, RootBelief
 from .compiled_schedule import Goal, quick_schedule
 from .linear_filter import LOOK_EVERY, LinearFilter
+from .timed_runs import Source as Source  # as in kalman.py
 
 __all__ = ["SquareRootFilter"]
 
@@ -59,20 +60,20 @@ class SquareRootFilter(LinearFilter):
         fixed = self.A, self.C, self.noise_roots[0], self.R, self.noise_roots[1]
         return quick_schedule(root_steps, fixed, spread, sizes, seen, goal, LOOK_EVERY)
 
-    def forward(self, spread: np.ndarray) -> np.ndarray:
+    def forward(self, spread: np.ndarray, *, A: np.ndarray | None = None, Q: np.ndarray | None = None) -> np.ndarray:
         """The root of A U Uᵀ Aᵀ + Q."""
-        return lower(np.hstack([self.A @ spread, self.noise_roots[0]]))
+        return lower(np.hstack([(self.A if A is None else A) @ spread, self.noise_roots[0] if Q is None else root(Q)]))
 
-    def corrected(self, spread: np.ndarray, seen: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def corrected(self, spread: np.ndarray, seen: np.ndarray, *, R: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """S, M and U after the measurement by the sensors that were `seen`."""
         p, n = self.C.shape
-        CU, R_root = self.C @ spread, self.noise_roots[1]
-        S, M = CU @ CU.T + self.R, np.zeros((n, p))
+        CU, R_root, R = self.C @ spread, self.noise_roots[1] if R is None else root(R), self.R if R is None else R
+        S, M = CU @ CU.T + R, np.zeros((n, p))
         count = int(seen.sum())
         if count == 0:
             return S, M, spread
         if count < p:
-            R_root = root(self.R[np.ix_(seen, seen)])
+            R_root = root(R[np.ix_(seen, seen)])
         rows = np.zeros((count + n, count + n))
         rows[:count, :count] = R_root
         rows[:count, count:] = CU[seen]

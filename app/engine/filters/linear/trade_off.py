@@ -6,7 +6,7 @@ import numpy as np
 
 from ...design.optimal import dlqe, lqe
 from ...systems.arrays import as_checked, as_covariance
-from ...systems.errors import EngineError, ShapeError
+from ...systems.errors import EngineError
 from ...systems.gates.argument_checks import SECONDS, SERIES, count, covariance, instance, matrix, takes
 from ...systems.gates.plant_gate import PLANT
 from ...systems.lyapunov import settled_covariance
@@ -55,23 +55,13 @@ def error_parts(plant: Plant, L: object, G: object, W: object, V: object) -> Err
     >>> parts.total
     array([[1.]])
     """
-    L, G = _gain(plant, L), as_checked(G)
-    if G.shape[0] != plant.n:
-        raise ShapeError("G must have {n} rows, one for each state; it has {rows}.", n=plant.n, rows=G.shape[0])
+    L, G = as_checked(L), as_checked(G)
     W, V = as_covariance(W, "W", G.shape[1]), as_checked(V)
     F = plant.A - L @ plant.C
     if not is_stable(F, dt=plant.dt):
         raise EngineError("The observer's error does not settle, so its noise has no variance to speak of; move "
                           "its poles.")
     return ErrorParts(*(settled_covariance(F, push, dt=plant.dt) for push in (G @ root(W), L @ root(V))))
-
-
-def _gain(plant: Plant, L: object) -> np.ndarray:
-    L = as_matrix(L, "L")
-    if L.shape != (plant.n, plant.p):
-        raise ShapeError("L must be {n}×{p}; it is {rows}×{columns}.",
-                         n=plant.n, p=plant.p, rows=L.shape[0], columns=L.shape[1])
-    return L
 
 
 @takes(plant=PLANT, L=matrix("n p"), parts=instance(ErrorParts), V=covariance("p"), dt=SECONDS, rows=matrix("k n"),
@@ -82,10 +72,7 @@ def growing_error(plant: Plant, L: object, parts: ErrorParts, V: object, dt: flo
     `parts` as `error_parts` gives them, rows k×n, dt the step in s (the plant's own period where it is sampled; EngineError for another).
     P_j = P_h − Φʲ P_h Φᵀʲ, with P_h the limit for sensor noise of covariance V/dt held over a step.
     """
-    L, V, C = _gain(plant, L), as_checked(V), as_checked(rows)
-    if C.shape[1] != plant.n:
-        raise ShapeError("rows must have {n} columns, one for each state; it has {columns}.",
-                         n=plant.n, columns=C.shape[1])
+    L, V, C = as_checked(L), as_checked(V), as_checked(rows)
     F = plant.A - L @ plant.C
     if plant.dt:
         if abs(dt - plant.dt) > 1e-9 * plant.dt:

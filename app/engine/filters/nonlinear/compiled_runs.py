@@ -39,6 +39,8 @@ def compiled_bank_of(e: Experiment) -> CompiledBank | None:
         return None
     extended = e.filters[found[1][0]]
     assert isinstance(extended, ExtendedKalmanFilter)
+    if extended.iterations > 1 or any(each.y_minus or each.x_minus or each.x_plus for each in e.filters.values()):
+        return None
     if extended.f_expand != flow.expand or extended.h_expand not in (None, plant.observe):
         return None
     tapes = tapes_of(plant)

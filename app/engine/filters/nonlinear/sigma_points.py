@@ -6,6 +6,7 @@ import numpy as np
 
 from ...systems.errors import EngineError
 from ...systems.gates.argument_checks import count, number, takes
+from .differences import Combine, minus, plus
 
 SMALLEST_ALPHA = 0.1
 MIN_EIGENVALUE = 1e-12  # of an eigenvalue of a correlation matrix whose Cholesky factor does not exist
@@ -44,14 +45,15 @@ def sigma_points(mean: np.ndarray, factor: np.ndarray) -> np.ndarray:
     return points
 
 
-def centred(values: np.ndarray, weights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def centred(values: np.ndarray, weights: np.ndarray, apart: Combine | None = None,
+            together: Combine | None = None) -> tuple[np.ndarray, np.ndarray]:
     """Weighted mean (·, …) of values (·, 2n + 1, …), and the values without it.
 
-    The mean is taken about the first value, against cancellation.
+    The mean is taken about the first value, against cancellation; `apart` and `together` stand for − and +.
     """
     first = values[:, :1]
-    mean = first[:, 0] + np.moveaxis(values - first, 1, -1) @ weights
-    return mean, values - mean[:, None]
+    mean = plus(together, first[:, 0], np.moveaxis(minus(apart, values, first), 1, -1) @ weights)
+    return mean, minus(apart, values, mean[:, None])
 
 
 def roots(P: np.ndarray) -> np.ndarray:

@@ -11,6 +11,8 @@ from ...systems.gates.argument_checks import number, passed
 from ...systems.jacobian import Map as Map  # the inherited fields name it, and the API pages look for it here
 from ...systems.records import record
 from ..belief import Belief, Beliefs
+from .differences import Combine as Combine  # as Map: the inherited fields name it, and the API pages look for it here
+from .differences import minus, plus
 from .nonlinear_filter import Expected, NonlinearFilter
 from .sigma_points import centred, check_spread, roots, sigma_points, sigma_weights
 
@@ -50,7 +52,11 @@ class UnscentedKalmanFilter(NonlinearFilter):
     def points(self, belief: Belief | Beliefs) -> np.ndarray:
         """The sigma points as columns, (n, 2n + 1), or of each run (n, 2n + 1, N)."""
         factor = roots(belief.covariance)
-        return sigma_points(belief.mean, self.weights[0] * (factor if factor.ndim == 2 else factor.transpose(1, 2, 0)))
+        factor = self.weights[0] * (factor if factor.ndim == 2 else factor.transpose(1, 2, 0))
+        if self.x_plus is None:
+            return sigma_points(belief.mean, factor)
+        middle = np.zeros_like(sigma_points(belief.mean, factor)) + belief.mean[:, None]
+        return plus(self.x_plus, middle, sigma_points(np.zeros_like(belief.mean), factor))
 
     def ahead(self, belief: Belief | Beliefs, u: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray | None]:
         """Mean and covariance of f over the sigma points, plus Q."""
@@ -64,18 +70,25 @@ class UnscentedKalmanFilter(NonlinearFilter):
         """Weighted mean and covariance of the images, plus Q."""
         return Beliefs(*self._moments(images))
 
-    def expected(self, belief: Belief | Beliefs, u: np.ndarray) -> Expected:
+    def lead(self, belief: Belief, u: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Mean and covariance of f over the sigma points, and how x goes with it."""
+        points = self.points(belief)
+        mean, away = centred(self.through(self.f, points, u, "f", self.n), self.weights[1], self.x_minus, self.x_plus)
+        weighted = self._weighted(away)
+        return mean, symmetric(away @ weighted), minus(self.x_minus, points, belief.mean[:, None]) @ weighted
+
+    def expected(self, belief: Belief | Beliefs, u: np.ndarray, *, R: np.ndarray | None = None) -> Expected:
         """ŷ, S, P_xy over the sigma points; P − M S Mᵀ."""
         carried = belief.points if isinstance(belief, Beliefs) else None
         points = self.points(belief) if carried is None else carried
-        mean, away = centred(self.through(self.h, points, u, "h", self.p), self.weights[1])
+        mean, away = centred(self.through(self.h, points, u, "h", self.p), self.weights[1], self.y_minus)
         weighted = self._weighted(away)
-        S = symmetric(_runs_first(away) @ weighted) + self.R
-        across = _runs_first(points - belief.mean[:, None]) @ weighted
+        S = symmetric(_runs_first(away) @ weighted) + (self.R if R is None else R)
+        across = _runs_first(minus(self.x_minus, points, belief.mean[:, None])) @ weighted
         return Expected(mean, S, across, lambda M: symmetric(belief.covariance - M @ S @ M.swapaxes(-1, -2)))
 
     def _moments(self, images: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        mean, away = centred(images, self.weights[1])
+        mean, away = centred(images, self.weights[1], self.x_minus, self.x_plus)
         return mean, symmetric(_runs_first(away) @ self._weighted(away)) + self.Q
 
     def _weighted(self, away: np.ndarray) -> np.ndarray:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...plotting import plot_signals
-from ...systems.arrays import as_definite
+from ...systems.arrays import as_definite, solve_scaled
 from ...systems.errors import EngineError, ShapeError
 from ...systems.gates.argument_checks import RECORD, array, count, instance, optional, takes
 from ...systems.noise import root
@@ -21,8 +21,9 @@ if TYPE_CHECKING:
 
 __all__ = ["HorizonTrack", "moving_horizon"]
 
-INSIDE = 1e-9  # of the size of a bound: how far outside it rounding may lie
-TOLERANCE = 1e-10
+INSIDE = 1e-9  # of a state's own deviation in the window: how far outside a bound it may lie
+ROUNDING = 1e-13  # of the numbers that a state is summed from
+TOLERANCE = 1e-10  # of the same deviation: what the quadratic program may leave
 
 
 @record()
@@ -111,36 +112,38 @@ class _Window:
         for j in range(length):
             seen = np.isfinite(known[j])
             rows, weight = self.C[seen] @ T[j], self.R[np.ix_(seen, seen)]
-            across = np.linalg.solve(weight, rows).T if seen.any() else rows.T
+            across = solve_scaled(weight, rows).T if seen.any() else rows.T
             H += across @ rows
             f -= across @ (known[j, seen] - self.C[seen] @ free[j])
         z = np.linalg.solve(H, -f)
-        if self._inside(free + T @ z):
+        reach, begun = T.reshape(-1, len(f)), free.ravel()
+        low, high = (np.tile(bound, length) - begun for bound in (self.low, self.high))
+        deviation = np.linalg.norm(reach, axis=1)
+        room = INSIDE * deviation + ROUNDING * (np.abs(begun) + np.abs(reach) @ np.abs(z))
+        moved = reach @ z
+        if (moved >= low - room).all() and (moved <= high + room).all():
             return free[-1] + T[-1] @ z, False
-        z = self._bounded(H, f, T.reshape(-1, len(f)), free.ravel())
+        z = _bounded(H, f, reach, low, high, deviation, room)
         return free[-1] + T[-1] @ z, True
 
-    def _inside(self, states: np.ndarray) -> bool:
-        room = INSIDE * (1 + np.abs(np.where(np.isfinite(self.low), self.low, 0)) + np.abs(np.where(np.isfinite(self.high), self.high, 0)))
-        return bool((states >= self.low - room).all() and (states <= self.high + room).all())
 
-    def _bounded(self, H: np.ndarray, f: np.ndarray, T: np.ndarray, free: np.ndarray) -> np.ndarray:
-        try:
-            import daqp
-        except ImportError as problem:
-            raise EngineError('Bounds need the package daqp; run pip install "observer-lab[estimation]".') from problem
-        length = len(free) // len(self.low)
-        low, high = np.tile(self.low, length) - free, np.tile(self.high, length) - free
-        free_to_move = T.any(axis=1)
-        if (low[~free_to_move] > INSIDE).any() or (high[~free_to_move] < -INSIDE).any():
-            raise _out_of_reach()
-        kept = (np.isfinite(low) | np.isfinite(high)) & free_to_move
-        rows = np.ascontiguousarray(T[kept])
-        z, _, ended, _ = daqp.solve(H, f, rows, np.minimum(high[kept], 1e30), np.maximum(low[kept], -1e30),
-                                    np.zeros(len(rows), dtype=np.int32), primal_tol=TOLERANCE)
-        if ended < 1:
-            raise _out_of_reach()
-        return np.asarray(z)
+def _bounded(H: np.ndarray, f: np.ndarray, T: np.ndarray, low: np.ndarray, high: np.ndarray, deviation: np.ndarray,
+             room: np.ndarray) -> np.ndarray:
+    """The z of least cost with low ≤ T z ≤ high, each row in units of its own deviation."""
+    try:
+        import daqp
+    except ImportError as problem:
+        raise EngineError('Bounds need the package daqp; run pip install "observer-lab[estimation]".') from problem
+    still = deviation == 0
+    if (low[still] > room[still]).any() or (high[still] < -room[still]).any():
+        raise _out_of_reach()
+    kept = (np.isfinite(low) | np.isfinite(high)) & ~still
+    unit = deviation[kept]
+    z, _, ended, _ = daqp.solve(H, f, np.ascontiguousarray(T[kept] / unit[:, None]), np.minimum(high[kept] / unit, 1e30),
+                                np.maximum(low[kept] / unit, -1e30), np.zeros(len(unit), dtype=np.int32), primal_tol=TOLERANCE)
+    if ended < 1:
+        raise _out_of_reach()
+    return np.asarray(z)
 
 
 def _out_of_reach() -> EngineError:

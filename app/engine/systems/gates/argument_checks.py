@@ -27,6 +27,7 @@ __all__ = [
     "FUNCTION",
     "GENERATOR",
     "HORIZON",
+    "INTEGER",
     "LEVEL",
     "MOST_NUMBERS",
     "NAME",
@@ -81,10 +82,13 @@ def number(low: float = -np.inf, high: float = np.inf, *, above: float | None = 
 
 
 def real(value: object, name: str) -> float:
-    """The real number that a value is: a Python or NumPy number, or an array of no dimension."""
+    """The real number that a value is: a Python or NumPy number, or an array of no dimension; an imaginary part of zero is none."""
     try:
-        if isinstance(value, str | bytes) or np.iscomplexobj(value) or np.ndim(value) or np.ma.is_masked(value):  # type: ignore[arg-type]
+        if isinstance(value, str | bytes | bool | np.bool_) or np.ndim(value) or np.ma.is_masked(value):  # type: ignore[arg-type]
             raise TypeError
+        if np.iscomplexobj(value):
+            value = complex(value)  # type: ignore[arg-type]
+            return float(value if value.imag else value.real)  # type: ignore[arg-type]  # a TypeError where it has an imaginary part
         return float(value)  # type: ignore[arg-type]
     except (TypeError, ValueError, OverflowError) as problem:
         raise EngineError("{name} must be a real number; {given} was given.", name=name, given=described(value)) from problem
@@ -100,6 +104,13 @@ def count(low: int = 0, high: int = MAX_ENTRIES, *, beside: str = "") -> Gate:
                               value=value if found is None else f"{found:.10g}")
         return int(found)
     return gate
+
+
+def _integer(value: object, name: str, sizes: Sizes) -> int:
+    found = None if isinstance(value, bool | np.bool_) else real(value, name)
+    if found is None or not found.is_integer() or abs(found) > 2**53:
+        raise EngineError("{name} must be a whole number; it is {value}.", name=name, value=value if found is None else f"{found:.10g}")
+    return int(found)
 
 
 def _seed(value: Any, name: str, sizes: Sizes) -> Any:
@@ -129,6 +140,7 @@ SECONDS = number(above=0, high=1e18)
 PERIOD = number(0, 1e18)  # 0: continuous time
 LEVEL = SHARE = number(0, 1)
 COUNT = count(1)
+INTEGER: Gate = _integer  # of which the call itself says the range
 SEED: Gate = _seed
 
 

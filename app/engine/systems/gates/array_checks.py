@@ -57,12 +57,12 @@ def vector(size: str = "") -> Gate:
     return gate
 
 
-def array(shape: str = "", *, imaginary: bool = False, missing: bool = False, infinite: bool = False) -> Gate:
+def array(shape: str = "", *, imaginary: bool = False, missing: bool = False, infinite: bool = False, single: bool = False) -> Gate:
     """Finite numbers of a shape such as "… n n", where … are axes that may be there; NaN if they may be `missing`."""
     wanted = shape.split()
 
     def gate(value: object, name: str, sizes: Sizes) -> np.ndarray:
-        found = as_numbers(value, name, missing=missing, imaginary=imaginary, infinite=infinite)
+        found = as_numbers(value, name, missing=missing, imaginary=imaginary, infinite=infinite, single=single)
         if wanted[:1] == ["…"]:
             tail = wanted[1:]
             if found.ndim < len(tail):
@@ -88,6 +88,11 @@ def _misfit(shape: tuple[int, ...], wanted: list[str], name: str, sizes: Sizes) 
     it_is = "×".join(map(str, shape)) or "1"
     if len(wanted) == 2 == len(shape) and wanted[0] == wanted[1] and wanted[0] not in sizes:
         return ShapeError("{name} must be square; it is {rows}×{columns}.", name=name, rows=shape[0], columns=shape[1])
+    known = [sizes.get(letter) for letter in wanted]
+    if len(wanted) == 2 == len(shape) and known.count(None) == 1:
+        if known[0] is not None:
+            return ShapeError("{name} must have {rows} rows; it is {it_is}.", name=name, rows=known[0], it_is=it_is)
+        return ShapeError("{name} must have {columns} columns; it is {it_is}.", name=name, columns=known[1], it_is=it_is)
     must = "×".join(str(sizes.get(letter, letter)) for letter in wanted)
     return ShapeError("{name} must be {must}; it is {it_is}.", name=name, must=must, it_is=it_is)
 
@@ -107,7 +112,8 @@ def _series(value: object, name: str, sizes: Sizes) -> np.ndarray:
 
 
 def _poles(value: Any, name: str, sizes: Sizes) -> np.ndarray:
-    listed = value if isinstance(value, np.ndarray | str | bytes | set) or not isinstance(value, Iterable) else list(value)
+    whole = hasattr(value, "shape") or isinstance(value, str | bytes | set) or not isinstance(value, Iterable)
+    listed = value if whole else list(value)  # of what has a shape each row would be made by itself: 11 s for a large sparse matrix
     try:
         found = np.atleast_1d(as_numbers(listed, name, imaginary=True, missing=True, infinite=True))
     except EngineError as problem:

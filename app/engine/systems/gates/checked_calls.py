@@ -79,6 +79,7 @@ def with_checks(call: Callable[P, R], taken: Taken) -> Callable[P, R]:
             elif name in named and named[name] is not default:
                 named[name] = gate(named[name], name, sizes)
         return answer(call, given, named)
+    vars(checked)["taken"] = taken
     return checked
 
 

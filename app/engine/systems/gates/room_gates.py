@@ -61,19 +61,26 @@ def _with_matrices(checked: Callable[P, R], gate: PlantGate) -> Callable[P, R]:
 
 
 def _with_plant(checked: Callable[P, R], call: Callable[P, R], lead: list[str], most: int, time: str) -> Callable[P, R]:
+    needed = sum(p.default is p.empty for p in inspect.signature(call).parameters.values()) - len(lead)
     has_period = "dt" in inspect.signature(call).parameters
 
     @functools.wraps(checked)
     def called(*args: P.args, **kwargs: P.kwargs) -> R:
         if not args or isinstance(args[0], _PLAIN) or (plant := plant_like(args[0])) is None:
             return checked(*args, **kwargs)
-        if len(args) - 1 + len(lead) > most or any(name in kwargs for name in lead):
+        if len(args) - 1 + len(lead) > most or any(name in kwargs for name in lead) or _given_twice(plant, lead, needed, args):
             raise EngineError("{call} takes a plant or its matrices {matrices}, not both.", call=call.__name__, matrices=", ".join(lead))
         _right_time(plant, call.__name__, time)
         if has_period:
             kwargs.setdefault("dt", plant.dt)
         return checked(*(getattr(plant, str(_OF_PLANT(name))) for name in lead), *args[1:], **kwargs)  # type: ignore[call-arg]
     return called
+
+
+def _given_twice(plant: Plant, lead: list[str], needed: int, args: tuple[Any, ...]) -> bool:
+    """Whether a matrix of the plant follows it where its call would take another: more was given than is needed, and it is no weight."""
+    own = [getattr(plant, str(_OF_PLANT(name))) for name in lead[1:]]
+    return len(args) - 1 > max(needed, 0) and any(np.array_equal(args[1], M) and not np.array_equal(M, M.T) for M in own)
 
 
 def _right_time(plant: Plant, name: str, time: str) -> None:

@@ -1,53 +1,25 @@
-"""Common names of the field with python-control's meaning: ss, tf, ctrb, acker, care, gram, …"""
+"""Answer under the field's names with python-control's meaning: ctrb, acker, care, lyap, gram, …"""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 
 import numpy as np
-from scipy.linalg import solve_continuous_lyapunov, solve_discrete_lyapunov
 
-from .design.optimal import dlqr, lqr
-from .design.placement import Placement, place
-from .structure.analysis import controllability_matrix, observability_matrix
-from .structure.gramian import gramians, hankel_singular_values
-from .systems.arrays import as_checked
-from .systems.errors import EngineError
-from .systems.fractions import realised_by_entries
-from .systems.gates.argument_checks import PERIOD, POLES, SECONDS, Sizes, choice, matrix, optional, takes, vector
-from .systems.gates.plant_gate import DRIVEN, PLANT, SEEN
-from .systems.gates.room_gates import with_gates
-from .systems.plant import Plant
-from .systems.sampling import discretise
-from .systems.zeros import transmission_zeros
+from ..design.optimal import dlqr, lqr
+from ..design.placement import Placement, place
+from ..structure.analysis import controllability_matrix, observability_matrix
+from ..structure.gramian import gramians, hankel_singular_values
+from ..systems.arrays import as_checked
+from ..systems.errors import EngineError, ShapeError
+from ..systems.gates.argument_checks import POLES, choice, matrix, optional, takes
+from ..systems.gates.plant_gate import DRIVEN, PLANT, SEEN
+from ..systems.lyapunov import lyapunov_solution
+from ..systems.plant import Plant
+from ..systems.zeros import transmission_zeros
+from .sylvester import sampled_sylvester, sylvester
 
-__all__ = ["acker", "c2d", "care", "ctrb", "dare", "dlyap", "gram", "hsvd", "lyap", "obsv", "poles", "ss", "tf", "zeros"]
-
-
-def _feedthrough(value: object, name: str, sizes: Sizes) -> np.ndarray | None:
-    """D; the number zero stands for a matrix of zeros."""
-    return None if isinstance(value, int | float) and value == 0 else matrix("p m")(value, name, sizes)
-
-
-@takes(A=matrix("n n"), B=matrix("n m"), C=matrix("p n"), D=_feedthrough, dt=PERIOD)
-def ss(A: object, B: object, C: object, D: object = None, dt: float = 0.0) -> Plant:
-    """The plant of its matrices, D zero if left out; `ss(system)` takes one of python-control or SciPy.
-
-    >>> ss([[-1]], [[1]], [[1]], 0).n
-    1
-    """
-    return Plant(as_checked(A), as_checked(B), as_checked(C), None if D is None else as_checked(D), dt)  # type: ignore[arg-type]
-
-
-@takes(num=vector(), den=vector(), dt=PERIOD)
-def tf(num: object, den: object, dt: float = 0.0) -> Plant:
-    """A plant with the transfer function num / den, coefficients from the highest power down; scalar.
-
-    >>> tf([1], [1, 3, 2]).poles.real
-    array([-2., -1.])
-    """
-    top, bottom = as_checked(num), as_checked(den)
-    return realised_by_entries([[(top, bottom)]], dt)
+__all__ = ["acker", "care", "ctrb", "dare", "dlyap", "gram", "hsvd", "lyap", "obsv", "poles", "zeros"]
 
 
 @takes(plant=DRIVEN)
@@ -108,32 +80,66 @@ def _no_unique() -> EngineError:
     return EngineError("The Lyapunov equation has no unique solution: two poles mirror each other at the stability boundary.")
 
 
-@takes(A=matrix("n n"), Q=matrix("n n"))
-def lyap(A: object, Q: object) -> np.ndarray:
-    """X of AX + XAᵀ + Q = 0. Raises EngineError where two poles of A add up to zero.
+@takes(A=matrix("n n"), Q=matrix("k k"), C=optional(matrix("n k")), E=optional(matrix("n n")))
+def lyap(A: object, Q: object, C: object = None, E: object = None) -> np.ndarray:
+    """X of AX + XAᵀ + Q = 0, of AX + XQ + C = 0 with C, of AXEᵀ + EXAᵀ + Q = 0 with E.
+
+    Raises EngineError where two poles of A (of A and Q, of E⁻¹A) add up to zero, and for a singular E.
 
     >>> lyap([[-1]], [[2]])
     array([[1.]])
     """
-    poles = np.linalg.eigvals(as_checked(A))
+    if C is not None:
+        return sylvester(*_alone(A, Q, C, E))
+    F, forcing = _without_descriptor(A, Q, E)
+    poles = np.linalg.eigvals(F)
     if np.abs(poles[:, None] + poles).min(initial=np.inf) <= 1e-14 * np.abs(poles).max(initial=0.0):
         raise _no_unique()
-    return solve_continuous_lyapunov(as_checked(A), -as_checked(Q))
+    return _unique(F, forcing, 0.0)
 
 
-@takes(A=matrix("n n"), Q=matrix("n n"))
-def dlyap(A: object, Q: object) -> np.ndarray:
-    """X of AXAᵀ − X + Q = 0. Raises EngineError where two poles of A multiply to one.
+@takes(A=matrix("n n"), Q=matrix("k k"), C=optional(matrix("n k")), E=optional(matrix("n n")))
+def dlyap(A: object, Q: object, C: object = None, E: object = None) -> np.ndarray:
+    """X of AXAᵀ − X + Q = 0, of AXQ − X + C = 0 with C, of AXAᵀ − EXEᵀ + Q = 0 with E.
+
+    Raises EngineError where two poles of A (of A and Q, of E⁻¹A) multiply to one, and for a singular E.
 
     >>> np.round(dlyap([[0.5]], [[3]]), 6)
     array([[4.]])
     """
-    poles = np.linalg.eigvals(as_checked(A))
+    if C is not None:
+        return sampled_sylvester(*_alone(A, Q, C, E))
+    F, forcing = _without_descriptor(A, Q, E)
+    poles = np.linalg.eigvals(F)
     if np.abs(poles[:, None] * poles - 1).min(initial=np.inf) <= 1e-14:
         raise _no_unique()
-    F, forcing = as_checked(A), as_checked(Q)
-    X = solve_discrete_lyapunov(F, forcing)
-    return X + solve_discrete_lyapunov(F, F @ X @ F.T - X + forcing)  # one step of Newton gives back what the direct solver loses
+    return _unique(F, forcing, 1.0)
+
+
+def _unique(A: np.ndarray, Q: np.ndarray, dt: float) -> np.ndarray:
+    try:
+        return lyapunov_solution(A, Q, dt)
+    except np.linalg.LinAlgError as problem:
+        raise _no_unique() from problem
+
+
+def _alone(A: object, Q: object, C: object, E: object) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    if E is not None:
+        raise EngineError("Give C or E, not both: no equation here has the two.")
+    return as_checked(A), as_checked(Q), as_checked(C)
+
+
+def _without_descriptor(A: object, Q: object, E: object) -> tuple[np.ndarray, np.ndarray]:
+    """E⁻¹A and E⁻¹QE⁻ᵀ, A and Q themselves without E."""
+    A, Q = as_checked(A), as_checked(Q)
+    if A.shape != Q.shape:
+        raise ShapeError("{name} must be {must}; it is {it_is}.", name="Q", must=f"{len(A)}×{len(A)}", it_is=f"{len(Q)}×{len(Q)}")
+    if E is None:
+        return A, Q
+    try:
+        return np.linalg.solve(as_checked(E), A), np.linalg.solve(as_checked(E), np.linalg.solve(as_checked(E), Q).T).T
+    except np.linalg.LinAlgError as problem:
+        raise EngineError("E is singular; this equation needs an E with an inverse.") from problem
 
 
 @takes(plant=PLANT, type=choice("c", "o"))
@@ -175,18 +181,3 @@ def zeros(plant: Plant) -> np.ndarray:
     array([-3.])
     """
     return transmission_zeros(plant)
-
-
-@takes(plant=PLANT, Ts=SECONDS)
-def c2d(plant: Plant, Ts: float) -> Plant:
-    """The plant sampled every Ts seconds with its input held, exactly.
-
-    >>> np.round(c2d(ss([[-1]], [[1]], [[1]], 0), 1.0).A, 4)
-    array([[0.3679]])
-    """
-    if plant.dt:
-        raise EngineError("This plant is sampled already, every {dt:g} s.", dt=plant.dt)
-    return discretise(plant, Ts)
-
-
-with_gates(globals())

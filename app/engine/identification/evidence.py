@@ -1,0 +1,211 @@
+"""Judge a fitted filter by all evidence of unused rows; each test allows for the errors of the fit."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.linalg import qr
+from scipy.special import fdtrc
+
+from ..filters import KalmanFilter, Track
+from ..systems.errors import Phrase, phrase
+from ..systems.records import record as a_record
+from ..systems.recursions import affine_scan
+from .records import Record
+
+__all__ = ["FEEDBACK", "INPUT", "LEAST_FIT", "SAME_ROW", "WHITE", "Evidence", "evidence_of"]
+
+MAX_LAGS = 20
+ROWS_PER_COLUMN = 8  # rows that pay for one column of a regression
+PLAIN = 1000.0  # the test without the errors of the fit fails at that part of WHITE: it sees a fit whose errors are no longer small
+MOST_ENTRIES = 20_000_000  # of a regression
+RANK = 1e-8
+WHITE, INPUT, FEEDBACK, SAME_ROW = 0.02, 0.015, 0.003, 1e-4  # p-values below which a test fails; with the NIS at 1 % five in a hundred
+LEAST_FIT = 0.05  # of the output's variation, below which a prediction explains nothing
+
+
+@a_record()
+class Evidence:
+    """What the unused rows say about a fitted filter, test by test.
+
+    radius: largest |pole|. nis: whether the mean NIS lies in its band. white, input, feedback: p-values of the innovations being
+    unrelated to earlier innovations, to earlier inputs and to later inputs, each beside all errors of the fitted parameters.
+    same_row: p-value of the output being unrelated to the input of its own row. fit: share of the variation that one-step predictions
+    give, the least over the outputs; free_run: the same for the model without measurements, NaN without inputs.
+    Sources: Breusch, Australian Economic Papers 17 (1978) 334–355; Godfrey, Econometrica 46 (1978) 1293–1301.
+    """
+
+    radius: float
+    nis: bool
+    white: float
+    input: float
+    feedback: float
+    same_row: float
+    fit: float
+    free_run: float
+
+    @property
+    def stable(self) -> bool:
+        """Whether every pole of the fit lies inside the unit circle."""
+        return self.radius < 1
+
+    @property
+    def open_loop(self) -> bool:
+        """Whether no input follows an innovation, nor stands beside the output of its own row."""
+        return self.feedback >= FEEDBACK and self.same_row >= SAME_ROW
+
+    @property
+    def failures(self) -> tuple[Phrase, ...]:
+        """A sentence for each check that fails, the gravest first; none for a consistent filter."""
+        said = []
+        if not self.stable:
+            said.append(phrase("The fitted model is unstable: its largest pole has the modulus {radius:.3g}.", radius=self.radius))
+        if self.feedback < FEEDBACK:
+            said.append(phrase("Later inputs are related to the innovations (p = {p:.2g}): the record comes from a running loop, or the "
+                               "dead time is too long. Record with the loop open.", p=self.feedback))
+        elif self.same_row < SAME_ROW:
+            said.append(phrase("The output is related to the input of its own row (p = {p:.2g}): the input may be computed from it. "
+                               "Record with the loop open.", p=self.same_row))
+        if self.input < INPUT:
+            said.append(phrase("The innovations depend on earlier inputs (p = {p:.2g}): order or dead time is wrong.", p=self.input))
+        if self.white < WHITE:
+            said.append(phrase("The innovations are not white (p = {p:.2g}): a better model could predict a part of them.", p=self.white))
+        if self.fit < LEAST_FIT:
+            said.append(phrase("Predictions explain {fit:.2g} % of the output's variation: the record does not show the plant.",
+                               fit=100 * self.fit))
+        return tuple(said)
+
+    @property
+    def consistent(self) -> bool:
+        """Whether every check passes."""
+        return self.nis and not self.failures
+
+
+def evidence_of(kf: KalmanFilter, track: Track, record: Record, first: int, nis: bool, fit: np.ndarray, tuned: bool = False) -> Evidence:
+    """All tests of the innovations in the rows from `first` on; `tuned` if the gain was set by hand."""
+    e, slopes, seen = _slopes(kf, track, record, first, tuned)
+    radius = float(np.abs(np.linalg.eigvals(kf.A)).max(initial=0.0))
+    u = record.u[first:]
+    count, p = int(seen.sum()), kf.C.shape[0]
+    room = max(min(count * p // ROWS_PER_COLUMN, MOST_ENTRIES // max(count * p, 1)), 1)
+    lags = int(np.clip(min(MAX_LAGS, count // 4, room // (p * p)), 1, MAX_LAGS))
+    filled = np.where(seen[:, None], e, 0.0)
+    past = _by_output(_lagged(filled, range(1, lags + 1)), p)
+    plain = _added(e, slopes[:, :, :0], past, seen)  # a gain by hand has no error of a fit to allow for
+    white = plain if tuned else min(_added(e, slopes, past, seen), PLAIN * plain, 1.0)
+    if not u.shape[1]:
+        return Evidence(radius, nis, white, 1.0, 1.0, 1.0, float(fit.min()), float("nan"))
+    m = u.shape[1]
+    reach = int(np.clip(min(MAX_LAGS, room // (p * m)), 1, MAX_LAGS))
+    earlier = _by_output(_lagged(u, range(0, reach)), p)
+    ahead = int(np.clip(reach // 4, 1, 5))
+    later = _by_output(_lagged(u, range(-ahead, 0)), p)
+    inner = seen.copy()
+    inner[:reach] = False
+    inner[len(inner) - ahead:] = False
+    return Evidence(radius, nis, white, _added(e, slopes, earlier, inner),
+                    _added(e, np.concatenate([slopes, past, earlier], axis=2), later, inner), _same_row(kf, e, slopes, seen),
+                    float(fit.min()), _free_run(kf, track, record, first))
+
+
+def _slopes(kf: KalmanFilter, track: Track, record: Record, first: int, tuned: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Whitened innovations e (N, p), their slopes over every parameter (N, p, c), and which rows have all measurements.
+
+    x̂⁺ = A x̂ + B u + K e, e = y − C x̂ − D u: with dA, … the error of x̂ follows dx⁺ = (A − K C) dx + dA x̂ + dB u + dK e − K (dC x̂ + dD u),
+    de = −C dx − dC x̂ − dD u. The last columns are a constant for each output; those of D stand first.
+    """
+    n, p = kf.n, kf.C.shape[0]
+    K = kf.A @ track.schedule.gains[-1]
+    steady = kf.A - K @ kf.C
+    x, u = track.predicted[first:], record.u[first:]
+    nu = track.innovations[first:]
+    seen = np.isfinite(nu).all(axis=1)
+    e = np.where(np.isfinite(nu), nu, 0.0)
+    N = len(x)
+    columns = []
+
+    def add(forcing: np.ndarray, direct: np.ndarray) -> None:
+        dx = affine_scan(steady, forcing - direct @ K.T, np.zeros(n), N)[:N]
+        columns.append(-dx @ kf.C.T - direct)
+    eye_n, eye_p, none_n, none_p = np.eye(n), np.eye(p), np.zeros((N, n)), np.zeros((N, p))
+    for column in u.T:
+        for i in range(p):
+            add(none_n, np.outer(column, eye_p[i]))
+    for column in (*x.T, *u.T, *(() if tuned else e.T)):
+        for i in range(n):
+            add(np.outer(column, eye_n[i]), none_p)
+    for column in x.T:
+        for i in range(p):
+            add(none_n, np.outer(column, eye_p[i]))
+    table = np.stack([*columns, *(np.broadcast_to(row, (N, p)) for row in eye_p)], axis=2)
+    roots = np.linalg.cholesky(track.S[first:])
+    both = np.concatenate([e[:, :, None], table], axis=2)
+    white = np.linalg.solve(roots, both) if p > 1 else both / roots
+    return white[:, :, 0], white[:, :, 1:], seen
+
+
+def _lagged(columns: np.ndarray, lags: range) -> np.ndarray:
+    """Columns moved down by each of the lags (up by negative ones), zero where they leave the record: (N, columns·lags)."""
+    out = []
+    for lag in lags:
+        moved = np.zeros_like(columns)
+        if lag > 0:
+            moved[lag:] = columns[:-lag]
+        elif lag < 0:
+            moved[:lag] = columns[-lag:]
+        else:
+            moved[:] = columns
+        out.append(moved)
+    return np.hstack(out)
+
+
+def _by_output(regressors: np.ndarray, p: int) -> np.ndarray:
+    """The same regressors for each output alone: (N, p, p·columns)."""
+    return np.einsum("tc,ij->tijc", regressors, np.eye(p)).reshape(len(regressors), p, -1)
+
+
+def _added(e: np.ndarray, base: np.ndarray, added: np.ndarray, rows: np.ndarray) -> float:
+    """The p-value of the added columns explaining nothing of e beside the base, by an F test."""
+    target = e[rows].reshape(-1)
+    if len(target) < base.shape[2] + 2 * added.shape[2]:
+        return 1.0
+    Q, rank = _basis(base[rows].reshape(len(target), -1))
+    left = target - Q @ (Q.T @ target)
+    more = added[rows].reshape(len(target), -1)
+    more = more - Q @ (Q.T @ more)
+    E, extra = _basis(more - Q @ (Q.T @ more))
+    gained, rest, free = float(np.sum((E.T @ left) ** 2)), float(left @ left), len(target) - rank - extra
+    if not extra or free < 2 or rest <= 0:
+        return 1.0
+    return float(fdtrc(extra, free, gained / extra / max((rest - gained) / free, 1e-300)))
+
+
+def _basis(table: np.ndarray) -> tuple[np.ndarray, int]:
+    """An orthonormal basis of the columns of a table, and their rank."""
+    size = np.linalg.norm(table, axis=0)
+    kept = table[:, size > 1e-12 * size.max(initial=1e-300)]
+    if not kept.shape[1]:
+        return np.zeros((len(table), 0)), 0
+    Q, R, _ = qr(kept / np.linalg.norm(kept, axis=0), mode="economic", pivoting=True)
+    rank = int(np.count_nonzero(np.abs(np.diag(R)) > RANK * abs(R[0, 0])))
+    return Q[:, :rank], rank
+
+
+def _same_row(kf: KalmanFilter, e: np.ndarray, slopes: np.ndarray, rows: np.ndarray) -> float:
+    """The p-value of D being zero: e of the model without D, against the columns of D beside all others."""
+    count = kf.D.size
+    direct, others = slopes[:, :, :count], slopes[:, :, count:]
+    without = e - direct @ kf.D.T.reshape(-1)
+    return _added(without, others, direct, rows)
+
+
+def _free_run(kf: KalmanFilter, track: Track, record: Record, first: int) -> float:
+    """The least share of an output's variation that the model gives from the inputs alone, from the filter's state at `first`."""
+    u, y = record.u[first:], record.y[first:]
+    x = affine_scan(kf.A, u @ kf.B.T, track.predicted[first], len(u))[:len(u)]
+    found = x @ kf.C.T + u @ kf.D.T
+    shares = []
+    for j in range(y.shape[1]):
+        seen = np.isfinite(y[:, j])
+        away = float(np.linalg.norm(y[seen, j] - y[seen, j].mean()))
+        shares.append(1 - float(np.linalg.norm(y[seen, j] - found[seen, j])) / max(away, 1e-300))
+    return min(shares)

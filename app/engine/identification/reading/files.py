@@ -1,0 +1,85 @@
+"""Read a record from a file by what the file is: text, .mat, Parquet, MDF or MCAP."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+
+from ...systems.errors import EngineError
+from ...systems.gates.argument_checks import BOOLEAN, NAME, POSITIVE, choice, instance, names, optional, takes
+from ..records import Record
+from .decoding import decoded
+from .mat_tables import mat_table
+from .record_reader import Asked, record_in
+from .text_tables import TextTable
+
+__all__ = ["load_record", "read_record", "record_of_bytes"]
+
+MAX_BYTES = 200_000_000
+
+
+@takes(path=instance(str, os.PathLike), time=NAME, inputs=names, outputs=names, step=optional(POSITIVE), missing=names,
+       decimal=choice("", ".", ","), hold=BOOLEAN)
+def load_record(path: str | os.PathLike[str], *, time: str = "", inputs: Sequence[str] = (), outputs: Sequence[str] = (),
+                step: float | None = None, missing: Sequence[str] = (), decimal: str = "", hold: bool = False) -> Record:
+    """The record in a file: text with separators, .mat, and with the extra `records` Parquet, MDF and MCAP; see `read_record`.
+
+    Raises EngineError where it cannot be read or where its meaning is open.
+    """
+    name = Path(path).name
+    try:
+        if Path(path).exists() and not Path(path).is_file():
+            raise OSError
+        with open(path, "rb") as file:
+            data = file.read(MAX_BYTES + 1)
+    except (OSError, ValueError) as problem:
+        raise EngineError("The file {name} cannot be read; check its name and place.", name=name) from problem
+    asked = Asked(time, tuple(inputs), tuple(outputs), step, tuple(missing), hold)
+    return record_of_bytes(name, data, asked, decimal)
+
+
+def record_of_bytes(name: str, data: bytes, asked: Asked, decimal: str = "") -> Record:
+    """The record in the bytes of a file of that name. Raises EngineError."""
+    if len(data) > MAX_BYTES:
+        raise EngineError("The file {name} is larger than {size} MB; keep fewer rows or fewer digits.", name=name, size=MAX_BYTES // 10**6)
+    if data.startswith(b"PAR1"):
+        from .parquet_tables import parquet_table
+        return record_in(parquet_table(data), asked)
+    if data.startswith((b"MDF ", b"UnFinMF")):
+        from .mdf_tables import mdf_table
+        return record_in(mdf_table(data, asked), asked)
+    if data.startswith(b"\x89MCAP0\r\n"):
+        from .mcap_tables import mcap_table
+        return record_in(mcap_table(data, asked), asked)
+    if data.startswith((b"#ROSBAG", b"SQLite format 3\0")):
+        raise EngineError("{name} is a ROS bag in an old form; turn it into MCAP first, as with ros2 bag convert.", name=name)
+    if data.startswith((b"PK\x03\x04", b"\xd0\xcf\x11\xe0")):
+        raise EngineError("{name} is a spreadsheet or an archive; save the sheet as CSV in UTF-8.", name=name)
+    if Path(name).suffix.lower() == ".mat" or data[126:128] in (b"IM", b"MI"):
+        return record_in(mat_table(data, asked), asked)
+    text, notes = decoded(name, data)
+    return _of_text(text, asked, decimal).noted(*notes)
+
+
+@takes(text=NAME, time=NAME, inputs=names, outputs=names, step=optional(POSITIVE), missing=names,
+       decimal=choice("", ".", ","), hold=BOOLEAN)
+def read_record(text: str, *, time: str = "", inputs: Sequence[str] = (), outputs: Sequence[str] = (), step: float | None = None,
+                missing: Sequence[str] = (), decimal: str = "", hold: bool = False) -> Record:
+    """The record in a text of rows, with names and units in a head line as in `u1 [V]`; `notes` of the record say what was done.
+
+    Without choice, t (or time) is the time, u… are the inputs, y… the outputs; `time`, `inputs`, `outputs` choose columns by name or,
+    without head line, by number, with a unit as in `time[ms]`. Times: numbers with a unit in the head, Unix times, dates. `step` in s:
+    rows are counted instead. `missing`: numbers that mark a missing value, "stuck" for a stuck sensor, "none". `decimal`: the decimal
+    sign, where it cannot be found. `hold`: an empty input keeps its last value. Raises EngineError where the meaning is open.
+
+    >>> read_record("t [s],u [V],y [m]\\n" + "".join(f"{k},1,{k * k}\\n" for k in range(9))).dt
+    1.0
+    """
+    return _of_text(text, Asked(time, tuple(inputs), tuple(outputs), step, tuple(missing), hold), decimal)
+
+
+def _of_text(text: str, asked: Asked, decimal: str) -> Record:
+    if text.lstrip("\ufeff \t\r\n").startswith(("{", "[{", "[[")):
+        raise EngineError("This is JSON, as of a plant, and no record: a record is a table of rows over time. Open a plant with --plant.")
+    return record_in(TextTable(text.lstrip("\ufeff"), decimal), asked)
