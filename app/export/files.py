@@ -10,9 +10,11 @@ from types import MappingProxyType
 
 from ..course.figures.records import Figure
 from ..course.lesson import Lesson, Outcome
-from ..text import SaidError, text
-from .data.data import json_text
-from .data.tables import figure_csv, figure_json
+from ..devices import DeviceError
+from ..engine import EngineError
+from ..text import SaidError, error_words, text
+from .data.data import figure_csv, figure_json, json_text
+from .devices.folders import device_files, zip_of
 from .figures.figure import figures_as
 from .figures.fonts import HAN, chinese_font
 from .scripts.engine_notebook import engine_notebook
@@ -28,6 +30,7 @@ __all__ = [
     "FileError",
     "all_in_one",
     "check_fonts_for",
+    "device_file",
     "figure_file",
     "script_file",
     "sheet_file",
@@ -66,7 +69,7 @@ class DownloadContent:
 
 
 def figure_file(taken: DownloadContent, figure: str, kind: str) -> File:
-    """One figure, or all on one page for "", as one of FIGURES. Raises FileError."""
+    """One figure, or all on one page for "", as one of FIGURE_FORMATS. Raises FileError."""
     chosen = [each for each in taken.figures if figure in ("", each.id)]
     if not chosen or kind not in FIGURE_FORMATS:
         raise FileError(text("There is no such figure here any more; open the dialog again."))
@@ -100,6 +103,15 @@ def script_file(taken: DownloadContent, kind: str) -> File:
         return File(f"{name}{ending}", (write(taken.lesson, taken.outcome, taken.token, taken.language) + "\n").encode())
     except ScriptError as problem:
         raise FileError(problem.text) from problem
+
+
+def device_file(taken: DownloadContent, body: str) -> File:
+    """The design as a folder of code for a device, zipped. Raises FileError where no device can run it."""
+    folder = f"{taken.lesson.id}-{body}"
+    try:
+        return File(f"{folder}.zip", zip_of(folder, device_files(taken.lesson, taken.outcome, taken.token, body)))
+    except (DeviceError, EngineError) as problem:
+        raise FileError(error_words(problem)) from problem
 
 
 def sheet_file(taken: DownloadContent) -> File:

@@ -3,22 +3,24 @@
 from __future__ import annotations
 
 import csv
+import io
 import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any, assert_never
+from typing import Any
 
 import numpy as np
 
-from ...course.figures.records import Curve, Figure, LineFigure, MapFigure, MatrixFigure, PlaneFigure, TableFigure, axes_of
+from ...course.figures.figure_record import Cell
+from ...course.figures.records import Figure
 from ...course.lesson import Design, Outcome
-from ...text import label_in_language, languages
+from ...text import languages
 
-__all__ = ["HEADER", "csv_rows", "distinct", "json_text", "plain", "run_record", "save_csv"]
+__all__ = ["HEADER", "csv_rows", "figure_csv", "figure_json", "json_text", "plain", "run_record", "save_csv"]
 
 HEADER = ("figure", "kind", "series", "x", "y", "value", "x_axis", "y_axis")
-Row = tuple[str, str, str, float, float | str, float | str]
+Row = tuple[str, str, str, float, Cell, Cell]
 RUN_SERIES = ("t", "x", "xhat", "e", "u_asked", "u_applied", "y", "yhat", "w", "v")
 PLAYED = ("t", "x", "xhat", "u")
 
@@ -47,83 +49,43 @@ def save_csv(figures: Sequence[Figure], path: str | Path, token: str = "") -> No
         table = csv.writer(file, lineterminator="\n")
         table.writerow(HEADER)
         for figure in figures:
-            axes = _axes(figure)
+            axes = figure.axes()
             for row in csv_rows([figure]):
                 table.writerow([*(repr(cell) if isinstance(cell, float) else cell for cell in row), *axes])
 
 
 def csv_rows(figures: Sequence[Figure]) -> Iterator[Row]:
     """The rows of `save_csv` below the header, numbers as Python floats."""
-    for figure in figures:
-        match figure:
-            case LineFigure():
-                yield from _curves(figure.id, "frequency" if figure.log_x else "time", figure.curves, figure.x)
-            case PlaneFigure():
-                yield from _curves(figure.id, "plane", figure.curves, None)
-                for point in figure.points:
-                    name = point.name("en") or f"{point.role} {point.mark}"
-                    yield figure.id, "plane", name, float(point.x), float(point.y), ""
-            case MatrixFigure():
-                yield from _matrix(figure)
-            case MapFigure():
-                yield from _map(figure)
-            case TableFigure():
-                yield from _table(figure)
-            case _:
-                assert_never(figure)
+    return ((figure.id, figure.kind, *entry) for figure in figures for entry in figure.entries())
 
 
-def _axes(figure: Figure) -> tuple[str, str]:
-    """What stands at a figure's axes, with units; nothing where it has none."""
-    match figure:
-        case MatrixFigure() | TableFigure():
-            return "", ""
-        case PlaneFigure() if figure.powers:
-            return axes_of(figure)
-        case LineFigure() | PlaneFigure() | MapFigure():
-            return label_in_language(figure.x_label, "en"), label_in_language(figure.y_label, "en")
-        case _:
-            assert_never(figure)
+def figure_csv(figure: Figure, token: str, language: str = "en") -> bytes:
+    """The table of a figure, below a line with the token; UTF-8, and marked as such where the heads are not ASCII.
+
+    A spreadsheet needs the mark; `pandas.read_csv(name, comment="#")` and numpy's loaders pass both over.
+    """
+    heads, rows = figure.table(language)
+    out = io.StringIO()
+    out.write(f"# Observer Lab, state {token}\n")
+    writer = csv.writer(out, lineterminator="\n")
+    writer.writerow(heads)
+    writer.writerows([repr(cell) if isinstance(cell, float) else cell for cell in row] for row in rows)
+    written = out.getvalue()
+    return written.encode("utf-8" if written.isascii() else "utf-8-sig")
 
 
-def _curves(id: str, kind: str, curves: tuple[Curve, ...], common: np.ndarray | None) -> Iterator[Row]:
-    names = distinct([curve.called("en") for curve in curves])
-    for name, curve in zip(names, curves, strict=True):
-        own = np.arange(len(curve.y)) if curve.x is None else curve.x
-        for x, y in zip(own if common is None else common, curve.y, strict=True):
-            yield id, kind, name, float(x), float(y), ""
-
-
-def distinct(names: list[str]) -> list[str]:
-    """The names, later ones of a kind with a number behind them: a, b, a (2)."""
-    counts = [names[:k].count(name) for k, name in enumerate(names)]
-    return [f"{name} ({count + 1})" if count else name for name, count in zip(names, counts, strict=True)]
-
-
-def _matrix(figure: MatrixFigure) -> Iterator[Row]:
-    matrix = np.asarray(figure.matrix, dtype=float)
-    for (i, j), entry in np.ndenumerate(matrix):
-        row = label_in_language(figure.rows[i], "en") if figure.rows else str(i)
-        column = label_in_language(figure.columns[j], "en") if figure.columns else str(j)
-        yield figure.id, "matrix", f"{row}, {column}", float(j), float(i), float(entry)
-
-
-def _map(figure: MapFigure) -> Iterator[Row]:
-    for (i, j), k in np.ndenumerate(np.asarray(figure.values)):
-        name = figure.categories[int(k)][0]("en") if k >= 0 else ""
-        yield figure.id, "map", name, float(figure.x[j]), float(figure.y[i]), float(k)
-
-
-def _table(figure: TableFigure) -> Iterator[Row]:
-    for i, row in enumerate(figure.rows):
-        for column, cell in zip(figure.columns, row, strict=True):
-            yield figure.id, "table", column("en"), float(i), "", cell if isinstance(cell, str) else cell("en")
+def figure_json(figure: Figure, token: str, language: str = "en") -> bytes:
+    """The same as strict JSON: token, figure, title, heads with their units, rows; null where a number is not finite."""
+    heads, rows = figure.table(language)
+    whole = {"token": token, "figure": figure.id, "title": figure.title(language), "heads": heads, "rows": plain(rows)}
+    return (json.dumps(whole, ensure_ascii=False, allow_nan=False) + "\n").encode()
 
 
 def run_record(design: Design, outcome: Outcome) -> dict[str, Any]:
     """A run as plain data, ready for JSON: lesson, knobs, gains, poles, metrics, checks, series.
 
-    Complex numbers are [re, im]; NaN and infinity, which JSON has not, are null. `series` holds the run's time-first
+    Complex numbers are [re, im]; NaN and infinity, which JSON has not, are null. `never` names the metrics of what does not
+    happen at all, such as an error that does not settle. `series` holds the run's time-first
     arrays t (n_t,), x, xhat, e, u_asked, u_applied, y, yhat, w, v (n_t, …) in SI units; a lesson whose run is of
     another kind gives t, x, xhat, u as its stage plays them. It is empty where nothing moves. A design with the user's
     own plant has "plant" too, in the form of a plant file.
@@ -134,6 +96,7 @@ def run_record(design: Design, outcome: Outcome) -> dict[str, Any]:
         "gains": plain(outcome.gains),
         "poles": {name: [plain(complex(p)) for p in poles] for name, poles in outcome.poles.items()},
         "metrics": plain(outcome.metrics),
+        "never": [name for name, value in outcome.metrics.items() if value == math.inf],
         "checks": [{"id": c.id, "text": {code: c.text(code) for code in languages()}, "holds": bool(c.holds),
                     "value": plain(c.value), "informative": c.informative} for c in outcome.checks],
         "series": _series(outcome),

@@ -13,7 +13,9 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure as Page
 
-from ...course.figures.records import Figure, LineFigure, MapFigure, MatrixFigure, PlaneFigure, TableFigure
+from ...course.figures.diagram import SIZE
+from ...course.figures.records import DiagramFigure, Figure, LineFigure, MapFigure, MatrixFigure, PlaneFigure, TableFigure
+from .diagram_plot import draw_diagram
 from .line_breaks import wrap
 from .matrix_plots import draw_matrix, draw_table
 from .panels import draw_lines, draw_map, draw_plane
@@ -48,6 +50,7 @@ class Cell:
     above: float
     below: float
     caption: tuple[str, ...]
+    left: float = LEFT_IN
 
     @property
     def height(self) -> float:
@@ -112,12 +115,14 @@ def cell_of(figure: Figure, language: str) -> Cell:
     caption = tuple(wrap(figure.caption(language), (CELL - 0.2) * 72 / SMALL_PT))
     match figure:
         case TableFigure():
-            return Cell(figure, ROW_HEIGHT_IN * (len(figure.rows) + 1), 0.04, 0.06, caption)
+            return Cell(figure, ROW_HEIGHT_IN * (len(figure.rows) + 1), 0.04, 0.06, caption, left=0.1)
         case MatrixFigure():
             rows, columns = figure.matrix.shape
             wide = CELL - LEFT_IN - RIGHT_IN
             return Cell(figure, wide * min(1.0, rows / max(columns, 1)) * 0.86,
                         COLUMN_NAMES if figure.columns else 0.04, 0.06, caption)
+        case DiagramFigure():
+            return Cell(figure, CELL * SIZE[1] / SIZE[0], 0.04, 0.06, caption, left=0.1)
         case LineFigure() | PlaneFigure() | MapFigure():
             return Cell(figure, CURVES_HEIGHT_IN, 0.0, BOTTOM_IN, caption)
         case _:
@@ -140,8 +145,7 @@ def place(page: Page, size: tuple[float, float], cell: Cell, left: float, top: f
 def place_axes(page: Page, size: tuple[float, float], cell: Cell, left: float, bottom: float, language: str) -> Axes:
     """The axes of one figure alone, drawn."""
     wide, high = size
-    inset = 0.1 if isinstance(cell.figure, TableFigure) else LEFT_IN
-    axes = page.add_axes(((left + inset) / wide, bottom / high, (CELL - inset - RIGHT_IN) / wide, cell.axes / high))
+    axes = page.add_axes(((left + cell.left) / wide, bottom / high, (CELL - cell.left - RIGHT_IN) / wide, cell.axes / high))
     axes.set_gid(cell.figure.id)
     _draw_kind(axes, cell.figure, language)
     return axes
@@ -159,6 +163,8 @@ def _draw_kind(axes: Axes, figure: Figure, language: str) -> None:
             draw_matrix(axes, figure, language)
         case TableFigure():
             draw_table(axes, figure, language)
+        case DiagramFigure():
+            draw_diagram(axes, figure, language)
         case _:
             assert_never(figure)
 

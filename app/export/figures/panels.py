@@ -14,7 +14,8 @@ from scipy.ndimage import distance_transform_cdt
 
 from ...colours import COLOURS
 from ...course.figures.decade_axes import decades
-from ...course.figures.records import LOG_AXIS_FLOOR, Curve, LineFigure, MapFigure, PlaneFigure, axis_range, finite
+from ...course.figures.ranges import LOG_AXIS_FLOOR, axis_range
+from ...course.figures.records import Curve, LineFigure, MapFigure, PlaneFigure, finite
 from ...text import label_in_language
 from .curve_labels import label_curves
 from .style import GRID_COLOUR, INK_COLOUR, RULE_COLOUR, SMALL_PT, curve_style, escape_mathtext

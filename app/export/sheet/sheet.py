@@ -1,8 +1,9 @@
-"""Write a lesson's sheet for print: question, figures, tasks, and lines for the answers."""
+"""Write sheets for print: a lesson with figures and tasks, or problems with a student's numbers."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from io import BytesIO
 
 from matplotlib.backends.backend_agg import FigureCanvasAgg, RendererAgg
@@ -21,7 +22,7 @@ from ..figures.fonts import families
 from ..figures.style import INK_COLOUR, RULE_COLOUR, SMALL_PT, export_style
 from .typeset import Piece, lines_of, set_line
 
-__all__ = ["sheet"]
+__all__ = ["Problem", "problem_sheet", "sheet"]
 
 PAGE_WIDTH_IN, PAGE_HEIGHT_IN = 8.27, 11.69  # A4, in inches
 SIDE_IN, TOP_IN, BOTTOM_IN = (PAGE_WIDTH_IN - 2 * CELL) / 2, 0.5, 0.62  # edges of the page, in inches
@@ -32,7 +33,7 @@ RULED, ANSWER_LINE_GAP_IN = 6, 0.3  # lines for an answer, and inches between th
 DPI = 288.0  # at which letters are measured
 FIGURES_NOW = text("Figures, as they are now")
 TASKS = text("Tasks")
-NAME_FIELD = text("Name")
+NAME_FIELD, SOLUTIONS = text("Name"), text("answers and derivations")
 PAGE = text("page {number} of {count}")
 
 
@@ -59,6 +60,37 @@ def sheet(lesson: Lesson, outcome: Outcome, figures: Sequence[Figure], token: st
         for number, task in enumerate(lesson.tasks, 1):
             said = words.tasks[task.id]
             paper.ask(f"{number}.  {said.title}", said.statement)
+        return paper.bound()
+
+
+@dataclass(frozen=True)
+class Problem:
+    """An exam with numbers: what is asked, and answer and derivation in Markdown."""
+
+    title: str
+    statement: str
+    solution: str
+
+
+def problem_sheet(title: str, key: str, problems: Sequence[Problem], solved: bool, language: str = "en") -> bytes:
+    """Problems as a PDF on A4 with lines for the answers, or `solved`; `key` says whose numbers these are."""
+    with export_style(language):
+        paper = _Paper(language, f"Observer Lab · {title}", key)
+        paper.say(f"{title} · {SOLUTIONS(language)}" if solved else title, TITLE_PT, weight="bold")
+        paper.gap(0.1)
+        if not solved:
+            paper.say(f"{NAME_FIELD(language)}:", BODY_PT)
+            paper.rule(0.55, -0.02)
+            paper.gap(0.18)
+        for number, problem in enumerate(problems, 1):
+            if solved:
+                paper.head(f"{number}.  {problem.title}")
+                paper.say(problem.statement, BODY_PT)
+                paper.gap(0.06)
+                paper.say(problem.solution, BODY_PT)
+                paper.gap(0.18)
+            else:
+                paper.ask(f"{number}.  {problem.title}", problem.statement)
         return paper.bound()
 
 

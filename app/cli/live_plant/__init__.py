@@ -1,0 +1,1 @@
+"""Run a design beside a plant whose lines come in."""

@@ -1,0 +1,1 @@
+"""Write a device's routine for boards, simulators and controllers."""

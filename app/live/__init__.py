@@ -1,0 +1,1 @@
+"""Read the lines of a running plant, estimate beside it, and simulate one."""

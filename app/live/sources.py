@@ -1,0 +1,79 @@
+"""Give the bytes of a device as they come: standard input, datagrams, a serial port, a process."""
+
+from __future__ import annotations
+
+import os
+import select
+import socket
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+__all__ = ["SourceError", "from_descriptor", "from_serial", "from_udp"]
+
+PIECE_BYTES = 65_536  # read at once, at most
+Read = Callable[[float], "bytes | None"]  # waits so many seconds; b"" where nothing came, None at the end
+
+
+class SourceError(OSError):
+    """A source that cannot be opened; the message is one sentence."""
+
+
+@contextmanager
+def from_descriptor(descriptor: int) -> Iterator[Read]:
+    """Bytes of an open file, pipe or pseudo-terminal."""
+    def read(seconds: float) -> bytes | None:
+        ready, _, _ = select.select([descriptor], [], [], seconds)
+        if not ready:
+            return b""
+        try:
+            return os.read(descriptor, PIECE_BYTES) or None
+        except OSError:  # the other end of a pseudo-terminal is gone
+            return None
+    yield read
+
+
+@contextmanager
+def from_udp(port: int, host: str = "127.0.0.1") -> Iterator[Read]:
+    """Datagrams to a port, each with whole lines. Raises SourceError."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as door:
+        try:
+            door.bind((host, port))
+        except OSError as problem:
+            raise SourceError(f"Port {port} cannot be opened ({problem.strerror}); choose another.") from problem
+
+        def read(seconds: float) -> bytes | None:
+            door.settimeout(seconds)
+            try:
+                data, _ = door.recvfrom(PIECE_BYTES)
+            except TimeoutError:
+                return b""
+            return data if data.endswith(b"\n") else data + b"\n"
+        yield read
+
+
+@contextmanager
+def from_serial(port: str, baud: int) -> Iterator[Read]:
+    """Bytes of a serial port; it is opened again when the cable comes back. Raises SourceError."""
+    try:
+        import serial
+    except ImportError as problem:
+        raise SourceError('A serial port needs the package pyserial; run pip install "observer-lab[live]".') from problem
+    try:
+        line = serial.Serial(port, baud, timeout=0)
+    except (serial.SerialException, ValueError) as problem:
+        raise SourceError(f"{port[:60]} cannot be opened as a serial port; check its name, its rights and the cable.") from problem
+
+    def read(seconds: float) -> bytes | None:
+        try:
+            if not line.is_open:
+                line.open()
+            line.timeout = seconds
+            return line.read(1) + line.read(line.in_waiting)
+        except (serial.SerialException, OSError):
+            line.close()
+            select.select([], [], [], seconds)
+            return b""
+    try:
+        yield read
+    finally:
+        line.close()
