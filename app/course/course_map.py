@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 
-from ..text import Text
+from ..text import Text, text
 
 
 @dataclass(frozen=True)
@@ -15,6 +17,15 @@ class LearningPath:
     id: str
     title: Text
     said: Text
+
+
+LEARNING_PATHS: Mapping[str, LearningPath] = MappingProxyType({way.id: way for way in (
+    LearningPath("first", text("A first course in observers"),
+                 text("From the virtual sensor to noise: design an observer, steer by it, and see where that ends.")),
+    LearningPath("estimation", text("Estimation"),
+                 text("How a filter weighs model and sensors: from noise over the Kalman filter to lost packets and faulty sensors.")),
+    LearningPath("platform", text("The platform"),
+                 text("One machine from start to finish: a table that stands still while the ground shakes, by LQG and its rivals.")))})
 
 
 @dataclass(frozen=True)

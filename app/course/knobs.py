@@ -14,6 +14,8 @@ from typing import Any
 from ..text import NO_WORDS, SaidError, Text, text
 
 MAX_TRACK = 400
+SAMPLE_S = 0.05  # s of a run between two values of a hand that holds the plant
+RELEASE_TIMES = 4.0  # times the last force that a hand gives within one sample when it lets go
 
 
 class KnobError(SaidError):
@@ -147,19 +149,13 @@ class Poles(Knob):
         return self._paired(poles)
 
     def _paired(self, poles: list[complex]) -> tuple[complex, ...]:
-        tiny = 1e-9 * max([1.0, *(abs(p) for p in poles)])
-        upper = [p for p in poles if p.imag > tiny]
-        lower = [p for p in poles if p.imag < -tiny]
-        paired = [complex(p.real, 0.0) for p in poles if abs(p.imag) <= tiny]
-        for pole in upper:
-            twin = min(lower, key=lambda q: abs(q - pole.conjugate()), default=None)
-            if twin is None or abs(twin - pole.conjugate()) > 1e-6 * max(1.0, abs(pole)):
-                break
-            lower.remove(twin)
-            paired += [pole, pole.conjugate()]
-        if len(paired) != len(poles):
-            raise self._refuse(self.show(tuple(poles)), text("complex poles must come in conjugate pairs."))
-        return tuple(sorted(paired, key=lambda p: (p.real, p.imag)))
+        from ..engine.systems import PoleError, pair_conjugates  # NumPy is loaded where a pole is set, not where lessons are listed
+
+        try:
+            paired = pair_conjugates(poles, rtol=1e-6, floor=max([1.0, *map(abs, poles)]))
+        except PoleError:
+            raise self._refuse(self.show(tuple(poles)), text("complex poles must come in conjugate pairs.")) from None
+        return tuple(sorted(paired.tolist(), key=lambda p: (p.real, p.imag)))
 
     @staticmethod
     def _split(words: str) -> list[str]:
@@ -206,3 +202,35 @@ class Track(Knob):
         """The track with `value` from time t on: what was drawn before t stays."""
         kept = [pair for pair in track if pair[0] < t - 1e-9]
         return self.check([*kept[-(MAX_TRACK - 1):], (max(t, 0.0), value)])
+
+
+@dataclass(frozen=True)
+class ByHand:
+    """The force with which a hand holds a plant now, or with which it lets go."""
+
+    force: float
+    released: bool = False
+
+
+@dataclass(frozen=True)
+class Pull(Track):
+    """The force of a hand on the plant: one value for each SAMPLE_S of the run, in whole `step`s, 0 where nothing is held.
+
+    A hand holds with at most `most`. Where it lets go, one sample is RELEASE_TIMES as large: the push that a spring gives back.
+    """
+
+    step: float = 0.05
+    most: float = 1.0
+
+    def check(self, value: Any) -> tuple[tuple[float, float], ...]:
+        samples = {round(t / SAMPLE_S): v for t, v in super().check(value)}
+        return tuple((round(k * SAMPLE_S, 3), round(round(v / self.step) * self.step, 6) + 0.0) for k, v in sorted(samples.items()))
+
+    def take(self, track: tuple[tuple[float, float], ...], t: float, hand: ByHand) -> tuple[tuple[float, float], ...]:
+        """The record with what a hand does at time t of the run. Raises KnobError."""
+        if not math.isfinite(hand.force):
+            raise self._refuse(hand.force, text("it must be a finite number."))
+        begin = SAMPLE_S * math.floor(t / SAMPLE_S + 1e-9)
+        force = min(max(hand.force, -self.most), self.most)
+        drawn = self.record(track, begin, RELEASE_TIMES * force if hand.released else force)
+        return self.record(drawn, begin + SAMPLE_S, 0.0) if hand.released else drawn

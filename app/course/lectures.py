@@ -24,13 +24,14 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from ..text import text
+from ..text import read_outside_toml, text
+from ..text.schema import shown
 from .knobs import KnobError
 from .lesson import Lesson
 
 LECTURE_KEYS, STOP_KEYS = ("title", "minutes", "stops"), ("lesson", "scene", "minutes", "note")
 MAX_STOPS, MAX_MINUTES = 100, 240.0
-MAX_TITLE_CHARS, MAX_NOTE_CHARS, MAX_SHOWN_CHARS = 120, 1000, 40
+MAX_TITLE_CHARS, MAX_NOTE_CHARS = 120, 1000
 MAX_LECTURE_CHARS = 60_000  # characters of a lecture's file
 PREPARED_FOLDER = Path(__file__).parents[2] / "assets" / "lectures"
 
@@ -69,12 +70,12 @@ def read_lecture(text_of_file: str, lessons: Mapping[str, Lesson]) -> Lecture:
     if len(text_of_file) > MAX_LECTURE_CHARS:
         raise KnobError(text("The lecture is too long; it may have {most} characters.", most=MAX_LECTURE_CHARS))
     try:
-        data = tomllib.loads(text_of_file)
+        data = read_outside_toml(text_of_file)
     except tomllib.TOMLDecodeError as error:
         raise KnobError(text("The lecture is not a valid TOML file: {reason}.", reason=str(error)[:120])) from error
     for key in data:
         if key not in LECTURE_KEYS:
-            raise KnobError(text("The lecture has an unknown key {key}; use {keys}.", key=_short(key), keys=", ".join(LECTURE_KEYS)))
+            raise KnobError(text("The lecture has an unknown key {key}; use {keys}.", key=shown(key), keys=", ".join(LECTURE_KEYS)))
     title = _words(data.get("title", ""), MAX_TITLE_CHARS)
     if not title:
         raise KnobError(text("The lecture needs a title of at most {most} characters.", most=MAX_TITLE_CHARS))
@@ -127,17 +128,17 @@ def _stop(number: int, data: object, lessons: Mapping[str, Lesson]) -> Stop:
         raise KnobError(text("Stop {number} must be a table under [[stops]].", number=number))
     for key in data:
         if key not in STOP_KEYS:
-            raise KnobError(text("Stop {number} has an unknown key {key}; use {keys}.", number=number, key=_short(key),
+            raise KnobError(text("Stop {number} has an unknown key {key}; use {keys}.", number=number, key=shown(key),
                                  keys=", ".join(STOP_KEYS)))
     id, scene_id = data.get("lesson", ""), data.get("scene", "")
     lesson = lessons.get(id) if isinstance(id, str) else None
     if lesson is None:
-        raise KnobError(text("Stop {number}: there is no lesson {lesson}; use one of {lessons}.", number=number, lesson=_short(id),
+        raise KnobError(text("Stop {number}: there is no lesson {lesson}; use one of {lessons}.", number=number, lesson=shown(id),
                              lessons=", ".join(lessons)))
     scene = next((scene for scene in lesson.path if scene.id == scene_id), None)
     if scene is None:
         raise KnobError(text("Stop {number}: the lesson {lesson} has no scene {scene}; use one of {scenes}.", number=number, lesson=id,
-                             scene=_short(scene_id), scenes=", ".join(scene.id for scene in lesson.path) or "—"))
+                             scene=shown(scene_id), scenes=", ".join(scene.id for scene in lesson.path) or "—"))
     minutes = _minutes(data.get("minutes", scene.minutes), MAX_MINUTES)
     if minutes is None:
         raise KnobError(text("Stop {number}: the minutes must be a positive number up to {most:g}.", number=number, most=MAX_MINUTES))
@@ -163,8 +164,3 @@ def _minutes(value: object, most: float) -> float | None:
     if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0 < value <= most:
         return None
     return float(value)
-
-
-def _short(value: object) -> str:
-    """What a file says, as it is quoted in an error."""
-    return str(value)[:MAX_SHOWN_CHARS] or "—"

@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
-from types import MappingProxyType
+from types import MappingProxyType, ModuleType
 from typing import Any, Generic, TypeVar
 
 import numpy as np
 
+from ..devices import DeviceDesign
 from ..engine.simulation import Run
 from ..plants.model import Model
 from ..plants.own_plant import model_of, plant_of
@@ -29,6 +30,7 @@ from .knobs import Knob, KnobError, Poles
 from .lazy import LazyValue
 from .many_seeds import SeedTrial
 from .own_plant_banner import write_banner
+from .reading.lesson_data import read_folder
 from .scenes import NO_PATH, Scene
 from .script_record import Code
 
@@ -42,7 +44,8 @@ NO_STUDY: Any = None  # of a lesson that computes nothing of its own
 class Check:
     """One machine-checked statement about the present design, with the number it rests on.
 
-    An `informative` one says which of several cases the design is; that it does not hold is no failure.
+    An `informative` one is a finding: which of several cases the design is, or what the lesson shows on purpose; that it does not hold
+    is no failure.
     """
 
     id: str
@@ -54,7 +57,7 @@ class Check:
 
 @dataclass(frozen=True)
 class Formula:
-    """A live equation: LaTeX with the present entries. Entries marked `\\changed{…}` by `live_matrix` stand out."""
+    """A live equation: LaTeX with the present entries. Entries marked `\\changed{…}` stand out."""
 
     id: str
     latex: str
@@ -155,15 +158,16 @@ class Job(Generic[S, Found]):
 
 @dataclass(frozen=True, eq=False)
 class Lesson(Generic[S]):
-    """One lesson: data and pure functions; its words are in `en.md` beside it.
+    """One lesson: data and pure functions.
 
-    `compute` is the draft: pure and within 20 ms, its `figures` a `Sheaf` where those of hidden tabs cost much. `job` is the
+    `compute` is the draft: pure and within 20 ms, its `figures` a `FigureSet` where those of hidden tabs cost much. `job` is the
     longer, cancellable final tier. `pick` turns a click on the lesson's map into changed knob values.
     `adapt(lesson, model)` makes the lesson for a person's own plant;
     `origin` is the lesson that it was made from. `answer` is the index of the right prediction, `answering` the id of
     the figure that shows why. `aside` names the knobs that are turned rarely: the page keeps them behind "more". `key` names
     those that a hall needs, at most KEYS of which matter at once: in large print all others are behind "more knobs".
     `code` says what a script of a design starts from and finds again, where the run is no plain loop.
+    `device` says what a device computes, and every how many seconds, where the run is no plain loop.
     `derived` gives the numbers of the derivation's places, `place` its place in the course, `again` its second prediction,
     `path` its scenes, which are told on the lesson's own plant. `seeds` runs one design on many seeds.
     A `draft` may lack derivation, exams, second prediction and
@@ -197,8 +201,18 @@ class Lesson(Generic[S]):
     place: CoursePlace = NO_PLACE
     again: SecondPrediction | None = None
     path: tuple[Scene, ...] = NO_PATH
+    questions: Mapping[str, Callable[[Any], Any]] = field(default_factory=dict)  # of scenes: how it is drawn, as `questions.Draw`
     draft: bool = False
     fault: Text = NO_WORDS
+    device: Callable[[Outcome[S], float | None], DeviceDesign] | None = None
+
+    @classmethod
+    def from_folder(cls, *modules: ModuleType, **given: Any) -> Lesson[Any]:
+        """The lesson of a folder: its data from `lesson.toml` and `path.md`, its words from `en.md`, its functions from its modules.
+
+        `PARTS` says where each is found; `given` are those that have no such place. Raises LessonFileError or ProseError.
+        """
+        return cls(**read_folder(modules, given))
 
     def fit(self, plant: str) -> Lesson:
         """This lesson for the user's plant (canonical JSON), itself for "". Raises EngineError or KnobError."""

@@ -5,20 +5,17 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
-from typing import assert_never
 
 import numpy as np
 
 from ..text import NO_WORDS, Text, joined, same, text
 from .design import Design
 from .design_differences import describe_difference
-from .figures.records import Curve, Dash, Figure, LineFigure, MapFigure, MatrixFigure, PlaneFigure, Point, TableFigure, finite
+from .figures.curves import SAME_CURVE_RTOL
+from .figures.records import Figure, TableFigure
 from .lesson import Board, Lesson, Outcome, Stage
 
 MAX_PINS = 4  # designs that are pinned at once
-PIN_DASHES: tuple[Dash, ...] = ("pin1", "pin2", "pin3", "pin4")
-THIN = 1.1  # width of a pinned curve
-SAME_CURVE_RTOL = 1e-9  # of its largest value: a pinned curve that differs by less lies under the present one
 MAX_WRITTEN_ENTRIES = 3  # entries of a gain that are written out; of a larger one stands its norm
 BOUND = "\N{NO-BREAK SPACE}"
 COMPARED = text("Designs side by side")
@@ -78,85 +75,8 @@ def next_pin_letter(taken: Sequence[str]) -> str:
 # --- figures -----------------------------------------------------------------------------------------------------------
 def figures_with_pins(figures: Sequence[Figure], pinned: Sequence[Pinned]) -> tuple[Figure, ...]:
     """The figures with thin curves and hollow marks of the pins, where these differ from what is drawn anyway."""
-    return tuple(_laid_in(figure, pinned) for figure in figures)
-
-
-def _laid_in(figure: Figure, pinned: Sequence[Pinned]) -> Figure:
-    match figure:
-        case LineFigure():
-            thin = [curve for pin, other in _pinned_figures(figure, pinned) if isinstance(other, LineFigure) and _same_axes(figure, other)
-                    for curve in _thin_lines(figure, other, pin)]
-            return replace(figure, curves=(*figure.curves, *thin))
-        case PlaneFigure():
-            return _plane_with_pins(figure, pinned)
-        case MatrixFigure() | MapFigure() | TableFigure():
-            return figure
-        case _:
-            assert_never(figure)
-
-
-def _pinned_figures(figure: Figure, pinned: Sequence[Pinned]) -> Iterator[tuple[Pinned, Figure]]:
-    """Each pin that has a figure of that id, with it."""
-    for pin in pinned:
-        yield from ((pin, each) for each in pin.figures if each.id == figure.id)
-
-
-def _plane_with_pins(figure: PlaneFigure, pinned: Sequence[Pinned]) -> PlaneFigure:
-    curves, points = list(figure.curves), list(figure.points)
-    there = set(map(_mark, points))
-    for pin, other in _pinned_figures(figure, pinned):
-        if isinstance(other, PlaneFigure):
-            curves += [_thin(c, pin, c.y, c.x) for c in other.curves if not _drawn(c, figure.curves)]
-            points += [replace(p, mark="hollow", name=NO_WORDS) for p in other.points
-                       if p.mark in ("cross", "dot") and _mark(p) not in there]
-    return replace(figure, curves=tuple(curves), points=tuple(points))
-
-
-def _mark(point: Point) -> tuple[str, str, str, str]:
-    """What a mark is and where it stands, to nine digits."""
-    return point.role, point.mark, f"{point.x + 0.0:.9g}", f"{point.y + 0.0:.9g}"
-
-
-def _same_axes(figure: LineFigure, other: LineFigure) -> bool:
-    return (figure.log_x, figure.log_y, figure.y_label) == (other.log_x, other.log_y, other.y_label)
-
-
-def _thin_lines(figure: LineFigure, other: LineFigure, pin: Pinned) -> Iterator[Curve]:
-    """The other's curves over the figure's own x; nothing where they do not reach."""
-    x, at = np.asarray(figure.x, dtype=float), np.asarray(other.x, dtype=float)
-    for curve in other.curves:
-        y = finite(curve.y)
-        if len(at) < 2 or len(y) != len(at):
-            continue
-        if len(x) != len(at) or not np.array_equal(x, at):
-            y = np.interp(x, at, y, left=np.nan, right=np.nan)
-        thin = _thin(curve, pin, y, None)
-        if not _drawn(thin, figure.curves):
-            yield thin
-
-
-def _thin(curve: Curve, pin: Pinned, y: np.ndarray, x: np.ndarray | None) -> Curve:
-    return Curve(curve.name, y, curve.role, PIN_DASHES[pin.place], THIN, x, pin.name)
-
-
-def _drawn(curve: Curve, others: Sequence[Curve]) -> bool:
-    """Whether one of the others of its role lies where a curve does."""
-    return any(other.role == curve.role and _lies_on(curve, other) for other in others)
-
-
-def _lies_on(one: Curve, other: Curve) -> bool:
-    return _alike(one.y, other.y) and _alike(one.x, other.x)
-
-
-def _alike(one: np.ndarray | None, other: np.ndarray | None) -> bool:
-    """Whether two records are the same to ALIKE of the largest value; most that differ do so at the first or the middle sample."""
-    if one is None or other is None:
-        return one is other
-    a, b = np.asarray(one, dtype=float), np.asarray(other, dtype=float)
-    if a.shape != b.shape:
-        return False
-    near = SAME_CURVE_RTOL * float(np.abs(finite(b)).max(initial=0.0))
-    return all(abs(a[k] - b[k]) <= near for k in (0, len(a) // 2) if k < len(a)) and bool(np.all(np.abs(a - b) <= near))
+    return tuple(figure.with_pins([(pin.place, pin.name, other) for pin in pinned for other in pin.figures if other.id == figure.id])
+                 for figure in figures)
 
 
 # --- boards ------------------------------------------------------------------------------------------------------------

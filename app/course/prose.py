@@ -54,6 +54,7 @@ from .scenes import SceneWords
 
 SectionKind = Literal["predict", "again", "step", "derive", "task", "exam", "scene", "source"]
 SECTION_KINDS: tuple[SectionKind, ...] = get_args(SectionKind)
+SCENE_DATA = re.compile(r"^(## [^\n]*\n)```toml\n.*?^```\n", re.MULTILINE | re.DOTALL)
 
 
 @dataclass(frozen=True)
@@ -213,11 +214,13 @@ def _exam(heading: str, body: str) -> tuple[str, ExamWords]:
 def read_scenes(folder: Path, language: str) -> dict[str, SceneWords]:
     """The words of a lesson's path by scene: `<id>.path.md` of the language, the lesson's own `path.md` without it; empty without a path.
 
-    Each scene is a section `## id: title` with its text and options, then `### do`, `### say`, `### note` as far as it has them.
+    Each scene is a section `## id: title` with its text and options, then `### do`, `### say`, `### note` as far as it has them. The
+    block of TOML below a heading is the scene's data (`scenes_of` in `reading/scenes.py`).
     """
     path = (folder_of(language) or folder) / f"{_id(folder)}.path.md"
     path = path if path.is_file() else folder / "path.md"
-    sections = ("\n" + path.read_text(encoding="utf-8").strip()).split("\n## ")[1:] if path.is_file() else []
+    words = SCENE_DATA.sub(r"\1", path.read_text(encoding="utf-8")) if path.is_file() else ""
+    sections = ("\n" + words.strip()).split("\n## ")[1:]
     found = {}
     for section in sections:
         title, _, body = section.partition("\n")

@@ -39,16 +39,34 @@ class Choose:
     answer: int = 0
 
 
+Way = Literal["", "left", "right"]
+
+
+@dataclass(frozen=True)
+class Goal:
+    """Where a moved knob must end: farther than on entry in a direction, within bounds, or at one value.
+
+    Of poles the real part of the slowest one counts: `right` is toward the imaginary axis. `least` and `most` are bounds of the
+    number that is meant; `value` is that of a choice or a switch.
+    """
+
+    way: Way = ""
+    least: float | None = None
+    most: float | None = None
+    value: Any = None
+
+
 @dataclass(frozen=True)
 class Move:
-    """Move one of these knobs, or drag one of its poles; with `to` until it has reached that condition."""
+    """Move one of these knobs, or drag one of its poles; with a `goal` until the first of them has reached it."""
 
     knobs: tuple[str, ...]
+    goal: Goal | None = None
 
 
 @dataclass(frozen=True)
 class Press:
-    """Press a button of the run: kick or play."""
+    """Press a button of the run, kick or play, or pull the plant."""
 
     button: str
 
@@ -61,15 +79,17 @@ class Solve:
 
 
 Do = Read | Choose | Move | Press | Solve
+Camera = Literal["all", "map", "plant", "bare", "boards"]  # from where the stage is seen
 
 
 @dataclass(frozen=True)
 class Scene:
     """One stop of a path: what is shown, what is set, what the person does, what the page performs.
 
-    `set` holds knob values on entering. `play` holds the values to which the page moves knobs, visibly, before it gives its
-    verdict; `runs` says that the run then plays from its start. `figures` and `boards` are ids; `formulas` the ids of live
-    equations. `minutes` is the planned time, `core` whether the scene belongs to the path of 15 minutes.
+    `set` holds knob values on entering. `play` holds the values to which the page moves knobs, visibly, before it gives its verdict;
+    `runs` says that the run then plays from its start. `figures` and `boards` are ids; `formulas` the ids of live equations; `lines`
+    are lines of algebra in LaTeX that come one after another, see `guide/moving_lines.py`. `minutes` is the planned time, `core`
+    whether the scene belongs to the path of 15 minutes.
     """
 
     id: str
@@ -84,6 +104,12 @@ class Scene:
     camera: str = ""
     minutes: float = 2.0
     core: bool = True
+    lines: tuple[str, ...] = ()
+
+    @property
+    def answers(self) -> bool:
+        """Whether it asks for something whose run is kept, or performs something."""
+        return not isinstance(self.do, Read) or bool(self.play)
 
     @property
     def view(self) -> str:
@@ -128,7 +154,7 @@ def entry_values(path: Sequence[Scene], index: int, start: Design) -> dict[str, 
 
 
 def fill_numbers(words: str, number: Callable[[str, str], str]) -> str:
-    """Words with the live numbers in their places `[[name]]` or `[[name:format]]`."""
+    """Words with the live numbers in their places `[[name]]`, `[[name:format]]` or `[[name:format unit]]`."""
     return PLACE.sub(lambda place: number(place[1], place[2] or ".3g"), words)
 
 

@@ -5,17 +5,15 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import assert_never
 
 from ..engine import EngineError
 from ..text import Text, error_words, label_in_language
-from .figures.records import Figure, LineFigure, MapFigure, MatrixFigure, PlaneFigure, TableFigure
+from .figures.figure_record import Part, numbered
+from .figures.records import Figure
 from .knobs import Choice, Knob, KnobError
 from .lesson import Lesson, Outcome, Stage, Task
 from .prose import PredictionWords, Prose
 
-Words = Text | str
-Part = tuple[str, Words]  # where it stands, and what stands there
 LETTERS = re.compile(r"[^\W\d_]{2}|[\u4e00-\u9fff]")  # a number, a symbol or a sign says nothing to be read
 
 
@@ -53,47 +51,13 @@ def live_parts(lesson: Lesson, outcome: Outcome) -> Iterator[Part]:
 
 def figure_parts(figures: Iterable[Figure]) -> Iterator[Part]:
     """Tab, title, caption, axes, names of curves and marks, heads and cells of every figure."""
-    for figure in figures:
-        for name, words in _of_figure(figure):
-            yield f"figure.{figure.id}.{name}", words
-
-
-def _of_figure(figure: Figure) -> Iterator[Part]:
-    yield from (("tab", figure.tab), ("title", figure.title), ("caption", figure.caption))
-    match figure:
-        case LineFigure():
-            yield from _of_axes(figure)
-            yield from _numbered("curve", (curve.name for curve in figure.curves))
-        case PlaneFigure():
-            yield from _of_axes(figure)
-            yield from _numbered("curve", (curve.name for curve in figure.curves))
-            yield from _numbered("point", (point.name for point in figure.points))
-        case MapFigure():
-            yield from _of_axes(figure)
-            yield from _numbered("category", (name for name, _ in figure.categories))
-        case MatrixFigure():
-            yield from _numbered("column", figure.columns)
-            yield from _numbered("row", figure.rows)
-        case TableFigure():
-            yield from _numbered("column", figure.columns)
-            for number, row in enumerate(figure.rows, 1):
-                yield from _numbered(f"row.{number}", row)
-        case _:
-            assert_never(figure)
-
-
-def _of_axes(figure: LineFigure | PlaneFigure | MapFigure) -> Iterator[Part]:
-    yield from (("x", figure.x_label), ("y", figure.y_label))
-
-
-def _numbered(name: str, all_words: Iterable[Words]) -> Iterator[Part]:
-    return ((f"{name}.{number}", words) for number, words in enumerate(all_words, 1))
+    return ((f"figure.{figure.id}.{name}", words) for figure in figures for name, words in figure.words())
 
 
 def _stage(stage: Stage) -> Iterator[Part]:
     yield "stage", stage.body.caption
-    yield from _numbered("stage.label", (words for words, _ in stage.body.labels))
-    yield from _numbered("stage.note", stage.note)
+    yield from numbered("stage.label", (words for words, _ in stage.body.labels))
+    yield from numbered("stage.note", stage.note)
 
 
 def _knob(knob: Knob) -> Iterator[Part]:

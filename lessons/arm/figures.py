@@ -15,9 +15,10 @@ from observer_lab.plants.arm import ANGLE_INDEX, CURRENT_INDEX, LOAD_INDEX, MODE
 from observer_lab.text import NO_WORDS, Text, format_number, joined, text
 
 from ..toolkit.figures import ERROR_TAB, TIME_TAB, error_figure, input_figure, within
+from ..toolkit.knobs import untouched
 from .knobs import EXACT_ENCODER, JOINT
 from .loop import LOAD_AT
-from .study import RESTED, SOLID, Study, last, sheet_rows
+from .study import NOT_DECAYING, RESTED, SOLID, Study, last, sheet_rows
 
 GEAR_TAB, NUMBERS_TAB = text("Gear"), text("Numbers")
 TRUE, ESTIMATE = text("true"), text("estimate")
@@ -104,8 +105,12 @@ def _error_words(outcome: Outcome[Study]) -> Text:
     leaves = text("The error departs from ė = (A − LC)e by {share:.2g} of its size: counts and play are no part of A − LC.",
                   share=m["separation_meter"])
     grows = text("A pole is not in the left half plane: the error grows.")
-    if m["slowest_observer"] > 1e-6:
+    if m["slowest_observer"] > NOT_DECAYING:
         return grows
+    if m["separation_meter"] < SOLID and not outcome.design["load"]:
+        return text("The error follows ė = (A − LC)e; no load enters it.")
+    if m["separation_meter"] < SOLID and outcome.design["load_state"] and not untouched(outcome.design):
+        return text("The error follows ė = (A − LC)e; the load at {at:g} s and each kick or pull add to it.", at=LOAD_AT)
     said = kept if outcome.design["load_state"] else stays
     return claim(said, m["separation_meter"], below=SOLID, otherwise=leaves)
 

@@ -6,7 +6,7 @@ from observer_lab.course.knobs import Choice, Number, Poles, Switch
 from observer_lab.plants.arm import MODEL, MOTOR_DATA, PARAMETERS
 from observer_lab.text import text
 
-from ..toolkit.knobs import run_knobs
+from ..toolkit.knobs import pull_knobs, run_knobs
 
 EXACT_ENCODER, MOTOR, JOINT = "exact", "motor", "joint"
 LOAD_ESTIMATED, OBSERVER_WINDOW = (True,), MODEL.observer_window
@@ -133,4 +133,5 @@ KNOBS = (
         hint=text("Two poles for angle and speed; the load is no part of this observer."),
     ),
     *run_knobs(MODEL.horizon)[1:],
+    *pull_knobs(MODEL),
 )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import degrees, radians
+from math import degrees, inf, radians
 
 import numpy as np
 
@@ -23,6 +23,7 @@ from .loop import ARM_PLANT, LOAD_AT, Played, gains, played, resting, step_of
 FOUND_SHARE = 0.05  # of the load: an estimate this near has found it
 RESTED = 0.02  # N m and degrees: a run that ends this near to its rest has come there
 SOLID = 1e-9
+NOT_DECAYING = 1e-6  # of a real part: beyond it an error grows
 
 
 @dataclass(frozen=True)
@@ -70,7 +71,7 @@ def compute(design: Design) -> Outcome[Study]:
               metrics["separation_meter"]),
     )
     study = Study(shown, autonomous_error(run), rest, step_of(design))
-    return Outcome(design, {"K": K, "L": L}, poles, metrics, checks, run, _boards(design, error), stage(MODEL, run),
+    return Outcome(design, {"K": K, "L": L}, poles, metrics, checks, run, _boards(design, error), stage(MODEL, run, design),
                    _formulas(design, K, L), _live(design, metrics, run), study)
 
 
@@ -112,7 +113,7 @@ def _metrics(design: Design, shown: Played, poles: Mapping[str, np.ndarray]) -> 
     return {
         "load_error": float(np.max(np.abs(last(e[:, LOAD_INDEX])))), "load_belief": float(np.mean(last(run.xhat[:, LOAD_INDEX]))),
         "holding": MOTOR_DATA.resistance * abs(design["load"]) / PARAMETERS.torque,
-        "found_after": run.scenario.horizon if found is None else found,
+        "found_after": inf if found is None else found,
         "false_load": float(np.max(np.abs(e[early, LOAD_INDEX]))),
         "angle_error": float(np.max(np.abs(last(np.degrees(run.x[:, ANGLE_INDEX])) - design["target"]))),
         "droop": design["target"] - degrees(float(np.mean(last(run.x[:, ANGLE_INDEX])))),
@@ -139,6 +140,10 @@ def _live(design: Design, m: Mapping[str, float], run: Run) -> Text:
     rests = text("In the last tenth of the run the arm is up to {angle:.2g}° from its target.", angle=m["angle_error"])
     hidden = text("The arm stands up to {apart:.2g}° off the motor, and the encoder on the motor does not measure it.", apart=m["apart"])
     seen = design["gap"] > 0 and design["encoder"] in (EXACT_ENCODER, "motor")
+    if m["slowest_controller"] >= 0:
+        return joined(text("A controller pole is not in the left half plane: the loop is unstable."), load, rests)
+    if m["slowest_observer"] > NOT_DECAYING:
+        return joined(text("An observer pole is not in the left half plane: the error does not decay."), load, rests)
     return joined(load, rests, claim(hidden, m["apart"], above=0.0)) if seen else joined(load, rests)
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import isinf
+
 from observer_lab.course.exercises.typed_answers import Typed
 from observer_lab.course.figures.claims import claim
 from observer_lab.course.lesson import Outcome, Task, Verdict, typed_task
@@ -42,6 +44,8 @@ def _counts(outcome: Outcome[Study]) -> Verdict:
         return Verdict(False, text("Take the counting encoder at the joint with its {counts} counts, no play, the load of 1.5 N m.",
                                    counts=ENCODER_COUNTS))
     late, stray = m["found_after"], m["load_error"]
+    if isinf(late):
+        return Verdict(False, text("The load is not found to 5 % within this run."))
     if abs(late - FOUND_AFTER_S) > 0.05 * FOUND_AFTER_S:
         return Verdict(
             False, text("The load is found after {late:.3f} s; asked are {asked:g} s within 5 %.", late=late, asked=FOUND_AFTER_S)
@@ -62,6 +66,8 @@ def _play(outcome: Outcome[Study]) -> Verdict:
     if m["false_load"] > 0.1:
         return Verdict(False, text("Before the load came the estimate was up to {false:.2g} N m; it may be 0.1 at "
                                    "most.", false=m["false_load"]))
+    if isinf(m["found_after"]):
+        return Verdict(False, text("The load is not found to 5 % within this run."))
     if m["found_after"] > 0.45:
         return Verdict(False, text("The load is found after {late:.3f} s; at most 0.45 s.", late=m["found_after"]))
     return Verdict(True, text("{angle:.2g}° from the target, up to {false:.2g} N m estimated without a load, the load found after "

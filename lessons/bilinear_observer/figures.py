@@ -100,7 +100,9 @@ def _error(outcome: Outcome[Study], run: Record) -> LineFigure:
     pole = words(np.array([m["pole"]]), 2)
     follows = text("|ε| follows e^({pole}t) to within {law_gap:.0e} of its peak, whatever u does.",
                    pole=pole, law_gap=m["law_gap"])
-    caption = claim(follows, m["law_gap"], below=1e-6, otherwise=text(
+    kicked = outcome.design["kick"] >= 0 and m["law_gap"] < 1e-6
+    caption = text("The kick moves |ε|; before it and after it |ε| follows e^({pole}t).", pole=pole) if kicked else claim(
+        follows, m["law_gap"], below=1e-6, otherwise=text(
         "|ε| leaves the line e^({pole}t): in the last tenth of the run it is up to {late_error:.2g}.",
         pole=pole, late_error=m["late_error"]))
     return LineFigure("error", text("error ε = ĝ − g"), run.t,

@@ -52,7 +52,7 @@ def _metrics(design: Design, s: Story) -> dict[str, float]:
     found = {"case": float(o.case), "order": float(o.order), "defect": o.defect_size, "slowest": float(np.max(np.real(s.poles))),
              "law_gap": float(min(run.gap, 1e15)), "first_error": float(worst[0]),
              "late_error": float(np.max(worst[-max(count // 10, 1):])), "half_error": float(np.max(worst[count // 2:])),
-             "settled_after": 2 * s.here.horizon if settled is None else settled}
+             "settled_after": float("inf") if settled is None else settled}
     if design["noise"]:
         late = run.heard[count // 2:, index] / size
         found |= {"noise_rms": float(np.max(np.sqrt(np.mean(late ** 2, axis=0)))),

@@ -23,7 +23,7 @@ from .paper_example import base_of
 
 RUN_STEPS = 400  # of a run
 MOST_SINGLE = 8  # states that may be wanted one by one
-RUN_TYPICAL_TIMES, MAX_GROWTH_EXPONENT = 6.0, 8.0  # a run is this many typical times long, or e^GROWTH of what grows fastest
+RUN_TYPICAL_TIMES, MAX_GROWTH_EXPONENT = 6.0, 8.0  # a run is this many typical times long, or e^MAX_GROWTH_EXPONENT of what grows fastest
 START_EAGERNESS = 25.0  # how eager the observer begins
 
 

@@ -26,6 +26,7 @@ from .problems import AS_PRINTED, COMPUTED_GAIN, PAPER_PROBLEM, PROBLEMS, ROUNDE
 from .run_record import Record, Setting, end_to_end, fed_of, kicked_at, whole
 
 DT = 0.005
+LAW_TOLERANCE = 1e-6  # of its own law, over its peak: an error this near follows it
 STATE_JUMP = (0.0, 0.0, 0.0, 0.0, 2.0, 0.0)
 
 
@@ -103,7 +104,7 @@ def _metrics(design: Design, observer: BilinearObserver, run: Record, pole: floa
              "late_error": float(np.max(size[-max(n // 10, 1):])), "half_error": float(np.max(size[n // 2:])),
              "plain_half": float(np.max(np.abs(run.errors[n // 2:, 0]))),
              "late_g": float(np.max(np.abs(run.g[-max(n // 10, 1):]))),
-             "settled_after": 2 * HORIZON if settled is None else settled}
+             "settled_after": float("inf") if settled is None else settled}
     if observer.pi is not None:
         found |= {"A*": observer.A_star.item(), "B*": observer.B_star.item(), "pi": observer.pi.item()}
     return found
@@ -179,11 +180,16 @@ def _live(design: Design, o: BilinearObserver, m: Mapping[str, float]) -> Text:
     if o.case == 1:
         return text("Case 1: no L frees ε from u and x. The nearest one leaves ε at {late} when the run ends.",
                     late=late)
+    if m["pole"] == 0:
+        return text("The observer's pole is at 0: ε does not decay; at the end it is {late}.", late=late)
     if m["pole"] >= 0:
         return text("The observer's pole is {pole}: ε grows and reaches {late}.", pole=pole, late=late)
     if design["noise"]:
         return claim(text("The sensors' noise moves ĝ by {rms:.2g} (rms, second half of the run); at rest and u = 0 its law says "
                           "{promised:.2g}.", rms=m["noise_rms"], promised=m["noise_promised"]), m["noise_rms"], above=0.0)
+    if design["kick"] >= 0 and m["law_gap"] < LAW_TOLERANCE:
+        return text("Case {case}: one state estimates g. The kick moves ε, and before and after it ε follows e^({pole}t).", case=o.case,
+                    pole=pole)
     return claim(text("Case {case}: one state estimates g, and ε decays as e^({pole}t) under this u.", case=o.case, pole=pole),
                  m["law_gap"], below=1e-6, otherwise=text(
                      "The pole is {pole}, but something still drives ε: it ends at {late}.", pole=pole, late=late))

@@ -8,16 +8,8 @@ from types import MappingProxyType
 
 import numpy as np
 
-from observer_lab.course.figures.records import (
-    LOG_AXIS_FLOOR,
-    Curve,
-    LineFigure,
-    MapFigure,
-    PlaneFigure,
-    Point,
-    TableFigure,
-    over_frequency,
-)
+from observer_lab.course.figures.ranges import LOG_AXIS_FLOOR
+from observer_lab.course.figures.records import Curve, LineFigure, MapFigure, PlaneFigure, Point, TableFigure, over_frequency
 from observer_lab.course.lazy import FigureSet, tab_figures
 from observer_lab.course.lesson import Outcome
 from observer_lab.engine import Plant, frequency_response

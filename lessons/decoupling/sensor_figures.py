@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from observer_lab.course.figures.records import LOG_AXIS_FLOOR, Curve, LineFigure, over_frequency
+from observer_lab.course.figures.ranges import LOG_AXIS_FLOOR
+from observer_lab.course.figures.records import Curve, LineFigure, over_frequency
 from observer_lab.course.lesson import Outcome
 from observer_lab.text import NO_WORDS, Text, joined, text, text_in
 

@@ -14,7 +14,7 @@ from observer_lab.course.lesson import Board, Check, Design, Formula, Outcome, S
 from observer_lab.engine.design import polynomial_roots
 from observer_lab.engine.feedback import NoisyLoop
 from observer_lab.engine.structure import mixing_matrix
-from observer_lab.plants.bodies.body import with_longer_arrows
+from observer_lab.plants.bodies.body import UNCONTROLLED, called, with_longer_arrows
 from observer_lab.plants.platform import model
 from observer_lab.plants.platform import siso_loops as siso
 from observer_lab.plants.platform.channels import HORIZONTAL, T_y
@@ -45,12 +45,9 @@ OBSERVER_LOW, OBSERVER_HIGH, OBSERVER_IM = -80.0, 5.0, 60.0
 BESIDE = ("mix", "a", "b", "f_low", "f_high", "ground", "knee", "seed", "kick")
 AMPLIFICATIONS = ("amplification_vertical", "amplification_horizontal")  # largest transmissibility; none for an unstable loop
 FORCE_ARROWS = 100.0  # times that coil forces are drawn larger: millinewtons here
-BODY = replace(with_longer_arrows(MODEL.body, FORCE_ARROWS, 3), gain=4000.0, caption=text("Solid: with control. "
-                                                                                          "Ghost: the same "
-                                                                                          "platform without "
-                                                                                          "control. Green: coil "
-                                                                                          "forces. Orange: the "
-                                                                                          "ground's motion"))
+BODY = replace(with_longer_arrows(MODEL.body, FORCE_ARROWS, 3), gain=4000.0, names=called(MODEL.body, UNCONTROLLED),
+               caption=text("Solid: with control. Ghost: the same platform without control. Green: coil forces. "
+                              "Orange: the ground's motion"))
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,7 +129,7 @@ def _metrics(known: Mapping[str, float], design: Design, study: Study) -> dict[s
 
 def _checks(m: Mapping[str, float], drift: float, closed: bool) -> tuple[Check, ...]:
     worst = max(m["rightmost"], drift)
-    return (Check("stable", text("every pole of the loop lies on the left"), worst < 0, worst),
+    return (Check("stable", text("every pole of the loop lies on the left"), worst < 0, worst, informative=True),
             Check("claim", text("closing pitch leaves the loop stable") if closed else text("pitch is open, so closing it is not tried"),
                   m["rightmost"] < 0 or m["rightmost_pitch_open"] >= 0,
                   m["rightmost"]))

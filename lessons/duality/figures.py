@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from observer_lab.course.figures.records import Curve, LineFigure, PlaneFigure, TableFigure, round_up_nicely
+from observer_lab.course.figures.diagram import DIAGRAM
+from observer_lab.course.figures.ranges import round_up_nicely
+from observer_lab.course.figures.records import Curve, LineFigure, PlaneFigure, TableFigure
 from observer_lab.course.lazy import FigureSet, tab_figures
 from observer_lab.course.lesson import Design, Outcome
 from observer_lab.text import NO_WORDS, Text, format_number, joined, same, symbol, text
 
+from ..toolkit.diagram import loop
 from ..toolkit.figures import ERROR_TAB, TIME_TAB, error_figure, input_figure, state_figures
 from ..toolkit.latex import pole_words
 from .dual_quantities import Setting, Twins, weights_of
@@ -20,7 +23,7 @@ MOST_ROWS = 12  # of a table
 CIRCLE_ANGLES_RAD = np.linspace(0.0, 2 * np.pi, 121)
 
 
-def all_figures(here: Setting, outcome: Outcome[Twins]) -> FigureSet:
+def figures(here: Setting, outcome: Outcome[Twins]) -> FigureSet:
     """The run; gains, Riccati solutions and the pairing beside their twins; both ellipses."""
     run, twins, design = outcome.run, outcome.study, outcome.design
     assert run is not None
@@ -31,7 +34,8 @@ def all_figures(here: Setting, outcome: Outcome[Twins]) -> FigureSet:
                                  _pairing(twins, twins.pairing_gap))),
         tab_figures(LOCUS_TAB, lambda: locus_figures(here, design)),
         tab_figures(HORIZON_TAB, lambda: (_horizon(here, design, twins),)),
-        tab_figures(ELLIPSES_TAB, lambda: _ellipses(here, design["window"], twins, twins.mirror_gap)))
+        tab_figures(ELLIPSES_TAB, lambda: _ellipses(here, design["window"], twins, twins.mirror_gap)),
+        tab_figures(DIAGRAM, lambda: (loop(here.model.plant, run, outcome.gains["L"], outcome.gains["K"]),)))
 
 
 def _entry(value: float) -> str:

@@ -18,7 +18,7 @@ from ..toolkit.gains import sizes
 from ..toolkit.knobs import BY_POLES, BY_WEIGHTS, run_knobs
 from .derive import derived
 from .dual_quantities import Setting
-from .figures import all_figures
+from .figures import figures
 from .knobs import KNOBS
 from .study import compute
 
@@ -35,7 +35,7 @@ def adapted(lesson: Lesson, model: Model) -> Lesson:
     here = setting_of(model)
     hand = plant.p == 1 and plant.n <= BY_HAND and len(model.controller_poles) == plant.n
     return replace(lesson, knobs=own_knobs(model, here.window, hand), compute=partial(compute, here),
-                   figures=partial(all_figures, here), derived=partial(derived, here), tasks=())
+                   figures=partial(figures, here), derived=partial(derived, here), tasks=())
 
 
 def setting_of(model: Model) -> Setting:

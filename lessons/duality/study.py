@@ -45,7 +45,7 @@ def compute(here: Setting, design: Design) -> Outcome[Twins]:
     metrics = LazyMap(lambda: _metrics(twins, left, right))
     gains = {"K": K, "L": L}
     return Outcome(design, LazyMap(lambda: {**gains, "K_dual": twins.K_dual}, gains), {"controller": left, "observer": right}, metrics,
-                   LazySequence(lambda: _checks(metrics)), run, _boards(here, design, left, right, error_matrix), stage(model, run),
+                   LazySequence(lambda: _checks(metrics)), run, _boards(here, design, left, right, error_matrix), stage(model, run, design),
                    LazySequence(lambda: _formulas(K, own, twins.K_dual)), LazyValue(lambda: _live(own, metrics)), twins)
 
 

@@ -11,7 +11,8 @@ from observer_lab.course.lesson import Outcome
 from observer_lab.engine.simulation import Run
 from observer_lab.text import format_number, same, text
 
-from ..toolkit.figures import TIME_TAB, no_error, rate_of_error, settled_words, state_figures
+from ..toolkit.diagram import loop
+from ..toolkit.figures import TIME_TAB, error_words, state_figures
 from .notes_page import notes_figures
 from .study import Setting, Study, left_alone
 
@@ -24,7 +25,8 @@ def figures(here: Setting, outcome: Outcome[Study]) -> tuple[Figure, ...]:
     assert run is not None
     page = notes_figures(outcome.design["line"], outcome.gains["L"]) if here.notes else ()
     return (*state_figures(here.model, run, 2), _force(here, run), _size(outcome, run, twin.quiet),
-            _components(here, outcome, run, twin.quiet), _proof(here, outcome, run, twin.quiet), *page)
+            _components(here, outcome, run, twin.quiet), _proof(here, outcome, run, twin.quiet), *page,
+            loop(here.model.plant, run, outcome.gains["L"]))
 
 
 def _force(here: Setting, run: Run) -> LineFigure:
@@ -44,7 +46,7 @@ def _beside(quiet: np.ndarray, count: int) -> np.ndarray:
 
 def _size(outcome: Outcome[Study], run: Run, quiet: Run) -> LineFigure:
     after = outcome.metrics["settled_after"]
-    said = no_error(run) or settled_words(after if after <= run.scenario.horizon else None, rate_of_error(run))
+    said = error_words(run, after if np.isfinite(after) else None)
     return LineFigure("error", text("size of the error"), run.t, (
         Curve(text("with this input"), np.linalg.norm(run.e, axis=1), "error"),
         Curve(text("without input"), _beside(np.linalg.norm(quiet.e, axis=1), len(run.t)), "reference", "dash", 1.6)),

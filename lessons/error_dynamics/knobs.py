@@ -6,7 +6,7 @@ from observer_lab.course.knobs import Choice, Number, Poles, Track
 from observer_lab.plants import MODELS
 from observer_lab.text import same, text
 
-from ..toolkit.knobs import run_knobs
+from ..toolkit.knobs import pull_knobs, run_knobs
 from .notes_page import NONE, REPORT_LINES
 
 MODEL = MODELS["spring-damper"]
@@ -48,4 +48,5 @@ KNOBS = (
     Choice("line", "", text("line of the notes in doubt"), default=NONE, options=REPORT_LINES,
            hint=text("The tab Notes shows where this line leads.")),
     run_knobs(HORIZON)[1],
+    *pull_knobs(MODEL),
 )

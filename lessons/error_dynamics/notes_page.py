@@ -91,9 +91,9 @@ def _poles(line: str, L: np.ndarray) -> PlaneFigure:
     met = bool(np.all(np.abs(poles - np.array(TARGET)) < 1e-6))
     name = dict(REPORT_LINES)[line]
     found = (text("With your L the poles are {words}", words=words) if line in (NONE, POLYNOMIAL_LINE) else
-             text("Taken at its word, {name} leads to poles {words}", name=name, words=words))
+             text("Used as printed, {name} gives the poles {words}", name=name, words=words))
     said = text("{found}, as asked.", found=found) if met else text("{found}; asked were −1 and −1.", found=found)
-    return PlaneFigure("word", text("poles if the line is taken at its word"), (), points, "Re s",
+    return PlaneFigure("word", text("poles if the line is used as printed"), (), points, "Re s",
                        "Im s", (-4.0, 1.0), (-2.0, 2.0), unstable=True, tab=NOTES_TAB,
                        caption=said)
 

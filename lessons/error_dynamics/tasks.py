@@ -8,6 +8,7 @@ from observer_lab.course.exercises.typed_answers import Typed
 from observer_lab.course.lesson import Outcome, Task, Verdict, typed_task
 from observer_lab.text import format_number, text
 
+from ..toolkit.knobs import untouched
 from .knobs import AS_PRINTED, BY_NUMBERS, BY_POLES, NO_FORCE
 from .notes_page import FIRST_LINE, GAIN_LINE, MATRIX_LINE, NONE, RIGHT_GAIN, signed
 from .study import Study
@@ -67,9 +68,11 @@ def mixed_matrix(outcome: Outcome[Study]) -> Verdict:
 def calm_speed(outcome: Outcome[Study]) -> Verdict:
     """Settled within a band of time, the velocity's error kept small; the force does not matter."""
     d, after = outcome.design, outcome.metrics["settled_after"]
-    if d["method"] == AS_PRINTED or d["guess_q"] or d["guess_v"] or d["kick"] >= 0:
-        return Verdict(False, text("Choose poles or gain yourself, with both guesses at 0 and no kick."))
+    if d["method"] == AS_PRINTED or d["guess_q"] or d["guess_v"] or not untouched(d):
+        return Verdict(False, text("Choose poles or gain yourself, with both guesses at 0 and no kick or pull."))
     peak = float(np.max(np.abs(outcome.run.e[:, 1]))) if outcome.run is not None else np.inf
+    if np.isinf(after):
+        return Verdict(False, text("The error does not stay below 2 % of its peak in this run."))
     if not SETTLING_BAND_S[0] <= after <= SETTLING_BAND_S[1]:
         return Verdict(False, text("Below 2 % of its peak after {after:.2f} s; it should be after {low:g} to {high:g} s.", after=after,
                                    low=SETTLING_BAND_S[0], high=SETTLING_BAND_S[1]))

@@ -10,10 +10,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from observer_lab.colours import COLOURS, rgb
-from observer_lab.plants.bodies.body import METAL, Ball, Body, Box, Part, Pose, Rod, Vector, pose_between
+from observer_lab.plants.bodies.body import METAL, Ball, Body, Box, Part, PartName, Pose, Rod, Vector, pose_between
 from observer_lab.plants.bodies.deck_body import deck_body
 from observer_lab.plants.platform.model import Parameters
-from observer_lab.text import text
+from observer_lab.text import same, text
 
 DECK_PARAMETERS = Parameters()
 FAILING, HONEST, COIL, STEEL_GREY = (rgb(COLOURS[role]) for role in ("error", "second", "copper", "steel"))
@@ -68,4 +68,6 @@ def _flag(poses: Mapping[str, Pose], accused: Sequence[bool]) -> dict[str, Pose]
 
 BODY = Body(
     _parts(), _pose, lambda x, u, gain: BASE.arrows(x[:6], u, gain), lambda x, gain: BASE.anchors(x[:6], gain), BASE.gain,
-    text("Blue: sensors VL, VR (near the middle) and HL, HR (with needles). Pink: what really fails; the flag: the diagnosed part"))
+    text("Blue: sensors VL, VR (near the middle) and HL, HR (with needles). Pink: what really fails; the flag: the diagnosed part"),
+    names=(PartName(same("VL"), "test mass left", (0.0, -0.2, 0.5)), PartName(same("VR"), "test mass right", (0.0, -0.2, 0.5)),
+           PartName(same("HL"), "gauge left", (-0.4, -0.3, 0.5)), PartName(same("HR"), "gauge right", (0.4, -0.3, 0.5))))

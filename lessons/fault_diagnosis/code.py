@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from observer_lab.course.lesson import Outcome
@@ -76,7 +78,7 @@ def code(outcome: Outcome[Study]) -> Code:
             ShownValue("named_alone", _named(said.alone, 1)),
             ShownValue("named_pair", _named(said.both, 2)),
             *(
-                ShownValue(name, m[name])
+                ShownValue(name, m[name] if math.isfinite(m[name]) else -1.0)
                 for name in ("threshold", "dof", "needed", "accused", "right_verdict", "delay", "expected_delay", "pitch")
             ),
         ),

@@ -14,13 +14,13 @@ from .run_length import member_run
 from .runs import Record
 
 CELLS = 160  # of the Markov chain
-LOG_ARL_TOLERANCE = 1e-9  # of log ARL, when the threshold is found
+LOG_ARL_TOLERANCE = 1e-9  # of the log of the mean run length, when the threshold is found
 MAX_ITERATIONS = 60
 
 
 @dataclass(frozen=True, eq=False)
 class Cusum:
-    """values (COUNT, 7): the sum over its threshold; slack κ; threshold h; mean: samples between two false alarms of one member."""
+    """values (SAMPLE_COUNT, 7): the sum over its threshold; slack κ; threshold h; mean: samples between two false alarms of one member."""
 
     values: np.ndarray
     slack: float
@@ -31,7 +31,7 @@ class Cusum:
 def cusum(test: Rule, record: Record) -> Cusum:
     """g_k = max(0, g_{k−1} + q_k − d − κ) of each member, q_k = ‖r_k‖² its whitened innovation's square, χ² with d degrees of freedom.
 
-    κ is half of what the least fault that the window sees with POWER adds to a sample; h gives the mean time between
+    κ is half of what the least fault that the window sees with DETECTION_POWER adds to a sample; h gives the mean time between
     false alarms of the window that is tested at every sample. Source: Page, Continuous inspection schemes (1954).
     """
     d, mean = guard().bank.dof, member_run(test)

@@ -39,11 +39,11 @@ class Rule:
 
     @property
     def needed(self) -> float:
-        """The noncentrality that gives an alarm with probability POWER."""
+        """The noncentrality that gives an alarm with probability DETECTION_POWER."""
         return _needed(self.dof, self.rate)
 
     def values(self, residuals: np.ndarray) -> np.ndarray:
-        """The statistic of the windows that end at each sample, (COUNT, …, 7); zero before the first is full."""
+        """The statistic of the windows that end at each sample, (SAMPLE_COUNT, …, 7); zero before the first is full."""
         out = np.zeros(residuals.shape[:-1])
         out[self.window - 1:] = (window_energy if self.statistic == ENERGY else window_mean)(residuals, self.window)
         return out
@@ -59,7 +59,7 @@ def _needed(dof: int, rate: float) -> float:
 
 @dataclass(frozen=True, eq=False)
 class Verdict:
-    """values: statistic over threshold (COUNT, 7). named (COUNT,): column of the fault, −1 none, −2 unclear.
+    """values: statistic over threshold (SAMPLE_COUNT, 7). named (SAMPLE_COUNT,): column of the fault, −1 none, −2 unclear.
 
     first: sample of the first alarm; decided: sample of the accusation, and who; None if there is none.
     """
@@ -72,7 +72,7 @@ class Verdict:
 
 
 def judge(test: Rule, record: Record) -> Verdict:
-    """Accuses the fault whose row the alarms fit for HOLD samples on end, the member that ignores it having been quiet before.
+    """Name the fault whose row the alarms fit for ALARM_HOLD_SAMPLES samples on end, the member that ignores it quiet before.
 
     "Before" goes back to the last sample without any alarm, or by a window and FADE samples: what upsets every member is none
     of these faults, also while it fades and some have forgotten it already.
@@ -81,7 +81,7 @@ def judge(test: Rule, record: Record) -> Verdict:
 
 
 def judged(test: Rule, ratio: np.ndarray) -> Verdict:
-    """`judge` by the statistic over its threshold, (COUNT, 7)."""
+    """`judge` by the statistic over its threshold, (SAMPLE_COUNT, 7)."""
     alarms, signature = ratio > 1, guard().bank.signature
     at, first = lasting_fit(alarms, signature, test.window), np.flatnonzero(alarms.any(axis=1))
     column = int(at.argmin())
@@ -90,7 +90,9 @@ def judged(test: Rule, ratio: np.ndarray) -> Verdict:
 
 
 def lasting_fit(alarms: np.ndarray, signature: np.ndarray, window: int) -> np.ndarray:
-    """The sample at which each column of a signature (members, faults) is accused by alarms (COUNT, members), COUNT for never."""
+    """The sample at which alarms name each column of a signature (members, faults): alarms (SAMPLE_COUNT, members).
+
+    SAMPLE_COUNT stands for never."""
     fits = (alarms[:, :, None] == signature).all(axis=1)
     calm = np.maximum.accumulate(np.where(alarms.any(axis=1), -1, np.arange(SAMPLE_COUNT)))  # the last sample without an alarm
     heard = np.vstack([np.zeros(alarms.shape[1], dtype=int), np.cumsum(alarms, axis=0)])
@@ -100,7 +102,7 @@ def lasting_fit(alarms: np.ndarray, signature: np.ndarray, window: int) -> np.nd
 
 
 def lasting(holds: np.ndarray) -> np.ndarray:
-    """The sample at which each column's condition has held for HOLD samples for the first time, COUNT where it never does."""
+    """The sample at which each column's condition has first held for ALARM_HOLD_SAMPLES samples, SAMPLE_COUNT for never."""
     total = np.zeros((len(holds) + 1, holds.shape[1]), dtype=int)
     np.cumsum(holds, axis=0, out=total[1:])
     full = total[ALARM_HOLD_SAMPLES:] - total[:-ALARM_HOLD_SAMPLES] == ALARM_HOLD_SAMPLES
@@ -109,9 +111,9 @@ def lasting(holds: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True, eq=False)
 class Forecast:
-    """strength (COUNT, 7): noncentrality of each window over what POWER asks for; delay: when all that should see it do.
+    """strength (SAMPLE_COUNT, 7): noncentrality of each window over what DETECTION_POWER asks for; delay: when all that should see it do.
 
-    `delay` counts samples from the fault on, HOLD included; None if that never comes.
+    `delay` counts samples from the fault on, ALARM_HOLD_SAMPLES included; None if that never comes.
     """
 
     strength: np.ndarray
@@ -119,7 +121,7 @@ class Forecast:
 
 
 def forecast(test: Rule, silent: Record, column: int | None, start: int, until: int = SAMPLE_COUNT) -> Forecast:
-    """What the fault does without noise: from when on every member that sees it gives an alarm with probability POWER.
+    """What the fault does without noise: from when on every member that sees it gives an alarm with probability DETECTION_POWER.
 
     `until`: where another fault begins, after which alarms are no longer those of this one.
     """

@@ -48,13 +48,16 @@ def _even(M: np.ndarray) -> np.ndarray:
 
 @lru_cache(maxsize=1)
 def rivals() -> dict[Pair, tuple[Pair, ...]]:
-    """The pairs that can make the same readings as each pair, for special courses at least: rank [H_P H_Q] below |P ∪ Q|."""
+    """The pairs that can make the same readings as each pair, for special courses at least: rank [Hₚ H_q] below |P ∪ Q|."""
     return {p: tuple(q for q in PAIRS if q != p and rank_of(frozenset(p + q)) < len({*p, *q})) for p in PAIRS}
 
 
 @lru_cache(maxsize=32)
 def isolable(pair: Pair) -> str:
-    """SURE: told from any other pair whatever both faults do; SPECIAL: but for special courses; NEVER: another pair does all it does."""
+    """ALWAYS_ISOLABLE: told from any other pair whatever both faults do; MOSTLY_ISOLABLE: but for special courses.
+
+    NEVER_ISOLABLE: another pair does all that this one does.
+    """
     others = rivals()[pair]
     if not others:
         return ALWAYS_ISOLABLE
@@ -88,7 +91,7 @@ def pair_start(seed: int) -> np.ndarray:
 
 @dataclass(frozen=True, eq=False)
 class PairVerdict:
-    """values (COUNT, 21): statistic over threshold of each member. named (COUNT,): number in SETS, −1 none, −2 unclear.
+    """values (SAMPLE_COUNT, 21): statistic over threshold of each member. named (SAMPLE_COUNT,): number in SETS, −1 none, −2 unclear.
 
     alone, both: sample and parts of the first accusation of one part and of two; None where there is none.
     """
@@ -104,12 +107,12 @@ def _dof(test: Rule) -> int:
 
 
 def values_of(test: Rule, record: Record, seed: int) -> np.ndarray:
-    """The statistic of the windows that end at each sample, (COUNT, 21), of the bank of pairs on a record."""
+    """The statistic of the windows that end at each sample, (SAMPLE_COUNT, 21), of the bank of pairs on a record."""
     return test.values(pair_bank().run(record.y, record.asked, pair_start(seed))[0])
 
 
 def judge_pairs(test: Rule, record: Record, seed: int) -> PairVerdict:
-    """The same rule as with seven members: alarms that fit one column for HOLD samples, the members that ignore it quiet before."""
+    """The rule of seven members: alarms that fit one column for ALARM_HOLD_SAMPLES samples, the members that ignore it quiet before."""
     ratio = values_of(test, record, seed) / _threshold(_dof(test), test.rate)
     at = lasting_fit(ratio > 1, pattern(), test.window)
 
@@ -121,7 +124,7 @@ def judge_pairs(test: Rule, record: Record, seed: int) -> PairVerdict:
 
 
 def strength_of(test: Rule, silent: Record) -> np.ndarray:
-    """Noncentrality of each window over what POWER asks for, (COUNT, 21), in the run without noise."""
+    """Noncentrality of each window over what DETECTION_POWER asks for, (SAMPLE_COUNT, 21), in the run without noise."""
     return values_of(test, silent, -1) / _needed(_dof(test), test.rate, DETECTION_POWER)
 
 
@@ -130,7 +133,7 @@ _needed = lru_cache(maxsize=64)(needed_noncentrality)
 
 
 def due(test: Rule, silent: Record, pair: Pair, start: int) -> int | None:
-    """Samples from `start` until, without noise, every member that sees one of the two gives an alarm with probability POWER."""
+    """Samples from `start` until, without noise, every member that sees one of the two gives an alarm with probability DETECTION_POWER."""
     seen = pattern()[:, SETS.index(pair)]
     at = int(lasting(np.all(strength_of(test, silent)[start:, seen] >= 1, axis=1, keepdims=True))[0])
     return at if at < SAMPLE_COUNT else None

@@ -79,7 +79,7 @@ def _reading(s: Study) -> LineFigure:
                                                          coils=COIL_IDS[coil], case_size=100 * (1 - s.case.size),
                                                          dt=DT * s.case.start))
     i = 1 if s.case.sensor is None else s.case.sensor
-    said = (text("{places} lies from {dt:.1f} s on.", places=FAULT_PLACES[i], dt=DT * s.case.start)
+    said = (text("{places} is faulty from {dt:.1f} s on.", places=FAULT_PLACES[i], dt=DT * s.case.start)
             if s.case.sensor is not None else text("All four sensors are fault-free."))
     return LineFigure("reading", text("reading of {places}", places=FAULT_PLACES[i]), TIMES_S,
                       (Curve(text("reading"), 1e3 * s.record.y[:, i], "error", width=1.4),
@@ -254,7 +254,7 @@ def _wrong_model(s: Study) -> Text:
 
 
 def judged(s: Study) -> np.ndarray:
-    """The window's statistic over its threshold in the run in which nobody acts (COUNT, 7)."""
+    """The window's statistic over its threshold in the run in which nobody acts (SAMPLE_COUNT, 7)."""
     return s.test.values(s.blind.residuals) / s.test.threshold
 
 

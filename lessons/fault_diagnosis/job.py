@@ -49,7 +49,7 @@ def try_often(outcome: Outcome[Study]) -> Iterator[tuple[float, Trials | None]]:
 
 
 def false_alarms(over: np.ndarray, window: int) -> tuple[int, int]:
-    """Alarms of over (COUNT, runs), and samples with a full window; after each alarm the window is emptied and fills anew."""
+    """Alarms of over (SAMPLE_COUNT, runs), and samples with a full window; after each alarm the window is emptied and fills anew."""
     count, full = 0, 0
     last = np.full(over.shape[1], -1)
     for k, now in enumerate(over):

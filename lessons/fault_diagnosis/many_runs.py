@@ -11,7 +11,7 @@ from .runs import KEEP_LOOP_OPEN, Case, Noise, failed, known_force, stretches
 
 
 def residuals_of(case: Case, noises: Sequence[Noise]) -> np.ndarray:
-    """Residuals of the bank (COUNT, runs, 7, 3) in the runs of a case without a kick in which nobody notices, one for each noise."""
+    """Residuals of the bank (SAMPLE_COUNT, runs, 7, 3) in the runs of a case without a kick in which nobody notices, one for each noise."""
     w, v = (np.stack([getattr(noise, name) for noise in noises], axis=1) for name in "wv")
     y, asked = _loop(case, w, v, np.stack([noise.whole for noise in noises]))
     s = guard().bank.system
@@ -21,7 +21,7 @@ def residuals_of(case: Case, noises: Sequence[Noise]) -> np.ndarray:
 
 
 def _loop(case: Case, w: np.ndarray, v: np.ndarray, whole: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """What the sensors say, (COUNT, runs, 4), and what is asked of the coils, (COUNT, runs, 3)."""
+    """What the sensors say, (SAMPLE_COUNT, runs, 4), and what is asked of the coils, (SAMPLE_COUNT, runs, 3)."""
     o, (A, _) = guard().whole, truth(case.stiffer)
     K = gain() if case.loop != KEEP_LOOP_OPEN else np.zeros((3, 6))
     shape = known_force(case)[:, None]

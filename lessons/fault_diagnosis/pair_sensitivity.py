@@ -39,7 +39,7 @@ def weakest(tone: float) -> np.ndarray:
 
 
 def least_beside(test: Rule, tone: float) -> np.ndarray:
-    """The least bias (m/s) or missing amplitude (N) of the row's fault that is seen with probability POWER, laid out as `weakest`."""
+    """The least bias (m/s) or missing amplitude (N) of the row's fault seen with probability DETECTION_POWER, laid out as `weakest`."""
     samples = np.array([float(test.window)] * 4 + [float(gathered(test, tone))] * 3)[:, None]
     needed = np.where(
         np.eye(PLACE_COUNT, dtype=bool), test.needed, _needed(pair_bank().dof * (test.window if test.statistic == ENERGY else 1), test.rate)

@@ -69,7 +69,7 @@ class Case(Fault):
 
 @dataclass(frozen=True, eq=False)
 class Noise:
-    """What is drawn: jumps of the state w (COUNT, 6), noise of the readings v (COUNT, 4), errors of all filters at the start."""
+    """What is drawn: jumps of the state w (SAMPLE_COUNT, 6), noise of the readings v (SAMPLE_COUNT, 4), filters' errors at the start."""
 
     w: np.ndarray
     v: np.ndarray
@@ -99,7 +99,7 @@ drawn = lru_cache(maxsize=8)(draw)
 
 
 def known_force(case: Case) -> np.ndarray:
-    """The known force, (COUNT, 3): both vertical coils in step, the third a quarter period ahead; it sets in softly."""
+    """The known force, (SAMPLE_COUNT, 3): both vertical coils in step, the third a quarter period ahead; it sets in softly."""
     t = DT * np.arange(SAMPLE_COUNT)
     angle, rise = 2 * np.pi * case.tone * t, case.force * (1 - np.exp(-2 * t))
     return np.column_stack([rise * np.sin(angle), rise * np.sin(angle), rise * np.cos(angle)])
@@ -107,7 +107,7 @@ def known_force(case: Case) -> np.ndarray:
 
 @dataclass(frozen=True, eq=False)
 class Deck:
-    """The deck with what has failed so far: B and C as they are, and what is added to C x (COUNT, …, 4): noise, bias, what is stuck."""
+    """The deck with what has failed so far: B and C as they are; added to C x (SAMPLE_COUNT, …, 4): noise, bias, what is stuck."""
 
     B: np.ndarray
     C: np.ndarray
@@ -120,7 +120,7 @@ def stretches(case: Case, begin: int) -> Iterator[tuple[int, int]]:
 
 
 def failed(case: Case, v: np.ndarray, x: np.ndarray, now: int) -> Deck:
-    """The deck from sample `now` until the next fault, for noise v (COUNT, …, 4) and states x (COUNT, …, 6) known up to `now`."""
+    """The deck from sample `now` until the next fault, for noise v (SAMPLE_COUNT, …, 4), x (SAMPLE_COUNT, …, 6) known up to `now`."""
     honest, (_, B), C, extra = model().C, truth(case.stiffer), model().C, v
     for fault in case.faults:
         if fault.start > now or fault.start >= SAMPLE_COUNT:
@@ -143,7 +143,7 @@ def failed(case: Case, v: np.ndarray, x: np.ndarray, now: int) -> Deck:
 class Record:
     """States x, estimates that the loop uses, readings y, what honest sensors would read, forces asked and delivered.
 
-    residuals (COUNT, 7, 3) of the bank, states of its members (COUNT, N). All time-first.
+    residuals (SAMPLE_COUNT, 7, 3) of the bank, states of its members (SAMPLE_COUNT, N). All time-first.
     """
 
     x: np.ndarray

@@ -43,7 +43,7 @@ def gathered(test: Rule, tone: np.ndarray | float) -> np.ndarray:
 
 
 def least(test: Rule, tone: float) -> np.ndarray:
-    """The least bias (m/s) or missing amplitude (N) that each member sees with probability POWER, (7 members, 7 faults).
+    """The least bias (m/s) or missing amplitude (N) that each member sees with probability DETECTION_POWER, (7 members, 7 faults).
 
     inf where a member does not see a fault.
     """

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from functools import lru_cache
 
@@ -112,8 +113,8 @@ def metrics_of(s: Study) -> dict[str, float]:
         "threshold": s.test.threshold, "dof": float(s.test.dof), "needed": s.test.needed, "between": between(s),
         "member_between": DT * member_run(s.test),
         "accused": -1.0 if v.who is None else float(FAULT_PLACES.index(v.who)), "right_verdict": float(s.right),
-        "delay": -1.0 if s.delay is None else s.delay,
-        "expected_delay": -1.0 if s.forecast.delay is None else DT * s.forecast.delay,
+        "delay": math.inf if s.delay is None or not s.right else s.delay,
+        "expected_delay": math.inf if s.forecast.delay is None else DT * s.forecast.delay,
         "pitch": s.calm, **found,
     }
 
@@ -135,14 +136,14 @@ def _checks(s: Study) -> tuple[Check, ...]:
             "right",
             text("the right part is diagnosed") if s.case.place != NONE else text("no fault is diagnosed"),
             s.right if s.case.place != NONE else s.verdict.who is None,
-            -1.0 if s.delay is None else s.delay,
+            math.inf if s.delay is None or not s.right else s.delay,
         ),
         Check("patient", text("no diagnosis before the fault"), not early, float(early)),
         Check(
             "expected",
             text("the fault is large enough to count on that"),
             s.forecast.delay is not None,
-            -1.0 if s.forecast.delay is None else DT * s.forecast.delay,
+            math.inf if s.forecast.delay is None else DT * s.forecast.delay,
         ),
         *(
             ()

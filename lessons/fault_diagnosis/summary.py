@@ -91,7 +91,7 @@ def _alone(v: PairVerdict) -> Text:
             at=DT * at,
         )
     if v.alone is None:
-        return text("The bank of pairs names nobody.")
+        return text("The bank of pairs diagnoses no part.")
     at, (i,) = v.alone
     return text("The bank of pairs names {who} at {at:.2f} s: all six members that ignore it are below their "
                 "threshold.", who=FAULT_PLACES[i], at=DT * at)

@@ -20,8 +20,8 @@ from .study import between
 HOUR, SOONEST, MAX_PITCH_MRAD = 3600.0, 3.0, 1.5  # s between two false alarms, s, mrad
 MAX_LOST_SHARE, MAX_FORCE_N = 0.5, 1.0  # share lost, N
 MAX_DRIFT, NEAR, DUE = 1.0, 1.1, 2.12  # mm/s², times an hour between two false alarms, s
-LIAR, MAX_DELAY_SAMPLES = "VL", 90  # who lies besides, samples
-LIE, FRAMED, HUSHED = 3.0, "u3", 1.0  # mm/s, who is to be accused, per cent
+SECOND_FAULT, MAX_DELAY_SAMPLES = "VL", 90  # the sensor that fails besides, samples
+MIN_BIAS_MM_S, WRONG_DIAGNOSIS, MAX_ALARM_PERCENT = 3.0, "u3", 1.0  # mm/s, a coil that has not failed, per cent
 
 
 def _rare(o: Outcome[Study]) -> Verdict:
@@ -97,41 +97,42 @@ def _beside(o: Outcome[Study]) -> Verdict:
     if (
         d["place"] != "u1"
         or d["loss"] > 100 * MAX_LOST_SHARE
-        or d["place2"] != LIAR
+        or d["place2"] != SECOND_FAULT
         or s.case.force > MAX_FORCE_N
         or s.case.loop != KEEP_LOOP_OPEN
     ):
         return Verdict(False, text("Let u1 lose at most {half:.0f} % and {liar} fail as well, with the loop open and a known force of at "
-                                   "most {most:.0f} N.", half=100 * MAX_LOST_SHARE, liar=LIAR, most=MAX_FORCE_N))
+                                   "most {most:.0f} N.", half=100 * MAX_LOST_SHARE, liar=SECOND_FAULT, most=MAX_FORCE_N))
     time, missing = between(s), s.case.force * d["loss"] / 100
-    least = float(least_beside(s.test, s.case.tone)[FAULT_PLACES.index("u1"), FAULT_PLACES.index(LIAR)])
-    said = text("{missing:.2f} N are missing, and beside {liar} u1 is seen from {least:.2f} N on", missing=missing, liar=LIAR, least=least)
+    least = float(least_beside(s.test, s.case.tone)[FAULT_PLACES.index("u1"), FAULT_PLACES.index(SECOND_FAULT)])
+    said = text("{missing:.2f} N are missing, and beside {liar} u1 is seen from {least:.2f} N on", missing=missing,
+                liar=SECOND_FAULT, least=least)
     if least > missing:
         return Verdict(False, text("{said}: that is more.", said=said))
     if time < HOUR or s.test.window > MAX_DELAY_SAMPLES:
         return Verdict(False, text("{said}, with one false alarm every {time} on average and a window of {window} samples. Wanted: at "
                                    "least one hour, and at most {longest} samples.", said=said, time=duration(time), window=s.test.window,
                                    longest=MAX_DELAY_SAMPLES))
-    return Verdict(True, text("{said}, whatever {liar} does.", said=said, liar=LIAR))
+    return Verdict(True, text("{said}, whatever {liar} does.", said=said, liar=SECOND_FAULT))
 
 
-def _framed(o: Outcome[Study]) -> Verdict:
+def _wrong_diagnosis(o: Outcome[Study]) -> Verdict:
     s: Study = o.study
-    lies = o.design["place"] == "HL" and o.design["kind"] == "bias" and o.design["bias"] >= LIE
-    if not lies or any(f.coil is not None for f in s.case.faults):
-        return Verdict(False, text("Let HL have a bias of at least {lie:.0f} mm/s, and no coil fail.", lie=LIE))
-    column = FAULT_PLACES.index(FRAMED)
+    biased = o.design["place"] == "HL" and o.design["kind"] == "bias" and o.design["bias"] >= MIN_BIAS_MM_S
+    if not biased or any(f.coil is not None for f in s.case.faults):
+        return Verdict(False, text("Let HL have a bias of at least {lie:.0f} mm/s, and no coil fail.", lie=MIN_BIAS_MM_S))
+    column = FAULT_PLACES.index(WRONG_DIAGNOSIS)
     due = forecast(s.test, s.silent, column, s.case.start).delay
     heard = float(s.test.values(s.silent.residuals)[:, column].max())
     alarm = 100 * float(alarm_probability(heard, s.test.dof, s.test.rate))
-    if alarm > HUSHED:
+    if alarm > MAX_ALARM_PERCENT:
         return Verdict(False, text("Member −{who} would give an alarm with {alarm:.2g} %; above {most:.0f} % {who} is not diagnosed.",
-                                   who=FRAMED, alarm=alarm, most=HUSHED))
+                                   who=WRONG_DIAGNOSIS, alarm=alarm, most=MAX_ALARM_PERCENT))
     if due is None:
-        return Verdict(False, text("Member −{who} gives no alarm, but not all the others detect it with 99 %.", who=FRAMED))
+        return Verdict(False, text("Member −{who} gives no alarm, but not all the others detect it with 99 %.", who=WRONG_DIAGNOSIS))
     return Verdict(True, text("All others detect it with 99 % after {dt:.2f} s and −{who} gives no alarm: {who} is diagnosed although it "
                               "is fault-free.",
-                              dt=DT * due, who=FRAMED))
+                              dt=DT * due, who=WRONG_DIAGNOSIS))
 
 
 SWALLOWED = Typed("a*f/(a+L)", ("a", "L", "f"), slips=(
@@ -145,10 +146,10 @@ TASKS = (
     Task("limp", _limp, {"place": "VR", "kind": "drift", "drift": 4.0, "loop": SWITCH_LOOP, "statistic": MEAN}),
     typed_task("swallowed", SWALLOWED),
     Task("ramp", _ramp, {"place": "HR", "kind": "drift", "drift": 1.0, "statistic": MEAN, "window": 64.0, "rate": 8.3e-6}),
-    Task("framed", _framed, {"place2": "HR", "bias2": -3.0, "at2": 4.0}),
+    Task("framed", _wrong_diagnosis, {"place2": "HR", "bias2": -3.0, "at2": 4.0}),
     Task(
         "beside",
         _beside,
-        {"place": "u1", "loss": 50.0, "place2": LIAR, "loop": KEEP_LOOP_OPEN, "tone": 1.2, "window": 90.0, "rate": 8.4e-6},
+        {"place": "u1", "loss": 50.0, "place2": SECOND_FAULT, "loop": KEEP_LOOP_OPEN, "tone": 1.2, "window": 90.0, "rate": 8.4e-6},
     ),
 )

@@ -10,13 +10,13 @@ import numpy as np
 
 from observer_lab.course.figures.records import Curve, Figure, LineFigure, PlaneFigure, Point
 from observer_lab.course.lesson import Outcome
+from observer_lab.course.reading.toml_table import Table
 from observer_lab.plants.model import Model
 from observer_lab.text import Text, same, text
 
 from ..toolkit.figures import TIME_TAB, error_figure, input_figure
 from .plant_source import PlantSource
 from .study import Study
-from .toml_table import Table
 
 KINDS = ("state", "output", "error", "input", "innovation", "poles")
 FIGURE_KEYS = ("kind", "of", "title", "id")

@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
+import logging
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from observer_lab.course.lesson import Lesson
+from observer_lab.course.reading.toml_table import LessonFileError, refusal
 from observer_lab.text import text
 
 from .read_lesson import TOML, broken_lesson, read_lesson
-from .toml_table import LessonFileError, refusal
 
 ID = re.compile(r"[a-z0-9]{1,30}(-[a-z0-9]{1,30}){0,4}")
+NOT_READ = text("The files of this lesson cannot be read; the log of the server says why.")
 Stamp = tuple[tuple[str, int, int], ...]  # name, time and size of every file of a lesson
+
+log = logging.getLogger(__name__)
 
 
 @dataclass(eq=False)
@@ -59,6 +63,9 @@ class LessonFolder:
         except LessonFileError as problem:
             id = re.sub(r"[^a-z0-9-]", "-", place.name.lower())[:30]
             return broken_lesson(f"{id}-broken" if id in self.taken else id, number, problem.text)
+        except Exception:  # whatever one lesson brings, the others are read
+            log.exception("lesson %s cannot be read", place.name)
+            return broken_lesson(re.sub(r"[^a-z0-9-]", "-", f"{place.name.lower()[:20]}-broken"), number, NOT_READ)
 
 
 def _stamp_of(place: Path) -> Stamp:
@@ -73,4 +80,7 @@ def _stamp_of(place: Path) -> Stamp:
 
 
 def _files(place: Path) -> Iterable[Path]:
-    return (path for path in place.iterdir() if path.is_file()) if place.is_dir() else ()
+    try:
+        return [path for path in place.iterdir() if path.is_file()]
+    except OSError:  # removed meanwhile, or nobody may read it
+        return ()

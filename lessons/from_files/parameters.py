@@ -12,9 +12,9 @@ import numpy as np
 from observer_lab.course.exercises.typed_answers import UnreadableInput, evaluate_typed
 from observer_lab.course.knobs import Knob, KnobError, Number, Poles
 from observer_lab.course.lesson import Design
+from observer_lab.course.reading.toml_table import LessonFileError, Table, is_number
 from observer_lab.text import SaidError, text
-
-from .toml_table import LessonFileError, Table, is_number, short
+from observer_lab.text.schema import shown
 
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,29}")
 KNOB_KEYS = ("name", "kind", "label", "symbol", "unit", "hint", "low", "high", "default", "scale", "step", "window")
@@ -51,7 +51,7 @@ def read_parameters(top: Table, given: Mapping[str, float]) -> Parameters:
     fixed = dict(given)
     for name in table.data:
         if not NAME.fullmatch(name) or name in RESERVED:
-            raise table.refuse(name, text("{name} cannot name a parameter; use letters, digits and _.", name=short(name)))
+            raise table.refuse(name, text("{name} cannot name a parameter; use letters, digits and _.", name=shown(name)))
         fixed[name] = table.number(name)
     knobs: list[Knob] = []
     for each in top.tables("knobs"):
@@ -68,7 +68,7 @@ def read_parameters(top: Table, given: Mapping[str, float]) -> Parameters:
 def _knob(table: Table, fixed: Mapping[str, float]) -> Knob:
     name = table.words("name")
     if not NAME.fullmatch(name) or name in RESERVED:
-        raise table.refuse("name", text("{name} cannot name a parameter; use letters, digits and _.", name=short(name)))
+        raise table.refuse("name", text("{name} cannot name a parameter; use letters, digits and _.", name=shown(name)))
     label, unit, hint = table.label("label", name), table.words("unit", ""), table.label("hint", "")
     symbol = table.words("symbol", name if len(name) == 1 else rf"\mathrm{{{name.replace('_', ' ')}}}")
     kind = table.one_of("kind", (NUMBER, POLES), NUMBER)
@@ -111,7 +111,7 @@ def _pole(table: Table, key: str, value: object) -> complex:
         return complex(value.replace(" ", "").replace("i", "j")) if isinstance(value, str) else complex(value)  # type: ignore[arg-type]
     except (TypeError, ValueError):
         raise table.refuse(key, text("{value} is no pole; write a number, or a pair in quotes as \"-3+1j\", \"-3-1j\".",
-                                     value=short(value))) from None
+                                     value=shown(value))) from None
 
 
 def poles_in(table: Table, key: str) -> tuple[complex, ...]:
@@ -152,12 +152,12 @@ def _computed(entries: Entries, given: Any, values: Mapping[str, float]) -> Any:
         return float(given)
     if not isinstance(given, str):
         raise entries.table.refuse(entries.key, text("{key} must hold numbers or formulas in quotes; it holds {value}.", key=entries.key,
-                                                     value=short(given)))
+                                                     value=shown(given)))
     try:
         return evaluate_typed(given, values)
     except UnreadableInput as problem:
         raise entries.table.refuse(entries.key, text(
-            "The formula {formula} of {key} has no value; it may use {names}.", formula=short(given), key=entries.key,
+            "The formula {formula} of {key} has no value; it may use {names}.", formula=shown(given), key=entries.key,
             names=", ".join(values) or "—")) from problem
 
 

@@ -12,15 +12,16 @@ from typing import Any  # Parameters of named plants are `Any` here: each plant 
 
 import numpy as np
 
+from observer_lab.course.reading.toml_table import Table
 from observer_lab.engine import EngineError, Plant
 from observer_lab.plants import MODELS, Model, chip, spring_damper, two_mass
 from observer_lab.plants import cart_pendulum as cart
 from observer_lab.plants.own_plant import own_model, plant_of, read_plant_file
 from observer_lab.text import error_words, text
+from observer_lab.text.schema import shown
 
 from .parameters import Entries, Parameters, read_entries, read_parameters
 from .python_plant import PythonPlant, read_python
-from .toml_table import Table, short
 
 Values = Mapping[str, float]
 NAMED: Mapping[str, tuple[Callable[[], Any], Callable[[Any], Plant]]] = MappingProxyType({
@@ -131,7 +132,7 @@ def _names_of(table: Table) -> dict[str, Any]:
 def _plain(table: Table, key: str, name: str) -> str:
     if not PLAIN_NAME.fullmatch(name):
         raise table.refuse(key, text("The name {name} must be short and plain; use letters, digits, spaces and signs such as + and %.",
-                                     name=short(name)))
+                                     name=shown(name)))
     return name
 
 

@@ -11,11 +11,11 @@ from typing import Any  # what f and h return is `Any` until it is checked
 
 import numpy as np
 
+from observer_lab.course.reading.toml_table import LessonFileError, Table, refusal
 from observer_lab.engine.systems import Flow
 from observer_lab.text import text
 
 from .parameters import Entries, vector
-from .toml_table import LessonFileError, Table, refusal
 
 Map = Callable[[Sequence[float], Sequence[float], SimpleNamespace], Any]
 DIFFERENCE = 1e-6  # relative step of the central differences by which f and h are linearised

@@ -3,33 +3,33 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
-from observer_lab.course.course_map import CoursePlace
 from observer_lab.course.figures.records import TableFigure
 from observer_lab.course.knobs import KnobError
 from observer_lab.course.lesson import Design, Lesson, Outcome
 from observer_lab.course.prose import Prose, ProseError, parse_prose
-from observer_lab.course.scenes import minutes_of
+from observer_lab.course.reading.lesson_data import DATA_KEYS, read_data
+from observer_lab.course.reading.scenes import check_shown
+from observer_lab.course.reading.toml_table import LessonFileError, Table, read_table, refusal
 from observer_lab.engine import EngineError
-from observer_lab.text import Text, error_words, languages, same, text
+from observer_lab.text import OutsideFileError, Text, error_words, languages, read_outside_bytes, same, text
 
 from ..toolkit.knobs import run_knobs
+from .exams import read_exams
 from .figures import draw_all, figure_ids, read_figures
 from .plant_source import read_plant
-from .scenes import read_path
 from .setup import read_setup
-from .study import compute
+from .study import compute, derived
 from .tasks import check_tasks, read_tasks
-from .toml_table import LessonFileError, Table, read_table, refusal
 
 TOML, MARKDOWN = "lesson.toml", "lesson.md"
-TOP_KEYS = ("draft", "minutes", "answer", "figure", "plant", "parameters", "knobs", "model", "observer", "controller", "run", "figures",
-            "tasks", "scenes")
+TOP_KEYS = (*DATA_KEYS, "plant", "parameters", "knobs", "model", "observer", "controller", "run", "figures", "tasks", "scenes",
+            "exams")
 MAX_FILE_BYTES = 1_000_000
-DEFAULT_MINUTES = 45  # of a lesson without a path
 NOT_READ = text("This lesson cannot be read")
 
 
@@ -39,43 +39,40 @@ def read_lesson(folder: Path, number: int, trusted: bool) -> Lesson:
     source, parameters = read_plant(top, folder, trusted)
     setup = read_setup(top, source, parameters)
     knobs = (*parameters.knobs, *run_knobs(setup.horizon))
-    draws, ids, tasks = read_figures(top, source), figure_ids(top), read_tasks(top, knobs)
-    path, words = read_path(top, knobs, ids, tasks), _words(folder)
+    draws, ids, tasks, words = read_figures(top, source), figure_ids(top), read_tasks(top, knobs), _words(folder)
     for prose in words.values():
-        _check_words(top, prose, tasks, path)
-    options = len(words["en"].options)
-    answer = top.number("answer")
-    if answer not in range(1, options + 1):
-        raise top.refuse("answer", text("answer must be the number of the right option, 1 to {most}; it is {answer:g}.", most=options,
-                                        answer=answer))
-    lesson = Lesson(
-        folder.name, number, knobs, partial(compute, setup), partial(draw_all, draws), answer=int(answer) - 1, tasks=tasks,
-        source=words["en"].source, words=words, answering=top.one_of("figure", ids, ids[0]), path=path, draft=top.switch("draft", False),
-        place=CoursePlace(round(top.number("minutes", minutes_of(path, core=False) or DEFAULT_MINUTES))))
-    _try_out(top, lesson)
-    return lesson
+        _check_words(top, prose)
+    data = read_data(top, top, knobs, [task.id for task in tasks], words["en"], MARKDOWN)
+    data["answering"] = top.one_of("figure", ids, ids[0])
+    lesson = Lesson(folder.name, number, knobs, partial(compute, setup), partial(draw_all, draws), tasks=tasks, source=words["en"].source,
+                    words=words, derived=derived, **data)
+    _try_out(top, lesson, ids)
+    exams = [read_exams(top, lesson, prose.exams) for prose in words.values()]
+    return replace(lesson, exams=exams[0])
 
 
-def _try_out(top: Table, lesson: Lesson) -> None:
-    """Compute and draw the start, and try every task. Raises LessonFileError."""
+def _try_out(top: Table, lesson: Lesson, figures: Sequence[str]) -> None:
+    """Compute and draw the start, look for what the scenes show, and try every task. Raises LessonFileError."""
     try:
-        lesson.figures(lesson.compute(lesson.start()))
+        outcome = lesson.compute(lesson.start())
+        lesson.figures(outcome)
     except LessonFileError:
         raise
     except (EngineError, KnobError) as problem:
         raise refusal(TOML, 1, error_words(problem)) from problem
+    check_shown(top, figures, [board.id for board in outcome.boards], [formula.id for formula in outcome.formulas])
     check_tasks(top, lesson)
 
 
 def _text_of(path: Path) -> str:
     try:
-        if path.stat().st_size > MAX_FILE_BYTES:
-            raise refusal(path.name, 1, text("The file is larger than {most} kB.", most=MAX_FILE_BYTES // 1000))
-        return path.read_text(encoding="utf-8")
+        return read_outside_bytes(path, MAX_FILE_BYTES).decode("utf-8")
     except FileNotFoundError:
         raise refusal(path.name, 1, text("The folder has no file {file}.", file=path.name)) from None
     except UnicodeDecodeError as problem:
         raise refusal(path.name, 1, text("The file is not UTF-8 text.")) from problem
+    except OutsideFileError as problem:
+        raise refusal(path.name, 1, text("The file is no plain file, or larger than {most} kB.", most=MAX_FILE_BYTES // 1000)) from problem
     except OSError as problem:
         raise refusal(path.name, 1, text("The file cannot be read.")) from problem
 
@@ -96,12 +93,12 @@ def _words(folder: Path) -> dict[str, Prose]:
     return found
 
 
-def _check_words(top: Table, prose: Prose, tasks: Iterable, path: Iterable) -> None:
+def _check_words(top: Table, prose: Prose) -> None:
     """Every task and every scene has its words."""
-    for key, items, told in (("tasks", tasks, prose.tasks), ("scenes", path, prose.scenes)):
-        for table, item in zip(top.tables(key), items, strict=True):
-            if item.id not in told:
-                raise table.refuse("id", text("{file} has no section “## {kind} {id}: title”.", file=MARKDOWN, kind=key[:-1], id=item.id))
+    for key, told in (("tasks", prose.tasks), ("scenes", prose.scenes)):
+        for table in top.tables(key):
+            if (id := table.words("id")) not in told:
+                raise table.refuse("id", text("{file} has no section “## {kind} {id}: title”.", file=MARKDOWN, kind=key[:-1], id=id))
 
 
 def broken_lesson(id: str, number: int, why: Text) -> Lesson:

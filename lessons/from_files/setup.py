@@ -8,12 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from observer_lab.course.lesson import Design
+from observer_lab.course.reading.toml_table import Table
 from observer_lab.engine import EngineError, Plant, lqe, lqr, observer_gain, place
 from observer_lab.text import error_words, text
+from observer_lab.text.schema import shown
 
 from .parameters import Entries, Parameters, poles_in, read_entries, vector
 from .plant_source import PlantSource, Values
-from .toml_table import Table, short
 
 RUN_KEYS = ("seconds", "step", "start", "guess", "input", "limit", "noise", "disturbance", "kick")
 Gain = Callable[[Design, Plant, Values], np.ndarray]  # the gain of a design on the plant that is believed
@@ -53,7 +54,7 @@ def read_setup(top: Table, source: PlantSource, parameters: Parameters) -> Setup
     model_table = top.table("model")
     for name in model_table.data:
         if name not in parameters.names:
-            raise model_table.refuse(name, text("There is no parameter {name}; there are {names}.", name=short(name),
+            raise model_table.refuse(name, text("There is no parameter {name}; there are {names}.", name=shown(name),
                                                 names=", ".join(parameters.names) or "—"))
     believed = {name: read_entries(model_table, name, parameters) for name in model_table.data}
     observer, controller = top.table("observer").only("poles", "L", "W", "V"), top.table("controller").only("poles", "K", "Q", "R")
@@ -79,7 +80,7 @@ def _knob_of(table: Table, parameters: Parameters) -> str:
         return ""
     if given and given not in parameters.pole_knobs:
         raise table.refuse("poles", text("poles must be a list, or name a knob of kind \"poles\"; there is no such knob {name}.",
-                                         name=short(given)))
+                                         name=shown(given)))
     return str(given)
 
 

@@ -8,6 +8,7 @@ from types import MappingProxyType
 
 import numpy as np
 
+from observer_lab.course.exercises.derivation import Value
 from observer_lab.course.lesson import Board, Design, Formula, Outcome
 from observer_lab.engine import Plant, Scenario, simulate
 from observer_lab.engine.simulation import Run
@@ -15,7 +16,7 @@ from observer_lab.plants.model import Window
 from observer_lab.text import Text, text
 
 from ..toolkit.boards import listed, stage
-from ..toolkit.figures import settle_time
+from ..toolkit.figures import error_with_jumps, settle_time
 from ..toolkit.latex import gain_words
 from .python_plant import LoopGiven, simulate_loop
 from .setup import Setup
@@ -56,7 +57,8 @@ def compute(setup: Setup, design: Design) -> Outcome[Study]:
     formulas = (Formula("L", gain_words("L", L)), *([Formula("K", gain_words("K", K))] if np.any(K) else []))
     metrics = _metrics(run, L, poles)
     return Outcome(design, {"K": K, "L": L}, poles, metrics, (), run if setup.source.python is None else None,
-                   _boards(setup, poles, model.A - L @ model.C), stage(setup.source.model, run), formulas, _live(metrics, setup.horizon),
+                   _boards(setup, poles, model.A - L @ model.C), stage(setup.source.model, run, design),
+                   formulas, _live(metrics, setup.horizon),
                    Study(run))
 
 
@@ -89,9 +91,17 @@ def _nonlinear(setup: Setup, design: Design, linear: Run, believed: Mapping[str,
                noise[:count], None if count == s.n_t else float(found.t[-1]), False)
 
 
+def derived(outcome: Outcome[Study]) -> Mapping[str, Value]:
+    """The numbers for a derivation's places: the believed A, B, C, the gains, knobs that are numbers, and the metrics."""
+    scenario = outcome.study.run.scenario
+    model = scenario.plant if scenario.model is None else scenario.model
+    knobs = {name: float(value) for name, value in outcome.design.values if isinstance(value, (int, float))}
+    return {**knobs, **outcome.metrics, "A": model.A, "B": model.B, "C": model.C, **outcome.gains}
+
+
 def _metrics(run: Run, L: np.ndarray, poles: Mapping[str, np.ndarray]) -> dict[str, float]:
     size = np.linalg.norm(run.e, axis=1)
-    settled = settle_time(run.t, size)
+    settled = settle_time(*error_with_jumps(run))
     return {
         "settled": np.inf if settled is None else settled, "final_error": float(size[-max(len(size) // TAIL_SHARE, 1):].max()),
         "largest_error": float(size.max()), "rms_error": float(np.sqrt(np.mean(size**2))),

@@ -6,13 +6,13 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any  # the value of a knob is `Any` until the knob has checked it
 
-from observer_lab.course.knobs import Knob, KnobError
+from observer_lab.course.knobs import Knob
 from observer_lab.course.lesson import Lesson, Outcome, Task, Verdict
+from observer_lab.course.reading.toml_table import Table, read_values
 from observer_lab.engine import EngineError
 from observer_lab.text import Text, error_words, joined, text
 
 from .study import METRICS
-from .toml_table import Table, short
 
 TASK_KEYS = ("id", "within", "keep", "solution")
 
@@ -20,27 +20,6 @@ TASK_KEYS = ("id", "within", "keep", "solution")
 def read_tasks(top: Table, knobs: tuple[Knob, ...]) -> tuple[Task, ...]:
     """`[[tasks]]`. Raises LessonFileError."""
     return tuple(_task(table.only(*TASK_KEYS), knobs) for table in top.tables("tasks"))
-
-
-def read_values(table: Table, key: str, knobs: tuple[Knob, ...]) -> dict[str, Any]:
-    """Values of knobs by name, in the form of each knob. Raises LessonFileError."""
-    below, found = table.table(key), {}
-    for name, value in below.data.items():
-        found[name] = knob_named(below, name, name, knobs)
-        try:
-            found[name] = found[name].check(value)
-        except KnobError as problem:
-            raise below.refuse(name, problem.text) from problem
-    return found
-
-
-def knob_named(table: Table, key: str, name: object, knobs: tuple[Knob, ...]) -> Any:
-    """The knob of that name. Raises LessonFileError with the names that exist."""
-    for knob in knobs:
-        if knob.name == name:
-            return knob
-    raise table.refuse(key, text("There is no knob {name}; there are {names}.", name=short(name),
-                                 names=", ".join(knob.name for knob in knobs if not knob.hidden) or "—"))
 
 
 def _task(table: Table, knobs: tuple[Knob, ...]) -> Task:

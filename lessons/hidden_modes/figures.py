@@ -15,9 +15,11 @@ from observer_lab.engine.simulation import Run
 from observer_lab.engine.structure import Mode
 from observer_lab.text import NO_WORDS, Text, format_number, symbol, text
 
+from ..toolkit.diagram import loop
 from ..toolkit.figures import ERROR_TAB, TIME_TAB, input_figure
 from ..toolkit.latex import pole_words
 from .knobs import COMMON, PLANT_CASES, RELATIVE, Case
+from .study import carries
 
 MODES_TAB, EVERY_TAB = text("Modes"), text("Every gain")
 CLEARLY_ABOVE_ZERO = 1e-3  # a distance above this share of the plant's size is well above zero
@@ -26,14 +28,15 @@ GAIN_SIGMAS = np.array([3.0, 3.0, 8.0, 8.0])  # their standard deviations, posit
 YES, NO = text("● yes"), text("○ no")
 
 
-def all_figures(outcome: Outcome[Case]) -> tuple[Figure, ...]:
+def figures(outcome: Outcome[Case]) -> tuple[Figure, ...]:
     """Everything on the right of the stage."""
     run, case = outcome.run, PLANT_CASES[outcome.design["plant"]]
     assert run is not None
     seed = int(outcome.design["seed"])
     return (_measured(run), _centre(run, case), _error_parts(run, case), _state_parts(run, case),
             input_figure(run, case.model), margins_of(case), lights_of(outcome.checks), _decomposed(case.id),
-            _every_observer(case.id, seed), _every_controller(case.id, seed))
+            _every_observer(case.id, seed), _every_controller(case.id, seed),
+            loop(case.model.plant, run, outcome.gains["L"], outcome.gains["K"]))
 
 
 def _measured(run: Run) -> LineFigure:
@@ -77,13 +80,15 @@ def _parts(name: str, what: str, title: Text, run: Run, values: np.ndarray, capt
 
 
 def _error_parts(run: Run, case: Case) -> LineFigure:
-    caption = (_fixed(case.unseen, "e", "L") if case.unseen
-               else text("L moves both parts of e."))
+    caption = (_fixed(case.unseen, "e", "L") if case.unseen and carries(case, run)
+               else text("This run starts without a common part of e.") if case.unseen else text("L moves both parts of e."))
     return _parts("error_parts", "e", text("estimation error e, in two parts"), run, run.e, caption)
 
 
 def _state_parts(run: Run, case: Case) -> LineFigure:
-    if case.unmoved:
+    if case.unmoved and not carries(case, run):
+        caption = text("This run starts without a common part of x.")
+    elif case.unmoved:
         caption = _fixed(case.unmoved, "x", "K")
     elif case.unseen:
         caption = text("K could move both parts, but it acts on x̂: the common part of x goes where that of e "
@@ -172,7 +177,7 @@ def numbered(letter: str, count: int) -> tuple[str, ...]:
 
 
 def random_poles(case: Case, seed: int, observer: bool) -> np.ndarray:
-    """Poles of A − LC (observer) or A − BK for `RANDOM_GAINS` random gains, (DRAWS, n)."""
+    """Poles of A − LC (observer) or A − BK for random gains, (RANDOM_GAINS, n)."""
     draws = np.random.default_rng(seed).normal(size=(RANDOM_GAINS, case.model.plant.n)) * GAIN_SIGMAS
     plant = case.model.plant
     turned = draws[:, :, None] * plant.C if observer else plant.B * draws[:, None, :]
@@ -185,8 +190,8 @@ def _cloud(name: str, title: Text, poles: np.ndarray, bolts: tuple[complex, ...]
     least = float(np.min(np.max(np.real(poles), axis=1)))
     return PlaneFigure(
         name, title, (), points, "Re s", "Im s", (-10.0, 4.0), (-7.0, 7.0), unstable=True, tab=EVERY_TAB,
-        caption=text("{draws} gains {gain} drawn at random. The best of them has its rightmost pole at {least:.3g}, on the bolt or "
-                     "right of it.", draws=RANDOM_GAINS, gain=gain, least=least) if bolts else
+        caption=text("{draws} gains {gain} drawn at random. The best of them has its rightmost pole at {least:.3g}, at the fixed "
+                     "mode or to its right.", draws=RANDOM_GAINS, gain=gain, least=least) if bolts else
         text("{draws} gains {gain} drawn at random. The best of them has its rightmost pole at {least:.3g}.", draws=RANDOM_GAINS, gain=gain,
              least=least))
 

@@ -16,7 +16,7 @@ from observer_lab.plants.bodies.chain_body import chain_body
 from observer_lab.plants.model import Model
 from observer_lab.text import Text, text
 
-from ..toolkit.knobs import run_knobs
+from ..toolkit.knobs import pull_knobs, run_knobs
 
 COMMON = np.kron(np.eye(2), np.array([[1.0, 1.0]])) / np.sqrt(2)  # both blocks alike: position and velocity, 2×4
 RELATIVE = np.kron(np.eye(2), np.array([[-1.0, 1.0]])) / np.sqrt(2)  # one against the other, 2×4
@@ -92,4 +92,5 @@ KNOBS = (
     _poles("observer_part", "q", text("Observer poles that move"), FAST_POLES, "estimate", UNOBSERVABLE_CASES),
     _poles("observer_all", "q", text("Observer poles"), (*CALM_POLES, *FAST_POLES), "estimate", (*UNCONTROLLABLE_CASES, "visible")),
     *run_knobs(FIRST_MODEL.horizon),
+    *pull_knobs(FIRST_MODEL),
 )

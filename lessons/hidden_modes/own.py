@@ -8,7 +8,8 @@ from functools import partial
 
 import numpy as np
 
-from observer_lab.course.figures.records import Curve, Figure, LineFigure, MatrixFigure, PlaneFigure, Point, TableFigure, round_up_nicely
+from observer_lab.course.figures.ranges import round_up_nicely
+from observer_lab.course.figures.records import Curve, Figure, LineFigure, MatrixFigure, PlaneFigure, Point, TableFigure
 from observer_lab.course.knobs import Knob, Number
 from observer_lab.course.lesson import Check, Design, Formula, Lesson, Outcome
 from observer_lab.engine import Scenario, controllability, kalman_decomposition, observability, simulate
@@ -93,7 +94,7 @@ def compute(here: Setting, design: Design) -> Outcome[Setting]:
         "weakest_reached": min(m.margin for m in case.reached.modes)}
     return Outcome(
         design, {"K": K, "L": L}, {"controller": control, "observer": observer}, metrics, checks_of(case, metrics), run,
-        pole_boards(model, design, control, observer, plant.A - L @ plant.C), stage(model, run),
+        pole_boards(model, design, control, observer, plant.A - L @ plant.C), stage(model, run, design),
         (Formula("K", gain_words("K", K)), Formula("L", gain_words(r"L^{\mathsf T}", L.T))), _live(here), here)
 
 
@@ -112,7 +113,7 @@ def _live(here: Setting) -> Text:
     case, name = here.case, _name(here.weakest)
     unseen, unmoved = (pole_words([p for p in poles if p.imag >= 0][:4]) for poles in (case.unseen, case.unmoved))
     if case.unseen and not case.seen.detectable:
-        return text("Weakest mode {name}. Hidden from y: {unseen}, and not settling: no L saves the estimate.",
+        return text("Weakest mode {name}. Hidden from y: {unseen}, and not settling: no L makes the error decay.",
                     name=name, unseen=unseen)
     if case.unseen:
         return text("Weakest mode {name}. Hidden from y: {unseen}; it settles by itself.", name=name, unseen=unseen)

@@ -44,7 +44,7 @@ def compute(design: Design) -> Outcome[Case]:
     metrics = {key: value for key, value in metrics.items() if np.isfinite(value)}
     return Outcome(
         design, {"K": control.gain, "L": observer.gain}, {"controller": control.poles, "observer": observer.poles},
-        metrics, checks_of(case, metrics), run, _boards(design, case, observer), stage(model, run),
+        metrics, checks_of(case, metrics), run, _boards(design, case, observer), stage(model, run, design),
         _formulas(case, control, observer), _live(case, run), case)
 
 
@@ -53,16 +53,16 @@ def checks_of(case: Case, metrics: dict[str, float]) -> tuple[Check, ...]:
     error, state = metrics["error_rate"], metrics["state_rate"]
     return (
         Check("observable", text("observable: every mode leaves a trace"), case.seen.observable,
-              metrics["weakest_seen"]),
+              metrics["weakest_seen"], informative=True),
         Check("detectable", text("detectable: what leaves no trace settles"),
-              case.seen.detectable, metrics["weakest_seen"]),
+              case.seen.detectable, metrics["weakest_seen"], informative=True),
         Check("controllable", text("controllable: every mode is reached"),
-              case.reached.controllable, metrics["weakest_reached"]),
+              case.reached.controllable, metrics["weakest_reached"], informative=True),
         Check("stabilizable", text("stabilizable: what is out of reach settles"),
-              case.reached.stabilizable, metrics["weakest_reached"]),
-        Check("error", text("with this L the error decays"), error < 0, error),
+              case.reached.stabilizable, metrics["weakest_reached"], informative=True),
+        Check("error", text("with this L the error decays"), error < 0, error, informative=True),
         Check("loop", text("with this K and L the plant settles"), max(error, state) < 0,
-              max(error, state)),
+              max(error, state), informative=True),
     )
 
 

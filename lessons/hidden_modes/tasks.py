@@ -9,6 +9,7 @@ from observer_lab.course.lesson import Outcome, Task, Verdict, typed_task
 from observer_lab.text import format_number, text
 
 from ..toolkit.figures import settle_time
+from ..toolkit.knobs import untouched
 from ..toolkit.tasks import check_gentle_settling
 from .knobs import KNOBS, Case
 
@@ -74,8 +75,8 @@ def _gentle_cure(outcome: Outcome[Case]) -> Verdict:
     case, run, d = outcome.study, outcome.run, outcome.design
     if run is None or not (case.seen.observable and case.reached.controllable):
         return Verdict(False, text("There is still a fixed mode: move the sensor or the force."))
-    if d["centre"] != CENTRE or d["kick"] >= 0:
-        return Verdict(False, text("Start with the common part of {centre:g} m, without a kick.", centre=CENTRE))
+    if d["centre"] != CENTRE or not untouched(d):
+        return Verdict(False, text("Start with the common part of {centre:g} m, without a kick or pull.", centre=CENTRE))
     settled, force = settle_time(run.t, np.abs(run.x[:, :2]).max(axis=1)), float(np.max(np.abs(run.u_asked)))
     if settled is None:
         return Verdict(False, text("The blocks are not at rest by the end of the run."))

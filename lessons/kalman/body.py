@@ -14,7 +14,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from observer_lab.colours import COLOURS
-from observer_lab.plants.bodies.body import STEEL, Ball, Body, Part, Pose, Rod, Vector, pose_between
+from observer_lab.plants.bodies.body import STEEL, Ball, Body, Part, PartName, Pose, Rod, Vector, pose_between
 from observer_lab.text import text
 
 from .knobs import MODEL
@@ -78,7 +78,9 @@ def _deck() -> Body:
     return replace(
         deck, parts=(*deck.parts, *PARTS), pose=pose, arrows=lambda x, u, gain: deck.arrows(x[:STATE_COUNT], u, gain),
         anchors=lambda x, gain: deck.anchors(x[:STATE_COUNT], gain),
-        caption=text("Above the deck: expected errors (2σ) of the velocities at sample k; vx right, vz up, ω away"))
+        caption=text("Above the deck: expected errors (2σ) of the velocities at sample k; vx right, vz up, ω away"),
+        names=(PartName(text("expected errors"), "estimate", (1.1, -0.2, 0.2)),
+               *(name for name in deck.names if name.part != "seat left")))
 
 
 DECK_BODY = _deck()

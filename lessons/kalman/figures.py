@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from observer_lab.course.figures.claims import claim
-from observer_lab.course.figures.records import Curve, LineFigure, PlaneFigure, Point, TableFigure, over_frequency, round_up_nicely
+from observer_lab.course.figures.diagram import DIAGRAM
+from observer_lab.course.figures.ranges import round_up_nicely
+from observer_lab.course.figures.records import Curve, LineFigure, PlaneFigure, Point, TableFigure, over_frequency
 from observer_lab.course.lazy import FigureSet, tab_figures
 from observer_lab.course.lesson import Outcome
 from observer_lab.engine import chi2_band, psd
@@ -16,6 +18,7 @@ from ..toolkit.shares import apart
 from .data_sheet import SHEET_TAB, estimators_figure, sheet_figure
 from .filters import COMPARED_STEPS, UNTESTED_SAMPLES
 from .knobs import CARRIED, DT
+from .loop import loop_of
 from .noise_identification import FIT_TAB, fit_figure
 from .p_values import chance, coloured
 from .report_lines import REPORT_TAB, report_figure
@@ -28,7 +31,7 @@ CIRCLE_ANGLES_RAD = np.linspace(0, 2 * np.pi, 61)
 UNIT_CIRCLE = np.column_stack([np.cos(CIRCLE_ANGLES_RAD), np.sin(CIRCLE_ANGLES_RAD)])
 
 
-def all_figures(outcome: Outcome[Study]) -> FigureSet:
+def figures(outcome: Outcome[Study]) -> FigureSet:
     """Everything on the right of the stage."""
     return FigureSet(
         tab_figures(STEP_TAB, lambda: (_ellipses(outcome), _step(outcome))),
@@ -42,6 +45,7 @@ def all_figures(outcome: Outcome[Study]) -> FigureSet:
         tab_figures(REPORT_TAB, lambda: (report_figure(outcome),)),
         tab_figures(FIT_TAB, lambda: (fit_figure(outcome),)),
         tab_figures(SHEET_TAB, lambda: (estimators_figure(outcome), sheet_figure(outcome))),
+        tab_figures(DIAGRAM, lambda: (loop_of(outcome),)),
     )
 
 
@@ -283,5 +287,5 @@ def _colour(outcome: Outcome[Study]) -> LineFigure:
         said = text("{said} The converter's noise is carried as 16 states.", said=said)
     return over_frequency("colour", text("spectrum of the innovation of VL"), f,
                            (Curve(text_in("kalman", "seen"), np.maximum(seen.density[1:], 1e-9), "error"),
-                            Curve(text("promised by S"), np.full(len(f), promised), "reference", "dash", 1.4)),
+                            Curve(text("predicted by S"), np.full(len(f), promised), "reference", "dash", 1.4)),
                            "(mm/s)²/Hz", window=(1e-2, 10.0), caption=said, tab=SPECTRUM_TAB)

@@ -81,7 +81,7 @@ class Watcher:
 
     @cached_property
     def independent(self) -> float:
-        """How many independent samples the NEES of a record after its first SKIP samples are worth, by its own beliefs."""
+        """How many independent samples the NEES of a record after its first UNTESTED_SAMPLES samples are worth, by its own beliefs."""
         return _independent(self.filter)
 
 
@@ -124,7 +124,7 @@ def watch(who: Watcher, what: Truth) -> Track:
 
 @dataclass(frozen=True, eq=False)
 class Forms:
-    """Distances ‖P − P_ref‖/‖P_ref‖ (STEPS,) of Joseph's form and the short form, and their smallest eigenvalues.
+    """Distances ‖P − P_ref‖/‖P_ref‖ (COMPARED_STEPS,) of Joseph's form and the short form, and their smallest eigenvalues.
 
     Eigenvalues are those of P with its variances brought to one, the least over the record.
     """

@@ -15,6 +15,7 @@ from observer_lab.plants import Model
 from observer_lab.text import text
 
 from ..toolkit.knobs import run_knobs
+from .code import own_code
 from .job import RUN_COUNT
 from .knobs import PREDICT, UPDATE
 from .own_figures import figures
@@ -70,4 +71,5 @@ def key(design: Design) -> Design:
 def adapted(lesson: Lesson, model: Model) -> Lesson:
     """The lesson on a person's own plant, where a Kalman filter for it exists; report and converter stay with the deck."""
     return replace(lesson, knobs=own_knobs(model), compute=partial(compute, model), figures=partial(figures, model), tasks=(),
+                   code=own_code,
                    job=Job(text("Try {runs} runs", runs=RUN_COUNT), partial(try_often, model), key, shown, figure="nees", follows=True))

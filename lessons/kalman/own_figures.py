@@ -61,9 +61,9 @@ def _state(outcome: Outcome[Study], name: str, signal: Signal) -> LineFigure:
         Curve(text("true"), true), Curve(text("estimate"), mean, "estimate", "dash"),
         Curve(same("+ 2σ"), mean + spread, "muted", "dot", 1.2), Curve(same("− 2σ"), mean - spread, "muted", "dot", 1.2)),
         f"[{signal.unit}]", tab=TIME_TAB, caption=text(
-            "Once settled, the truth is within the filter's own 2σ for {inside:.0f} % of the time; 95 % are "
+            "From {first:.3g} s on the truth is within the filter's own 2σ for {inside:.0f} % of the time; 95 % are "
             "expected.",
-            inside=inside))
+            first=found.run.t[UNTESTED_SAMPLES], inside=inside))
 
 
 def _gain(outcome: Outcome[Study]) -> LineFigure:
@@ -100,7 +100,7 @@ def _innovation(model: Model, outcome: Outcome[Study]) -> LineFigure:
     return LineFigure("innovation", text("innovation of {name}", name=signal_name(model.plant, name)), found.run.t, (
         Curve(same("ν"), nu, "error", width=1.4), Curve(same("+ 2√S"), spread, "muted", "dot", 1.4),
         Curve(same("− 2√S"), -spread, "muted", "dot", 1.4)), f"ν [{model.plant.unit(name)}]", tab=INNOVATION_TAB,
-        caption=text("Once settled, {inside:.0f} % within 2√S.", inside=inside))
+        caption=text("From {first:.3g} s on {inside:.0f} % lie within 2√S.", first=found.run.t[UNTESTED_SAMPLES], inside=inside))
 
 
 def _correlation(model: Model, outcome: Outcome[Study]) -> PlaneFigure:
@@ -132,9 +132,9 @@ def _squares(outcome: Outcome[Study], name: str, title: Text, dof: int, which: i
         Curve(text("95 % band"), np.full(n, high), "muted", "dot", 1.4),
         Curve(text("lower edge"), np.full(n, low), "muted", "dot", 1.4)), name.upper(), log_y=True, window=(0.05 * dof, 20.0 * dof),
         tab=TEST_TAB,
-        caption=text("{who}: once settled, {inside:.0f} % of the samples lie in the χ² band [{low:.3g}, "
+        caption=text("{who}: from {first:.3g} s on {inside:.0f} % of the samples lie in the χ² band [{low:.3g}, "
                      "{high:.3g}].",
-                     who=who, inside=inside, low=low, high=high))
+                     who=who, first=t[UNTESTED_SAMPLES], inside=inside, low=low, high=high))
 
 
 def _tests(outcome: Outcome[Study]) -> TableFigure:
@@ -148,6 +148,6 @@ def _tests(outcome: Outcome[Study]) -> TableFigure:
             (text("whiteness, p"), chance(study.test.whiteness.p_value), "≥ 0.017", verdict("white")),
             (text("bias, p"), chance(study.test.bias_p_value), "≥ 0.017", verdict("centred") if bias_is_judged(study.test) else
          text("not judged: it assumes white innovations of covariance S")))
-    return TableFigure("tests", text("tests of this record, once settled"),
+    return TableFigure("tests", text("tests of this record from {first:.3g} s on", first=study.found.run.t[UNTESTED_SAMPLES]),
                        (text_in("kalman", "test"), text("value"), text("band"), text("verdict")), rows,
                        tab=TEST_TAB, caption=text("Each test flags a right filter in a few records of a hundred."))

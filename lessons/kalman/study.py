@@ -152,9 +152,9 @@ def checks(test: InnovationTest, settled: SquaredError, gain_gap: float) -> tupl
     held = holds(test, settled)
     return (
         Check("centred", text("innovations have no bias"), held["centred"], test.bias_p_value),
-        Check("white", text("innovations are white"), held["white"], test.whiteness.p_value),
+        Check("white", text("innovations are white"), held["white"], test.whiteness.p_value, informative=True),
         Check("nis", text("NIS lies in its band"), held["nis"], test.nis.mean),
-        Check("nees", text("NEES lies in its band"), held["nees"], settled.mean),
+        Check("nees", text("NEES lies in its band"), held["nees"], settled.mean, informative=True),
         Check("riccati", text("the gain has reached the Riccati solution"), gain_gap < 1e-3, gain_gap),
     )
 
@@ -174,7 +174,7 @@ def _formulas(design: Design, s: Study) -> tuple[Formula, ...]:
     return (*out, Formula("nis", rf"\mathrm{{NIS}}_{{{k}}} = \nu^{{\mathsf T}} S^{{-1}} \nu = {number(float(s.nis[k]))}"))
 
 
-WORDS = (("biased", text("a bias")), ("coloured", text("colour in the innovations")),
+WORDS = (("biased", text("a bias")), ("coloured", text("correlated innovations")),
          ("overconfident", text("NIS too large")), ("cautious", text("NIS too small")))
 
 

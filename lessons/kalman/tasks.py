@@ -30,8 +30,8 @@ def _tune(o: Outcome[Study]) -> Verdict:
     e = _expected(o)
     said = _said(e)
     if not e.right:
-        return Verdict(False, text("{said}: at least one test finds the filter out.", said=said))
-    return Verdict(True, text("{said}: no test finds it out.", said=said))
+        return Verdict(False, text("{said}: at least one test flags this filter.", said=said))
+    return Verdict(True, text("{said}: no test flags it.", said=said))
 
 
 def _decoy(o: Outcome[Study]) -> Verdict:
@@ -41,10 +41,10 @@ def _decoy(o: Outcome[Study]) -> Verdict:
     e = _expected(o)
     said = _said(e)
     if not e.nis_holds:
-        return Verdict(False, text("{said}: NIS gives it away already.", said=said))
+        return Verdict(False, text("{said}: NIS flags it already.", said=said))
     if e.flagged < ENOUGH:
         return Verdict(False, text("{said}: the innovations mostly look white.", said=said))
-    return Verdict(True, text("{said}: NIS is content, colour gives the filter away.", said=said))
+    return Verdict(True, text("{said}: NIS does not flag it; the whiteness test does.", said=said))
 
 
 def _converter(o: Outcome[Study]) -> Verdict:
@@ -54,7 +54,7 @@ def _converter(o: Outcome[Study]) -> Verdict:
     said = _said(e)
     if not e.right:
         return Verdict(False, text("{said}: the noise of the converter is still visible.", said=said))
-    return Verdict(True, text("{said}: what was colour is now state.", said=said))
+    return Verdict(True, text("{said}: the coloured noise is now a state.", said=said))
 
 
 def _report(o: Outcome[Study]) -> Verdict:
@@ -89,7 +89,7 @@ def _shy(o: Outcome[Study]) -> Verdict:
                 most=100 * MAX_FLAGGED_SHARE,
             ),
         )
-    return Verdict(True, text("{found}; NEES averages {nees:.2f} of 6: right in all it says but its own doubt.", found=found, nees=e.nees))
+    return Verdict(True, text("{found}; NEES averages {nees:.2f} of 6: only its covariance is too large.", found=found, nees=e.nees))
 
 
 SECOND_SENSOR = Typed("P*r/(P*r+(P+r)*s)", ("P", "r", "s"), slips=(

@@ -26,7 +26,7 @@ ANY = text("any")
 ROLES = ("force", "disturbance", "second")
 
 
-def all_figures(outcome: Outcome[Study]) -> FigureSet:
+def figures(outcome: Outcome[Study]) -> FigureSet:
     """Everything on the right of the stage."""
     return FigureSet(
         tab_figures(SPECTRUM_TAB, lambda: _spectra(outcome)),
@@ -245,7 +245,7 @@ def _price(outcome: Outcome[Study]) -> TableFigure:
     )
     said = (text("Recovery is off: move ρ.") if outcome.design["recovery"] == 0 else
             claim(_bought(s, noise[1] / max(noise[0], 1e-300)), s.cost.total / s.plain_cost.total, above=1.0,
-                  otherwise=text("Here the loop with recovery is not dearer than the plain one.")))
+                  otherwise=text("Here the loop with recovery costs no more than the plain one.")))
     return TableFigure("price", text("what recovery gives and takes"),
                        (same(""), text("plain LQG"), text("now")), rows, said, RECOVERY_TAB)
 

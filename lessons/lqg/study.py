@@ -215,7 +215,7 @@ def _checks(s: Study, m: Mapping[str, float]) -> tuple[Check, ...]:
     return (
         Check("stable", text("stable with the true gain m"), s.density is not None, m["stable"]),
         Check("optimal", text("no controller is cheaper under this noise"),
-              s.cost.total <= s.cost.least * (1 + 1e-6), s.cost.total / max(s.cost.least, 1e-300)),
+              s.cost.total <= s.cost.least * (1 + 1e-6), s.cost.total / max(s.cost.least, 1e-300), informative=True),
         Check("kalman", text("LQR keeps |1 + ℓ| ≥ 1"), m["nearest_lqr"] > 1 - 1e-6, m["nearest_lqr"]),
         Check("margins", text("LQG has a disk margin of at least 0.5"), disk >= 0.5, disk),
     )
@@ -263,8 +263,11 @@ def _live(s: Study) -> Text:
     if s.suppression is None:
         return text("Stable up to a gain of {gain:.6g}; nearest approach to −1: {nearest:.3g}.",
                     gain=gain[1], nearest=s.real.margins.nearest)
-    named = ", ".join(f"{v:.1f}" for v in s.suppression).replace("-", "−")
+    changes = [round(float(v), 1) for v in -s.suppression]
+    named = ", ".join(f"{change:+.1f}" if change else "0.0" for change in changes).replace("-", "−")
     delay = s.real.margins.delay
     late = (text("{delay:.3g} s of delay", delay=delay) if np.isfinite(delay) else text(
         "any delay"))
-    return text("Peaks lowered by {named} dB; this input tolerates {late}.", named=named, late=late)
+    if s.setting.gain != 1:  # the margins are those of the loop that was designed
+        return text("Peaks beside no control: {named} dB; with the gain of the model this input tolerates {late}.", named=named, late=late)
+    return text("Peaks beside no control: {named} dB; this input tolerates {late}.", named=named, late=late)

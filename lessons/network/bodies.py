@@ -11,6 +11,7 @@ from dataclasses import replace
 from observer_lab.colours import COLOURS, rgb
 from observer_lab.plants.bodies.body import (
     DARK_GREY,
+    GHOST_NAME,
     METAL,
     PLANT_COLOUR,
     STEEL,
@@ -21,6 +22,7 @@ from observer_lab.plants.bodies.body import (
     Box,
     Cylinder,
     Part,
+    PartName,
     Pose,
     Rod,
     Vector,
@@ -94,7 +96,11 @@ def ridge_body() -> Body:
                    for i, x in enumerate(middles))
     return Body((Part("base", Box((4.0, 1.3, 0.1)), DARK_GREY), *slices, Part("ball", Ball(BALL), PLANT_COLOUR, twin=True)),
                 pose, arrows, anchors, 1.0, text("A ball on a ridge rolls away by itself; the green arrow is the "
-                                                 "input"))
+                                                 "input"), names=(
+        PartName(text("measurement arrives"), "sensor lamp", (-0.35, -0.1, -0.5)),
+        PartName(text("input arrives"), "input lamp", (0.35, -0.1, -0.5)),
+        PartName(GHOST_NAME, "ball", (0.7, -0.2, 0.6), True),
+    ))
 
 
 def columns_body(count: int, full: float) -> Body:

@@ -125,7 +125,7 @@ def _teeth(outcome: Outcome[Study]) -> LineFigure:
     low, high = _big(s.lower[-1]), _big(s.upper[-1])
     mean = (text("lies between {low} and {high}", low=low, high=high) if s.upper[-1] < DISPLAY_LIMIT else
             text("is at least {low}", low=low))
-    words = text("Variance of the error over that without loss. This run rises to {peak}; after {samples} samples "
+    words = text("Variance that the filter computes, over that without loss. This run rises to {peak}; after {samples} samples "
                  "the mean {mean}.",
                  peak=_big(peak), samples=RUN_SAMPLES, mean=mean)
     return LineFigure("teeth", text("how unsure the filter is"), times(outcome), tuple(curves), "σ²/σ₀²",
@@ -191,9 +191,10 @@ def _limits(outcome: Outcome[Study]) -> TableFigure:
         (text("loss · max|λ|², growth per sample"), f"{p * plant.radius**2:.4f}"),
         (text("least limit of the mean, σ²/σ₀²"), least),
     )
-    said = (text("The mean grows without end.") if not edge.bounded(p) else
-            text("The mean stays bounded.") if p < edge.safe else
-            text("The mean stays bounded, though the upper bound does not: the modes differ in modulus (Mo and Sinopoli)."))
+    said = (text("The mean that the filter expects grows without end.") if not edge.bounded(p) else
+            text("The mean that the filter expects stays bounded.") if p < edge.safe else
+            text("The mean that the filter expects stays bounded, though the upper bound does not: the modes differ in modulus "
+                 "(Mo and Sinopoli)."))
     return TableFigure("limits", text("tolerable losses"), (text("quantity"), text("value")), rows,
                        caption=said, tab=MEAN_TAB)
 
@@ -266,7 +267,7 @@ def _growth(outcome: Outcome[Study]) -> PlaneFigure:
     better = (text("with nothing lost there is no difference") if hold_now == zero_now else
               text("holding is the better stand-in there") if hold_now < zero_now else
               text("zero is the better stand-in there"))
-    words = text("Growth of E‖x‖² per sample under u = −Kx; below 1 it decays. At {loss_u:.0f} % lost: "
+    words = text("Growth of E‖x‖² per sample under u = −Kx without delay; below 1 it decays. At {loss_u:.0f} % lost: "
                  "{now:.3f}; {better}.",
                  loss_u=100 * d["loss_u"], now=now, better=better)
     return PlaneFigure("growth", text("inputs lost: hold or zero"),

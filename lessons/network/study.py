@@ -21,7 +21,7 @@ from observer_lab.engine.network import (
     promised_error,
     spectral_radius,
 )
-from observer_lab.text import Text, joined, text
+from observer_lab.text import NO_WORDS, Text, joined, text
 
 from ..toolkit.latex import matrix, number
 from .cases import CASE_KINDS, DECK_CASE, RUN_SAMPLES, SCALAR_CASE, TWO, Watched, sampled, watched
@@ -45,9 +45,9 @@ def key(design: Design) -> tuple[str, float, float, float]:
 
 @dataclass(frozen=True, eq=False)
 class Trials:
-    """Ratios of P[k|k−1] over RUNS records, every packet either lost or at once there.
+    """Ratios of P[k|k−1] over RUN_COUNT records, every packet either lost or at once there.
 
-    `mean` (SAMPLES + 1,) at `loss`, empty where that is not the loss of the design; `means`, `medians`: after SAMPLES
+    `mean` (RUN_SAMPLES + 1,) at `loss`, empty where that is not the loss of the design; `means`, `medians`: after RUN_SAMPLES
     samples for the first losses of OVER.
     """
 
@@ -64,10 +64,10 @@ class Trials:
 
 @dataclass(frozen=True, eq=False)
 class Study:
-    """One run of one design and what many runs have shown so far; arrays over SAMPLES, the last value held where the run diverged.
+    """One run of one design and what many runs have shown so far; arrays over RUN_SAMPLES, the last value held where the run diverged.
 
-    teeth (SAMPLES, 2): ratio of the covariance just after the packets of a sample, and just before those of the next.
-    lower, upper (SAMPLES + 1,): bounds of the mean of that before the packets. loop: z⁺ = loop z of the steady filter with
+    teeth (RUN_SAMPLES, 2): ratio of the covariance just after the packets of a sample, and just before those of the next.
+    lower, upper (RUN_SAMPLES + 1,): bounds of the mean of that before the packets. loop: z⁺ = loop z of the steady filter with
     delay and no loss.
     """
 
@@ -142,7 +142,7 @@ def tell(design: Design) -> Study:
 
 
 def _held(values: np.ndarray) -> np.ndarray:
-    """Over SAMPLES, clipped, the last value held where the run ended early."""
+    """Over RUN_SAMPLES, clipped, the last value held where the run ended early."""
     index = np.minimum(np.arange(RUN_SAMPLES), len(values) - 1)
     return np.clip(values, -DISPLAY_LIMIT, DISPLAY_LIMIT)[index]
 
@@ -158,7 +158,7 @@ def _jumps(design: Design, h: float) -> np.ndarray:
 
 @lru_cache(maxsize=64)
 def bounds(loss: float, of: tuple[str, float, float, float]) -> tuple[np.ndarray, np.ndarray]:
-    """Lower and upper bound of the mean covariance, (SAMPLES + 1, n, n), from the filter without loss on."""
+    """Lower and upper bound of the mean covariance, (RUN_SAMPLES + 1, n, n), from the filter without loss on."""
     who = watched(*of)
     s = who.sampled
     return mean_bounds(s.plant.A, s.plant.C, s.Q, who.R, who.steady.solution, loss, RUN_SAMPLES)
@@ -166,7 +166,7 @@ def bounds(loss: float, of: tuple[str, float, float, float]) -> tuple[np.ndarray
 
 @lru_cache(maxsize=32)
 def bounds_over_loss(of: tuple[str, float, float, float]) -> tuple[np.ndarray, np.ndarray]:
-    """Ratios of the lower and the upper bound after SAMPLES samples, over LOSSES."""
+    """Ratios of the lower and the upper bound after RUN_SAMPLES samples, over LOSSES."""
     who = watched(*of)
     s = who.sampled
     lower, upper = mean_bounds(s.plant.A, s.plant.C, s.Q, who.R, who.steady.solution, LOSSES, RUN_SAMPLES)
@@ -217,7 +217,7 @@ def compute(design: Design) -> Outcome[Study]:
         "lost_measurements": float(np.sum(~study.heard)), "lost_inputs": float(np.sum(study.run.draw.acted < 0)),
     })
     checks = LazySequence(lambda: (
-        Check("bounded", text("the mean covariance stays bounded"), s.edge.bounded(design["loss"]) is True, metrics["growth"]),
+        Check("bounded", text("the filter expects a bounded mean covariance"), s.edge.bounded(design["loss"]) is True, metrics["growth"]),
         Check("separation", text("the error dynamics are autonomous"), study.meter < AUTONOMOUS_TOLERANCE, study.meter),
         Check("loop", text("the loop with its delay is stable"), metrics["loop_radius"] < 1, metrics["loop_radius"]),
     ))
@@ -265,13 +265,17 @@ def _formulas(design: Design, study: Study) -> tuple[Formula, ...]:
 def _live(design: Design, m: Mapping[str, float]) -> Text:
     lost = f"{100 * design['loss']:.0f} %"
     if m["critical"] >= 1:
-        first = text("{lost} of the measurements are lost; this plant has no unstable mode, so the mean stays bounded.",
+        first = text("{lost} of the measurements are lost; this plant has no unstable mode, so the filter expects a bounded mean variance.",
                      lost=lost)
     else:
-        first = claim(text("{lost} of the measurements are lost, {critical:.1f} % may be: the mean stays bounded.",
+        first = claim(text("{lost} of the measurements are lost; up to {critical:.1f} % can be tolerated: the filter expects "
+                           "a bounded mean variance.",
                            lost=lost, critical=100 * m["critical"]), design["loss"], below=m["critical"], otherwise=text(
-            "{lost} of the measurements are lost, {critical:.1f} % is the limit: the mean diverges.",
+            "{lost} of the measurements are lost, and the limit is {critical:.1f} %: the mean variance that the filter expects diverges.",
             lost=lost, critical=100 * m["critical"]))
     second = claim(text("Separation meter: 0."), m["separation_meter"], below=AUTONOMOUS_TOLERANCE, otherwise=text(
         "Separation meter: {separation_meter:.2g}.", separation_meter=m["separation_meter"]))
-    return joined(first, second)
+    unstable = text("With this delay the loop is unstable: its spectral radius is {radius:.3g}.", radius=m["loop_radius"])
+    wrong = text("The true error does not follow the filter's variance.")
+    return joined(unstable if m["loop_radius"] >= 1 else NO_WORDS, first, second,
+                  wrong if m["separation_meter"] >= AUTONOMOUS_TOLERANCE else NO_WORDS)

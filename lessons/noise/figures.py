@@ -5,13 +5,17 @@ from __future__ import annotations
 import numpy as np
 
 from observer_lab.course.figures.claims import claim
+from observer_lab.course.figures.diagram import DiagramFigure
 from observer_lab.course.figures.records import Curve, Figure, LineFigure, PlaneFigure, Point, TableFigure
 from observer_lab.course.lesson import Outcome
 from observer_lab.engine import chi2_band
 from observer_lab.text import Text, format_number, same, squared_unit, text
 
+from ..toolkit.diagram import loop
 from ..toolkit.figures import TIME_TAB
+from ..toolkit.knobs import untouched
 from ..toolkit.shares import percent
+from .knobs import SPRING_PLANT
 from .study import Study
 
 SPEED_TAB, RUNS_TAB = text("Speed"), text("Many runs")
@@ -21,11 +25,16 @@ BAND_PROBABILITY = 0.95
 PLANNED = 400  # runs for which the band is drawn before any has been made
 
 
-def all_figures(outcome: Outcome[Study]) -> tuple[Figure, ...]:
+def figures(outcome: Outcome[Study]) -> tuple[Figure, ...]:
     """Everything on the right of the stage."""
     i = int(outcome.design["watch"] == "velocity")
     return (_valley(outcome, i), _peaks(outcome), _shares(outcome), _measured(outcome), _velocity(outcome), _error(outcome, i),
-            _variance(outcome, i))
+            _variance(outcome, i), _loop(outcome))
+
+
+def _loop(outcome: Outcome[Study]) -> DiagramFigure:
+    assert outcome.run is not None
+    return loop(SPRING_PLANT, outcome.run, outcome.gains["L"])
 
 
 def _log(values: np.ndarray) -> np.ndarray:
@@ -72,9 +81,9 @@ def _valley_words(outcome: Outcome[Study], i: int) -> Text:
 
 def _peaks(outcome: Outcome[Study]) -> PlaneFigure:
     ray, m, d = outcome.study.ray, outcome.metrics, outcome.design["error0"]
-    said = (text("With {d:.2g} m of starting error and the kick the velocity estimate is wrong by up to "
+    said = (text("With {d:.2g} m of starting error and the kick or pull the velocity estimate is wrong by up to "
                  "{peak:.3g} m/s.",
-                 d=d, peak=m["peak"]) if outcome.design["kick"] >= 0 else
+                 d=d, peak=m["peak"]) if not untouched(outcome.design) else
             text("With {d:.2g} m of starting error the velocity estimate is wrong by up to {peak:.3g} m/s.",
                  d=d, peak=m["peak"]))
     x, y = _log(ray.speed), _log(ray.peak)

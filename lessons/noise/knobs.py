@@ -6,7 +6,7 @@ from observer_lab.course.knobs import Choice, Number, Poles
 from observer_lab.plants import MODELS
 from observer_lab.text import text
 
-from ..toolkit.knobs import run_knobs
+from ..toolkit.knobs import pull_knobs, run_knobs
 
 MODEL = MODELS["spring-damper"]
 SPRING_PLANT = MODEL.plant
@@ -35,4 +35,5 @@ KNOBS = (
                     (VELOCITY, text("velocity, not measured"))),
            hint=text("Which error the curves show.")),
     *run_knobs(HORIZON),
+    *pull_knobs(MODEL),
 )

@@ -140,7 +140,7 @@ def compute(model: Model, design: Design) -> Outcome[Study]:
     poles, kalman = sorted_poles(plant.A - L @ plant.C), np.linalg.eigvals(plant.A - study.kalman @ plant.C)
     metrics = LazyMap(lambda: _metrics(study))
     return Outcome(design, {"L": L}, {"observer": poles, "kalman": kalman}, metrics, LazySequence(lambda: _checks(metrics)), study.run,
-                   _boards(model, design, L, poles, kalman), stage(model, study.run), LazySequence(lambda: (
+                   _boards(model, design, L, poles, kalman), stage(model, study.run, design), LazySequence(lambda: (
                        Formula("lyapunov", r"F P + P F^{\mathsf T} + G W G^{\mathsf T} + L V L^{\mathsf T} = 0,\quad F = A - LC"),
                        Formula("L", gain_words("L", L)))), LazyValue(lambda: _live(metrics)), study)
 
@@ -155,7 +155,7 @@ def _metrics(study: Study) -> dict[str, float]:
 
 def _checks(m: Mapping[str, float]) -> tuple[Check, ...]:
     return (
-        Check("least", text("within 1 % of the least variance"), m["ratio"] ** 2 <= 1.01, m["ratio"]),
+        Check("least", text("within 1 % of the least variance"), m["ratio"] ** 2 <= 1.01, m["ratio"], informative=True),
         Check("floor", text("no observer beats the Kalman filter: P − P_min ≥ 0"), m["floor"] > -1e-6, m["floor"]))
 
 

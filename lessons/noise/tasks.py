@@ -8,6 +8,7 @@ from observer_lab.course.exercises.typed_answers import Typed
 from observer_lab.course.lesson import Outcome, Task, Verdict, typed_task
 from observer_lab.text import text
 
+from ..toolkit.knobs import untouched
 from .knobs import KNOBS
 from .study import Study
 
@@ -59,10 +60,10 @@ def _quiet_start(outcome: Outcome[Study]) -> Verdict:
     m, d = outcome.metrics, outcome.design
     if d["error0"] < 0.3:
         return Verdict(False, text("The starting error is {error0:.3g} m; keep 0.3 m or more.", error0=d["error0"]))
-    if d["kick"] >= 0:
-        return Verdict(False, text("Leave the kick out."))
-    numbers = text("Peak {peak:.3g} m/s, settled after {settled_after:.2f} s",
-                   peak=m["peak"], settled_after=m["settled_after"])
+    if not untouched(d):
+        return Verdict(False, text("Leave kicks and pulls out."))
+    numbers = (text("Peak {peak:.3g} m/s, not settled in this run", peak=m["peak"]) if np.isinf(m["settled_after"]) else
+               text("Peak {peak:.3g} m/s, settled after {settled_after:.2f} s", peak=m["peak"], settled_after=m["settled_after"]))
     if m["peak"] > MAX_PEAK_M_S or m["settled_after"] > MAX_SETTLING_S:
         return Verdict(False, text("{numbers}; wanted at most {peak:g} m/s and {settled:g} s.",
                                    numbers=numbers, peak=MAX_PEAK_M_S, settled=MAX_SETTLING_S))
@@ -71,11 +72,13 @@ def _quiet_start(outcome: Outcome[Study]) -> Verdict:
 
 def _bargain(outcome: Outcome[Study]) -> Verdict:
     m, d = outcome.metrics, outcome.design
-    if (d["w"], d["v"]) != GIVEN or d["error0"] < 0.3 or d["kick"] >= 0:
-        return Verdict(False, text("Keep W = {given:g}, V = {given2:g}, a starting error of 0.3 m or more, and no kick.", given=GIVEN[0],
-                                   given2=GIVEN[1]))
-    found = text("Settled after {settled_after:.2f} s, and the worse of the two variances is {ratio:.3f} times the least",
-                 settled_after=m["settled_after"], ratio=m["worst_ratio"])
+    if (d["w"], d["v"]) != GIVEN or d["error0"] < 0.3 or not untouched(d):
+        return Verdict(False, text("Keep W = {given:g}, V = {given2:g}, a starting error of 0.3 m or more, and no kick or pull.",
+                                   given=GIVEN[0], given2=GIVEN[1]))
+    found = (text("Not settled in this run, and the worse of the two variances is {ratio:.3f} times the least", ratio=m["worst_ratio"])
+             if np.isinf(m["settled_after"]) else
+             text("Settled after {settled_after:.2f} s, and the worse of the two variances is {ratio:.3f} times the least",
+                  settled_after=m["settled_after"], ratio=m["worst_ratio"]))
     if not SETTLING_BAND_S[0] <= m["settled_after"] <= SETTLING_BAND_S[1] or m["worst_ratio"] > FLAT:
         return Verdict(
             False,

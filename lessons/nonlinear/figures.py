@@ -201,8 +201,8 @@ def _second_law(outcome: Outcome[Study]) -> PlaneFigure:
     h = np.linspace(0, 95, 96)
     air = np.exp(-falling_body.PARAMETERS.density * 1e3 * h)
     return _plane("law2", text("density of the air"), "h [km]", "ρ/ρ₀", h, air, np.full_like(h, air[-1]), None,
-                  text("Above 60 km there is nothing to feel: β stays unknown until the air takes hold, then all "
-                       "at once."), (0.0, 1.0))
+                  text("Above 60 km the readings hardly depend on β. Below that height β becomes known "
+                       "quickly."), (0.0, 1.0))
 
 
 # --- the report ----------------------------------------------------------------------------------------------------------

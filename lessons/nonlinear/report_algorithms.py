@@ -40,7 +40,7 @@ def finding(line: str, gap: float) -> Text:
 def linear_spreads(name: str, wind: float, sensor: float) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
     """σ of the first watched state on the plant made linear: of the Kalman filter, what Algorithm 3 believes, what it gets.
 
-    Each (STEPS,) after the measurement. The last: the largest distance of the two gains, relative to the right one.
+    Each (COMPARED_STEPS,) after the measurement. The last: the largest distance of the two gains, relative to the right one.
     P⁻ = A P Aᵀ + Q in both; the gain of Algorithm 3 comes from A P Aᵀ alone, and the error that it really leaves is
     Joseph's form with that gain.
     """

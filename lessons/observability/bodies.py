@@ -23,6 +23,7 @@ from observer_lab.plants.bodies.body import (
     Body,
     Box,
     Part,
+    PartName,
     Pose,
     Rod,
     Vector,
@@ -111,7 +112,9 @@ def _deck() -> Body:
         (*parts, Part("sensor across", Box((0.3, 0.3, 0.16)), STEEL), Part("needle across", Rod(0.045), METAL),
          *CLOUD_PARTS),
         _deck_pose, lambda x, u, gain: base.arrows(x[:6], u, gain), lambda x, gain: base.anchors(x[:6], gain), base.gain,
-        text("Sensors that are on are blue; above, the states (x right, z up, θ away) that the data so far allow"))
+        text("Sensors that are on are blue; above, the states (x right, z up, θ away) that the data so far allow"),
+        names=(PartName(text("states that the data allow"), "cloud", (1.0, -0.2, 0.2)),
+               PartName(text("sensor that is on"), "sensor left", (-0.9, -0.3, 0.35)), PartName(text("deck"), "deck", (-0.95, -0.7, -0.4))))
 
 
 def columns_body(count: int, label: Text) -> Body:

@@ -115,11 +115,11 @@ def metrics_of(found: Study) -> dict[str, float]:
 def checks_of(m: dict[str, float]) -> tuple[Check, ...]:
     """What the rank says, and what the distances and the data say."""
     return (
-        Check("rank", text("rank(O) = n at this tolerance"), m["rank"] == m["states"], m["rank"]),
-        Check("seen", text("every mode leaves a trace"), m["hidden"] == 0, m["weakest"]),
-        Check("clear", text("no mode is nearly hidden"), m["weakest"] >= NEARLY_HIDDEN_DISTANCE, m["weakest"]),
+        Check("rank", text("rank(O) = n at this tolerance"), m["rank"] == m["states"], m["rank"], informative=True),
+        Check("seen", text("every mode leaves a trace"), m["hidden"] == 0, m["weakest"], informative=True),
+        Check("clear", text("no mode is nearly hidden"), m["weakest"] >= NEARLY_HIDDEN_DISTANCE, m["weakest"], informative=True),
         Check("known", text("every direction of x(0) known to a tenth"),
-              m["known"] == m["states"], m["known"]),
+              m["known"] == m["states"], m["known"], informative=True),
     )
 
 

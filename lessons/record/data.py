@@ -42,11 +42,16 @@ class Truth:
 
 @dataclass(frozen=True, eq=False)
 class Given:
-    """A record, and if it is simulated the output without sensor noise and the plant."""
+    """A record, and if it is simulated the output without sensor noise and the plant.
+
+    `own` if a person brought it; `plant` if that person's plant is filtered, and not fitted.
+    """
 
     record: Record
     clean: np.ndarray | None = None
     truth: Truth | None = None
+    own: bool = False
+    plant: Plant | None = None
 
 
 def _plant(A: list[list[float]], B: list[float], C: list[float], dt: float) -> Plant:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from observer_lab.course.figures.records import Curve, LineFigure, PlaneFigure, Point, TableFigure, thin_samples
+from observer_lab.course.figures.curves import thin_samples
+from observer_lab.course.figures.records import Curve, LineFigure, PlaneFigure, Point, TableFigure
 from observer_lab.course.lazy import FigureSet, tab_figures
 from observer_lab.course.lesson import Outcome
+from observer_lab.engine.identification.evidence import WHITE
 from observer_lab.text import Text, format_number, text
 
-from .study import WHITE, Study
+from .study import Study
 
 RECORD_TAB, ORDER_TAB, INNOVATIONS_TAB, NIS_TAB, NUMBERS_TAB = (
     text("Record"), text("Order"), text("Innovations"), text("Consistency"), text("Numbers"))
@@ -17,7 +19,7 @@ MOST_VALUES = 12  # singular values that are drawn
 TOP = 12.0  # of the NIS figure, in means
 
 
-def all_figures(outcome: Outcome[Study]) -> FigureSet:
+def figures(outcome: Outcome[Study]) -> FigureSet:
     """All figures; those of hidden tabs are made when they are looked at."""
     study = outcome.study
     return FigureSet(tab_figures(RECORD_TAB, lambda: (_output(outcome), _gap(outcome))),
@@ -49,8 +51,8 @@ def _output(outcome: Outcome[Study]) -> LineFigure:
 
 def _gap(outcome: Outcome[Study]) -> LineFigure:
     """What is left of the estimate beside the truth, where that is known, and beside the measurement where it is not."""
-    study, clean = outcome.study, outcome.study.given.clean
-    beside = study.measured if clean is None else clean[study.first:]
+    study, clean = outcome.study, outcome.study.clean
+    beside = study.measured if clean is None else clean
     curves = []
     for name, smoothed, role in ((text("filter"), False, "second"), (text("smoother"), True, "estimate")):
         if smoothed and not outcome.design["smoother"]:
@@ -119,17 +121,19 @@ def _whiteness(study: Study) -> PlaneFigure:
     if white is None:
         return PlaneFigure("whiteness", text("autocorrelation of the innovations"), (), (), text("lag"), text("correlation"),
                            (0, 20), (-1, 1), tab=INNOVATIONS_TAB,
-                           caption=text("Measurements are missing here, so whiteness is not tested."))
+                           caption=text("Measurements are missing here: the test of whiteness leaves their rows out (p = {p:.2g}).",
+                                        p=study.judged.evidence.white))
     r = white.correlation[:, 0]
     lags = len(r)
     points = tuple(Point(k + 1.0, float(v), "estimate" if abs(v) <= white.band else "error", "dot") for k, v in enumerate(r))
     lines = tuple(Curve(text("band of white noise"), np.full(2, side * white.band), "reference", "dash", x=np.array([0.5, lags + 0.5]))
                   for side in (1, -1))
     high = max(1.2 * float(np.abs(r).max()), 2 * white.band)
-    if white.p_value >= WHITE:
-        said = text("The innovations are white (p = {p:.2g}): nothing in them can be predicted.", p=white.p_value)
+    p_value = study.judged.evidence.white
+    if p_value >= WHITE:
+        said = text("The innovations are white (p = {p:.2g}): nothing in them can be predicted.", p=p_value)
     else:
-        said = text("The innovations are not white (p = {p:.2g}): a better model could predict a part of them.", p=white.p_value)
+        said = text("The innovations are not white (p = {p:.2g}): a better model could predict a part of them.", p=p_value)
     return PlaneFigure("whiteness", text("autocorrelation of the innovations"), lines, points, text("lag"), text("correlation"),
                        (0.5, lags + 0.5), (-high, high), tab=INNOVATIONS_TAB, caption=said)
 

@@ -12,12 +12,15 @@ DATA = Choice("data", "", text("record"), default=SPRING,
               options=((SPRING, text("spring and damper (simulated)")), (TANKS, text("two tanks (simulated)")),
                        (MASSES, text("two masses (simulated)")), (FURNACE, text("gas furnace (measured, 1970)"))),
               hint=text("The true plant behind a simulated record is known; behind a measured one nobody knows it."))
+DELAY = Number("delay", "", text("dead time of the input (rows)"), low=0, high=60, default=0, scale="integer",
+               hint=text("By how many rows the output answers later than in the next row. For your own record it is estimated."))
 KNOBS = (
     DATA,
     Number("order", "n", text("order of the model"), low=1, high=MAX_ORDER, default=2, scale="integer",
            hint=text("How many states the fitted model has. The tab Order suggests a number.")),
     Number("share", "", text("share used for the fit"), "%", low=20, high=80, default=50, step=5,
            hint=text("The first part of the record fits the model; the rest judges the filter.")),
+    DELAY,
     Number("factor", "", text("Q by hand / Q by likelihood"), low=0.001, high=1000.0, default=1.0, scale="log",
            hint=text("1 keeps the most likely Q. Below 1 the filter trusts the model too much.")),
     Switch("smoother", "", text("smoother"), default=False,

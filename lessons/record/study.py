@@ -11,13 +11,14 @@ import numpy as np
 from observer_lab.course.figures.latex import matrix
 from observer_lab.course.lazy import LazyMap, LazySequence, LazyValue
 from observer_lab.course.lesson import Check, Design, Formula, Outcome, Stage
-from observer_lab.engine.identification import FilteredRecord, RecordFit, filter_record, identify
+from observer_lab.engine.identification import FilteredRecord, RecordFit, filter_plant, filter_record, identify
+from observer_lab.engine.identification.evidence import INPUT, LEAST_FIT, WHITE
 from observer_lab.plants.bodies.own_body import tubes_body
 from observer_lab.text import NO_WORDS, Text, error_words, joined, text
 
 from .data import Given, record_of
+from .knobs import MAX_ORDER
 
-WHITE = 0.01  # p-value below which innovations are not white
 DEVIATIONS = 3.0  # of a pole: within them the true one is expected
 
 
@@ -38,6 +39,11 @@ class Study:
     def first(self) -> int:
         """The first row that judges."""
         return self.judged.first
+
+    @property
+    def clean(self) -> np.ndarray | None:
+        """The true output of the rows that judge, None where nobody knows it."""
+        return None if self.given.clean is None else self.given.clean[self.found.delay + self.first:]
 
     @property
     def t(self) -> np.ndarray:
@@ -74,14 +80,17 @@ def from_knobs(design: Design) -> Given:
 
 
 @lru_cache(maxsize=32)
-def _fitted(given: Given, order: int, share: float) -> RecordFit:
-    return identify(given.record, order=order, share=share)
+def _fitted(given: Given, order: int, share: float, delay: int) -> RecordFit:
+    own = given.own
+    if given.plant is not None:
+        return filter_plant(given.plant, given.record, share=share, delay=delay)
+    return identify(given.record, order=order, share=share, delay=delay, degree=None if own else 0, robust=own)
 
 
 def compute(source: Source, design: Design) -> Outcome[Study]:
     """Fit the model and its noises to the first share of the record, filter the whole, judge by the rest."""
     given = source(design)
-    found = _fitted(given, int(design["order"]), design["share"] / 100)
+    found = _fitted(given, int(design["order"]), design["share"] / 100, int(design["delay"]))
     judged = found.judged if design["factor"] == 1 else filter_record(
         found.fitted, found.record, found.judged.first, factor=design["factor"])
     study = Study(given, found, judged, *_beside(given, found))
@@ -109,23 +118,28 @@ def _metrics(study: Study) -> dict[str, float]:
     s, judged, fitted = study.found.subspace, study.judged, study.found.fitted
     known = {
         "mean_nis": judged.mean_nis, "nis_low": judged.band[0], "nis_high": judged.band[1], "fit": 100 * float(judged.fit[0]),
-        "white_p": 1.0 if judged.whiteness is None else judged.whiteness.p_value, "suggested": float(s.suggested),
+        "white_p": judged.evidence.white, "suggested": float(min(s.suggested, MAX_ORDER)), "information": float(s.by_information),
+        "input_p": judged.evidence.input, "feedback_p": judged.evidence.feedback, "same_row_p": judged.evidence.same_row,
+        "outliers": float(study.found.outliers.sum()), "delay": float(study.found.delay),
         "edge": s.edge, "last_value": float(s.singular_values[len(s.A) - 1]), "deviation": float(s.deviations.max()),
         "away": study.away, "sensor": float(np.sqrt(fitted.R[0, 0])), "horizon": float(s.horizon),
         "slowest": float(np.abs(s.poles).max()), "gain": float(np.linalg.norm(fitted.plant.C @ judged.track.schedule.gains[-1]))}
-    if study.given.clean is not None:
-        clean = study.given.clean[study.first:]
+    clean = study.clean
+    if clean is not None:
         for name, smoothed in (("filter_error", False), ("smoother_error", True)):
             known[name] = float(np.sqrt(np.mean((study.estimate(smoothed) - clean) ** 2)))
     return known
 
 
 def _checks(study: Study) -> tuple[Check, ...]:
-    judged = study.judged
-    white = judged.whiteness
-    checks = [Check("nis", text("the mean NIS of the unused rows is in its band"), judged.consistent, judged.mean_nis)]
-    if white is not None:
-        checks.append(Check("white", text("the innovations of the unused rows are white"), white.p_value >= WHITE, white.p_value))
+    judged, evidence = study.judged, study.judged.evidence
+    checks = [Check("nis", text("the mean NIS of the unused rows is in its band"), judged.nis_holds, judged.mean_nis),
+              Check("white", text("the innovations of the unused rows are white"), evidence.white >= WHITE, evidence.white),
+              Check("stable", text("the fitted model is stable"), evidence.stable, evidence.radius),
+              Check("fit", text("the predictions explain a part of the output"), evidence.fit >= LEAST_FIT, evidence.fit)]
+    if study.found.record.u.shape[1]:
+        checks += [Check("input", text("the innovations do not depend on earlier inputs"), evidence.input >= INPUT, evidence.input),
+                   Check("open", text("the inputs do not depend on the outputs (open loop)"), evidence.open_loop, evidence.feedback)]
     if study.true_poles is not None:
         checks.append(Check("poles", text("every true pole is within three standard deviations of a fitted one"),
                             study.away <= DEVIATIONS, study.away))
@@ -135,7 +149,7 @@ def _checks(study: Study) -> tuple[Check, ...]:
 def _stage(study: Study, smoothed: bool) -> Stage:
     """One tube for each output: what was measured (or is true), and as the ghost what the filter estimates."""
     record, first = study.found.record, study.first
-    shown = study.measured if study.given.clean is None else study.given.clean[first:]
+    shown = study.measured if study.clean is None else study.clean
     seen = np.isfinite(shown)
     shown = np.where(seen, shown, study.predicted)
     level = study.found.trend.y_level
@@ -157,17 +171,26 @@ def _formulas(study: Study, gains: dict[str, np.ndarray]) -> tuple[Formula, ...]
 
 
 def _live(study: Study) -> Text:
-    judged, order, suggested = study.judged, len(study.found.subspace.A), study.found.subspace.suggested
+    judged, order, suggested = study.judged, len(study.found.subspace.A), min(study.found.subspace.suggested, MAX_ORDER)
+    failures = judged.evidence.failures
     fit = text("The filter predicts {fit:.3g} % of the output's variation one step ahead.", fit=100 * float(judged.fit[0]))
     if judged.mean_nis > judged.band[1]:
         nis = text("Mean NIS {nis:.3g}, above its band ({low:.2f} to {high:.2f}): the filter is over-confident.",
                    nis=judged.mean_nis, low=judged.band[0], high=judged.band[1])
+    elif failures and judged.nis_holds:
+        nis = text("Mean NIS {nis:.3g}, inside its band ({low:.2f} to {high:.2f}), but another check fails: the filter is not "
+                   "consistent.", nis=judged.mean_nis, low=judged.band[0], high=judged.band[1])
     elif judged.mean_nis < judged.band[0]:
         nis = text("Mean NIS {nis:.3g}, below its band ({low:.2f} to {high:.2f}): the filter is under-confident.",
                    nis=judged.mean_nis, low=judged.band[0], high=judged.band[1])
     else:
         nis = text("Mean NIS {nis:.3g}, inside its band ({low:.2f} to {high:.2f}): the filter is consistent.",
                    nis=judged.mean_nis, low=judged.band[0], high=judged.band[1])
+    mine = NO_WORDS if study.given.plant is None else text("The model is your own plant; only Q and R were fitted.")
     other = NO_WORDS if order == suggested else text("The singular values suggest order {suggested}, not {order}.",
                                                      suggested=suggested, order=order)
-    return joined(nis, fit, other, *map(error_words, study.found.record.notes))
+    information = study.found.subspace.by_information
+    criterion = NO_WORDS if information == suggested else text("An information criterion suggests order {order}.", order=information)
+    return joined(*map(error_words, failures[:1] if not judged.evidence.stable else ()), nis,
+                  *map(error_words, failures[1:] if not judged.evidence.stable else failures), mine, fit, other, criterion,
+                  error_words(study.given.record.size), *map(error_words, study.found.record.notes))

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from observer_lab.course.exercises.typed_answers import Typed
 from observer_lab.course.lesson import Outcome, Task, Verdict, typed_task
+from observer_lab.engine.identification.evidence import WHITE
 from observer_lab.text import text
 
 from .knobs import FURNACE, MASSES, TANKS
-from .study import WHITE, Study
+from .study import Study
 
 DOUBTFUL, HALF, CLOSE = 2.0, 0.5, 0.05
 SURE, LITTLE = 0.09, 30.0

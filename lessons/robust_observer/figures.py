@@ -5,16 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from observer_lab.course.figures.claims import claim
-from observer_lab.course.figures.records import (
-    Curve,
-    LineFigure,
-    MapFigure,
-    PlaneFigure,
-    Point,
-    TableFigure,
-    over_frequency,
-    round_up_nicely,
-)
+from observer_lab.course.figures.ranges import round_up_nicely
+from observer_lab.course.figures.records import Curve, LineFigure, MapFigure, PlaneFigure, Point, TableFigure, over_frequency
 from observer_lab.course.lazy import FigureSet, tab_figures
 from observer_lab.course.lesson import Design, Outcome
 from observer_lab.text import Text, format_number, same, text, text_in
@@ -36,7 +28,7 @@ SIGNAL_LIMIT = 200.0  # signals beyond are drawn at the edge
 NO_VALUE = same("–")
 
 
-def all_figures(outcome: Outcome[Story]) -> FigureSet:
+def figures(outcome: Outcome[Story]) -> FigureSet:
     """Time, criterion, worst case, paper: at most three in a tab."""
     return FigureSet(tab_figures(TIME_TAB, lambda: (_error(outcome), _input(outcome), _output(outcome))),
                  tab_figures(J_TAB, lambda: (_criterion(outcome), _map(outcome), _found(outcome))),

@@ -19,7 +19,7 @@ from ..toolkit.boards import bolts
 from ..toolkit.latex import gain_words, number, pole_words
 from .code import own_code
 from .derive import derived
-from .own_figures import all_figures
+from .own_figures import figures
 from .own_job import key, search, shown
 from .own_knobs import own_knobs
 from .own_loop import Run, Story, errors, lengths, observer_of, run_of, wanted_of
@@ -112,6 +112,6 @@ def _code(here: Here, outcome: Outcome[Story]) -> Code:
 def adapted(lesson: Lesson, model: Model) -> Lesson:
     """The lesson on a person's own plant, where an observer of a part of its state exists; the tasks stay with the paper."""
     here = fitted(model)
-    return replace(lesson, knobs=own_knobs(here), compute=partial(compute, here), figures=partial(all_figures, here), tasks=(),
+    return replace(lesson, knobs=own_knobs(here), compute=partial(compute, here), figures=partial(figures, here), tasks=(),
                    code=partial(_code, here), derived=partial(derived),
                    job=Job(text("Run algorithm RLO"), partial(search, here), key, partial(shown, here), figure="found"))

@@ -22,7 +22,7 @@ CHOSEN, RLO, MODEL = text("true plant"), text("true plant, RLO"), text(
     "model")
 
 
-def all_figures(here: Here, outcome: Outcome[Story]) -> FigureSet:
+def figures(here: Here, outcome: Outcome[Story]) -> FigureSet:
     """Time, criterion, loop: at most three in a tab."""
     story = outcome.study
     return FigureSet(

@@ -143,7 +143,7 @@ def gains_over_frequency(observer: FunctionalObserver, dB: np.ndarray,
 
     The first has ΔB as well.
 
-    MOST where a loop is unstable. The peak is exact for the pair that is highest on the grid.
+    DISPLAY_LIMIT where a loop is unstable. The peak is exact for the pair that is highest on the grid.
     """
     loops = [perturbed_loop(observer, dA=dA, dB=dB if k == 0 else None, dC=dC) for k, (dA, dC) in enumerate(pairs)]
     A, B, C = (np.stack([getattr(loop, name) for loop in loops]) for name in "ABC")
@@ -158,7 +158,7 @@ def gains_over_frequency(observer: FunctionalObserver, dB: np.ndarray,
 
 
 def steady_error(loop: Plant) -> float:
-    """Amplitude of e_u once the start has died out, under v = `V_AMPLITUDE` sin(`V_RATE_RAD_S` t + φ): PUSH·|C (jω − A)⁻¹ B|."""
+    """Amplitude of e_u once the start has died out, under v = `V_AMPLITUDE` sin(`V_RATE_RAD_S` t + φ): V_AMPLITUDE·|C (jω − A)⁻¹ B|."""
     if np.max(np.real(loop.poles)) >= 0:
         return np.inf
     return V_AMPLITUDE * float(abs((loop.C @ np.linalg.solve(1j * V_RATE_RAD_S * np.eye(len(loop.A)) - loop.A, loop.B + 0j))[0, 0]))

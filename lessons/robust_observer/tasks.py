@@ -94,7 +94,7 @@ def _no_say(outcome: Outcome[Story]) -> Verdict:
     N = outcome.gains["N"][0]
     silent = int(np.argmin(np.abs(N)))
     if abs(N[silent]) > NO_EFFECT_SHARE * np.abs(N).max():
-        return Verdict(False, text("N = ({first:.3g}, {second:.3g}): both states still speak.", first=N[0], second=N[1]))
+        return Verdict(False, text("N = ({first:.3g}, {second:.3g}): both states still affect û.", first=N[0], second=N[1]))
     left = d["pair"][1 - silent].real
     return Verdict(True, text("N = ({first:.3g}, {second:.3g}): what is left is the first-order observer with its pole at {left:.3g}.",
                               first=N[0], second=N[1], left=left))

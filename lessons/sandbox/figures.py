@@ -7,6 +7,7 @@ from typing import TypeVar
 
 import numpy as np
 
+from observer_lab.course.figures.diagram import DIAGRAM
 from observer_lab.course.figures.records import Curve, LineFigure, MatrixFigure, PlaneFigure, Point, TableFigure
 from observer_lab.course.lazy import FigureSet, tab_figures
 from observer_lab.course.lesson import Outcome
@@ -17,6 +18,7 @@ from observer_lab.engine.structure import Controllability, Mode, Observability
 from observer_lab.plants import Model
 from observer_lab.text import NO_WORDS, Text, format_number, joined, same, text
 
+from ..toolkit.diagram import loop
 from ..toolkit.figures import ERROR_TAB, TIME_TAB, error_figure, input_figure, state_figures
 from ..toolkit.latex import pole_words
 from .analyses import Refusal, Structure
@@ -58,7 +60,8 @@ def figures(model: Model, outcome: Outcome[Study]) -> FigureSet:
         tab_figures(NOISE_TAB, lambda: (valley(study.noise, design["belief"]), nis_figure(study.trial, plant.p), gain_figure(study.trial))),
         tab_figures(ROBUST_TAB, lambda: (
             sensitivity_figure(study.margins, study.recovered, frequencies(plant_rate=typical_rate(plant), dt=plant.dt)),
-            margin_table(study.margins, plant), recovery_plane(study.steps, len(RECOVERY_LEVELS), study.refused))))
+            margin_table(study.margins, plant), recovery_plane(study.steps, len(RECOVERY_LEVELS), study.refused))),
+        tab_figures(DIAGRAM, lambda: (loop(plant, run, outcome.gains["L"], outcome.gains["K"]),)))
 
 
 MOST_MODES = 10  # rows of the table of modes

@@ -6,7 +6,7 @@ from observer_lab.course.knobs import Choice, Knob, Number, Switch
 from observer_lab.plants import Model
 from observer_lab.text import text
 
-from ..toolkit.knobs import method_knobs, pole_knobs, run_knobs
+from ..toolkit.knobs import method_knobs, pole_knobs, pull_knobs, run_knobs
 
 COMMANDED, APPLIED = "commanded", "applied"
 
@@ -37,4 +37,5 @@ def knobs(model: Model) -> tuple[Knob, ...]:
         Number("tolerance", r"\tau", text("tolerance of the rank"), low=1e-16, high=1.0, default=1e-12, scale="log",
                hint=text("Singular values at or below τ times the largest count as zero.")),
         *run_knobs(model.horizon),
+        *pull_knobs(model),
     )

@@ -6,16 +6,8 @@ import numpy as np
 from scipy.special import chdtr, chdtrc
 
 from observer_lab.course.figures.claims import claim
-from observer_lab.course.figures.records import (
-    Curve,
-    LineFigure,
-    MatrixFigure,
-    PlaneFigure,
-    Point,
-    TableFigure,
-    over_frequency,
-    round_up_nicely,
-)
+from observer_lab.course.figures.ranges import round_up_nicely
+from observer_lab.course.figures.records import Curve, LineFigure, MatrixFigure, PlaneFigure, Point, TableFigure, over_frequency
 from observer_lab.engine import Plant, chi2_band
 from observer_lab.engine.feedback import ClosedLoop
 from observer_lab.plants.signal_names import signal_name
@@ -41,7 +33,7 @@ def decades(values: np.ndarray) -> np.ndarray:
 
 def why(refusal: Refusal) -> Text:
     """The sentence of an analysis that does not apply, as a caption."""
-    return text("Not for this plant: {text}", text=refusal.text)
+    return text("Not with this design: {text}", text=refusal.text)
 
 
 def empty_plane(name: str, title: Text, tab: Text, said: Text) -> PlaneFigure:
@@ -143,8 +135,8 @@ def nis_figure(found: Trial | Refusal, outputs: int) -> LineFigure:
     low, high = chi2_band(outputs, count=1)
     n, test = len(found.t), found.test
     said = {"consistent": text("as it should be"),
-            "overconfident": text("above it, as with a filter that trusts its model too much"),
-            "cautious": text("below it, as with a filter that doubts too much")}[test.verdict]
+            "overconfident": text("above it, as with an over-confident filter"),
+            "cautious": text("below it, as with an under-confident filter")}[test.verdict]
     if test.verdict != "consistent" and abs(found.expected / outputs - 1) < NIS_TOLERANCE:
         said = text("outside it by chance: with these beliefs {share:.2g} % of the records lie as far out", share=100 * as_far_out(found))
     return LineFigure("nis", title, found.t, (Curve(same("NIS"), np.maximum(found.values, 1e-4), "error", width=1.4),

@@ -100,7 +100,7 @@ def compute(model: Model, design: Design) -> Outcome[Study]:
          "plant": plant.poles},
         LazyMap(lambda: _metrics(study, limit)), LazySequence(lambda: _checks(study.rows)), run,
         pole_boards(model, design, loop.controller_poles, loop.observer_poles, plant.A - L @ plant.C),
-        stage(model, run), (Formula("K", gain_words("K", K)), Formula("L", gain_words(r"L^{\mathsf T}", L.T))),
+        stage(model, run, design), (Formula("K", gain_words("K", K)), Formula("L", gain_words(r"L^{\mathsf T}", L.T))),
         LazyValue(lambda: _live(study.rows)), study)
 
 
@@ -129,7 +129,7 @@ def _live(rows: tuple[tuple[Text, bool | None, Text], ...]) -> Text:
     no = [name for name, holds, _ in rows if holds is False]
     if not no:
         return text("All applicable checks pass.")
-    return text("Answered with no: {names}.", names=listed(no))
+    return text("Not satisfied: {names}.", names=listed(no))
 
 
 @lru_cache(maxsize=64)

@@ -40,7 +40,7 @@ def _wrong_belief(outcome: Outcome[Study]) -> Verdict:
         return Verdict(False, text("{said}; the filter must assume a tenth of the noise or less, and NIS must be 1.5 times that within "
                                    "5 %.",
                                    said=said))
-    return Verdict(True, text("{said}: the innovations give it away.", said=said))
+    return Verdict(True, text("{said}: the innovations flag it.", said=said))
 
 
 def _below_the_tolerance(outcome: Outcome[Study]) -> Verdict:

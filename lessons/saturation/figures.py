@@ -8,13 +8,17 @@ from types import MappingProxyType
 import numpy as np
 
 from observer_lab.course.figures.claims import claim
+from observer_lab.course.figures.diagram import DiagramFigure
 from observer_lab.course.figures.records import Curve, Figure, MapFigure
 from observer_lab.course.lesson import Outcome
 from observer_lab.text import NO_WORDS, Text, joined, text
 
+from ..toolkit.diagram import Limit, Press, loop
 from ..toolkit.figures import error_figure, input_figure, state_figures, within
-from .knobs import MODEL
-from .study import ERROR_LAW_RTOL, NOT_COMPUTED, START_GRID_DEG, Starts, Study, amount
+from ..toolkit.knobs import untouched
+from .ending import map_span
+from .knobs import HORIZON, MODEL
+from .study import ERROR_LAW_RTOL, NOT_COMPUTED, START_GRID_DEG, Starts, Study, amount, ends
 
 APPLIED_FORCE, ASKED_FORCE, LIMIT = text("applied"), text("asked for"), text("limit")
 EDGES = MappingProxyType({"state0": 49.0, "state1": 1.95, "error": 90.0, "input": 24.5})  # values beyond are drawn at the edge
@@ -40,15 +44,24 @@ def figures(outcome: Outcome[Study]) -> tuple[Figure, ...]:
     force = replace(force, curves=tuple(replace(c, name=name) for c, name in zip(force.curves, names, strict=True)))
     lines = (angle, replace(position, window=(-0.5, 0.5), caption=_position_words(outcome)), error, force)
     return (*(within(figure, EDGES[figure.id]) for figure in lines),
-            starts_figure(story.starts, metrics["ceiling"], design["angle0"], design["error0"], design["kick"] >= 0))
+            _loop(outcome), starts_figure(story.starts, metrics["ceiling"], design["angle0"], design["error0"], not untouched(design),
+                                          _span(outcome)))
+
+
+def _loop(outcome: Outcome[Study]) -> DiagramFigure:
+    """The loop with its limit; a press on the limit gives the observer the other force."""
+    run, applied = outcome.study.shown, outcome.design["fed"] == "applied"
+    words = text("Give the observer the commanded force") if applied else text("Give the observer the applied force")
+    return loop(MODEL.plant, run, outcome.gains["L"], outcome.gains["K"],
+                Press("limit", {"fed": "commanded" if applied else "applied"}, words), Limit(run.u_asked, applied))
 
 
 def _angle_words(outcome: Outcome[Study]) -> Text:
-    stopped, ideal = outcome.study.stopped, bool(outcome.metrics["known_comes_home"])
-    end = (text("Fallen after {stopped:.2f} s; the run stops there and the curves are held.", stopped=stopped) if stopped is not None else
-           text("Caught.") if outcome.metrics["comes_home"] else text("Not caught yet."))
-    known = (text("With x known, the same start recovers.") if ideal else
-             text("Even with x known, this start is lost."))
+    story = outcome.study
+    end = (text("Fallen after {stopped:.2f} s; the run stops there and the curves are held.", stopped=story.stopped)
+           if story.stopped is not None else ends(story))
+    known = (text("With x known, the same start recovers.") if story.known_end.home else
+             text("Even with x known, this start does not recover.") if story.known_end.decided else NO_WORDS)
     return joined(end, known)
 
 
@@ -65,15 +78,20 @@ def _error_words(outcome: Outcome[Study]) -> Text:
                                                           meter=amount(meter)))
 
 
-def starts_figure(starts: Starts | None, limit: float, angle: float, error: float, kicked: bool) -> MapFigure:
+def starts_figure(starts: Starts | None, limit: float, angle: float, error: float, kicked: bool, span: float) -> MapFigure:
     """The map with the present start marked; what is not known for this design stays blank."""
     values = np.full((len(START_GRID_DEG), len(START_GRID_DEG)), NOT_COMPUTED) if starts is None else starts.values
     return MapFigure("starts", text("starts that recover"), START_GRID_DEG, START_GRID_DEG, values, CATEGORIES,
-                     "θ(0) [°]", "θ(0) − θ̂(0) [°]", (angle, error), _caption(starts, limit, kicked),
+                     "θ(0) [°]", "θ(0) − θ̂(0) [°]", (angle, error), _caption(starts, limit, kicked, span),
                      text("Map"))
 
 
-def _caption(starts: Starts | None, limit: float, kicked: bool) -> Text:
+def _span(outcome: Outcome[Study]) -> float:
+    plant = MODEL.plant
+    return map_span(HORIZON, plant.A, plant.B, plant.C, outcome.gains["K"], outcome.gains["L"])
+
+
+def _caption(starts: Starts | None, limit: float, kicked: bool, span: float) -> Text:
     if starts is None:
         return text("Not computed for this design yet: press the button under the knobs.")
     if starts.rough:
@@ -83,6 +101,6 @@ def _caption(starts: Starts | None, limit: float, kicked: bool) -> Text:
              text("{part:.0f} % of the map is known; blank starts have not been run.", part=part))
     edge = (text("Beyond {limit:.1f}° no controller could.", limit=limit)
             if limit < START_GRID_DEG[-1] else NO_WORDS)
-    kick = text("The map is drawn without the kick.") if kicked else NO_WORDS
+    kick = text("The map is drawn without the kick or pull.") if kicked else NO_WORDS
     click = text("The circle runs now; click another start.")
-    return joined(known, edge, click, kick)
+    return joined(known, text("Each start is run for {span:.3g} s.", span=span), edge, click, kick)

@@ -15,6 +15,8 @@ from observer_lab.engine.kernels import kernels_ready
 from observer_lab.engine.simulation import simulate_recovery
 from observer_lab.text import text
 
+from ..toolkit.knobs import PULLS
+from .ending import map_span
 from .knobs import HORIZON
 from .study import (
     ANGLE,
@@ -44,8 +46,9 @@ SLICE_S = 0.004  # s of work between two yields
 
 def map_scenario(scenario: Scenario) -> Scenario:
     """The scenario of the map: the same loop from rest and a true estimate, without a kick, on the map's own grid."""
-    rest = np.zeros(scenario.plant.n)
-    return replace(scenario, x0=rest, xhat0=rest, impulses=(), horizon=HORIZON, dt=MAP_STEP_S)
+    rest, plant = np.zeros(scenario.plant.n), scenario.plant
+    span = map_span(HORIZON, plant.A, plant.B, plant.C, scenario.K, scenario.L)
+    return replace(scenario, x0=rest, xhat0=rest, impulses=(), horizon=span, dt=MAP_STEP_S)
 
 
 def survey(scenario: Scenario, known: Starts | None) -> Iterator[tuple[float, Starts]]:
@@ -120,7 +123,8 @@ def pick(outcome: Outcome[Study], x: float, y: float) -> Mapping[str, float]:
     """A click on the map: the start of the nearest cell, without a kick, so that it runs as the map says."""
     if not (np.isfinite(x) and np.isfinite(y)):
         raise KnobError(text("That click is not on the map."))
-    return {"angle0": float(START_GRID_DEG[nearest(x)]), "error0": float(START_GRID_DEG[nearest(y)]), "kick": -1.0}
+    return {"angle0": float(START_GRID_DEG[nearest(x)]), "error0": float(START_GRID_DEG[nearest(y)]), "kick": -1.0,
+            **dict.fromkeys(PULLS, ())}
 
 
 JOB = Job(text("Map the starts that recover"), find_starts, key=depends, shown=with_starts, figure="starts", follows=True,

@@ -8,7 +8,7 @@ from observer_lab.course.knobs import Choice, Number
 from observer_lab.plants import MODELS
 from observer_lab.text import text
 
-from ..toolkit.knobs import pole_knobs, run_knobs
+from ..toolkit.knobs import pole_knobs, pull_knobs, run_knobs
 
 MODEL = MODELS["cart-pendulum"]
 HORIZON = 8.0  # s
@@ -25,4 +25,5 @@ KNOBS = (
            default=4.0, step=0.5, hint=text("The observer starts from θ(0) minus this error.")),
     *(replace(knob, when=None) for knob in pole_knobs(MODEL)),
     *run_knobs(HORIZON),
+    *pull_knobs(MODEL),
 )

@@ -16,7 +16,7 @@ from observer_lab.engine import Plant, Scenario, autonomous_error, simulate
 from observer_lab.engine.simulation import Run, separation_meter, simulate_recovery
 from observer_lab.engine.systems import sorted_poles
 from observer_lab.plants import Model
-from observer_lab.text import Text, joined, text
+from observer_lab.text import NO_WORDS, Text, joined, text
 
 from ..toolkit.boards import pole_boards, stage
 from ..toolkit.figures import error_figure, input_figure, state_figures, within
@@ -24,6 +24,7 @@ from ..toolkit.gains import feedback, injection
 from ..toolkit.knobs import kicks, pole_knobs, run_knobs
 from ..toolkit.latex import gain_words
 from .derive import derived_own
+from .ending import Ending, ending_of, map_span
 from .figures import CATEGORIES
 from .job import SLICE_S
 from .knobs import APPLIED, COMMANDED
@@ -40,6 +41,7 @@ class OwnStudy:
     """What a design leads to beside its run; `known`: states had x been known; `values`: the map, once it is there."""
 
     known: Run
+    end: Ending
     values: np.ndarray | None = None
 
 
@@ -70,12 +72,6 @@ def scenario_of(model: Model, design: Design, K: np.ndarray, L: np.ndarray) -> S
                     impulses=kicks(design, model), seed=int(design["seed"]))
 
 
-def home(model: Model, run: Run) -> bool:
-    """Near rest at the end and never too far from it, in the sizes of the usual start."""
-    size = np.linalg.norm(run.x / _scale(model), axis=1) / np.sqrt(model.plant.n)
-    return run.diverged_at is None and float(size[-1]) < RECOVERED_SIZE and float(size.max()) <= LOST_SIZE
-
-
 def _scale(model: Model) -> np.ndarray:
     return np.array([abs(v) or 1.0 for v in model.x0])
 
@@ -93,30 +89,34 @@ def compute(model: Model, design: Design) -> Outcome[OwnStudy]:
         ("controller", plant.A - plant.B @ K), ("observer", plant.A - L @ plant.C), ("clipped", inside))}
     meter = separation_meter(run)
     clipped = np.any(np.abs(run.u_asked) > design["u_max"] * (1 + 1e-9), axis=1)
-    metrics = {"separation_meter": meter, "comes_home": float(home(model, run)), "known_comes_home": float(home(model, ideal)),
+    end, known_end = ending_of(run), ending_of(ideal)
+    metrics = {"separation_meter": meter, "comes_home": float(end.home), "known_comes_home": float(known_end.home),
                "clipped_for": model.dt * float(clipped.sum()), "clipped_rate": float(np.real(poles["clipped"]).max()),
                "largest_asked": float(np.abs(run.u_asked).max())}
     checks = (
-        Check("autonomous", text("the error dynamics are autonomous, ė = (A − LC)e"), meter < 1e-8, meter),
+        Check("autonomous", text("the error dynamics are autonomous, ė = (A − LC)e"), meter < 1e-8, meter, informative=True),
         Check("windup", text("the compensator is stable while the input is clipped"),
-              metrics["clipped_rate"] < 0, metrics["clipped_rate"]),
-        Check("home", text("this start recovers"), home(model, run), metrics["comes_home"]))
+              metrics["clipped_rate"] < 0, metrics["clipped_rate"], informative=True),
+        Check("home", text("this start recovers"), end.home, metrics["comes_home"], informative=True))
     formulas = (Formula("error", r"\dot e = (A-LC)\,e" if design["fed"] == APPLIED else
                         r"\dot e = (A-LC)\,e + B\,(\mathrm{sat}\,u - u)"),
                 Formula("K", gain_words("K", K)), Formula("L", gain_words(r"L^{\mathsf T}", L.T)))
     return Outcome(design, {"K": K, "L": L}, poles, metrics, checks, run,
-                   pole_boards(model, design, poles["controller"], poles["observer"], plant.A - L @ plant.C), stage(model, run), formulas,
-                   _live(design, metrics), OwnStudy(ideal))
+                   pole_boards(model, design, poles["controller"], poles["observer"], plant.A - L @ plant.C),
+                   stage(model, run, design), formulas,
+                   _live(metrics, end), OwnStudy(ideal, end))
 
 
-def _live(design: Design, m: Mapping[str, float]) -> Text:
-    end = text("This start recovers.") if m["comes_home"] else text("This start does not recover.")
+def _live(m: Mapping[str, float], end: Ending) -> Text:
+    first = text("The loop is unstable.") if end.unstable else NO_WORDS
+    how = (text("This start recovers.") if end.home else text("This start does not recover.") if end.decided else
+           text("Whether this start recovers is not decided within {long:.3g} s.", long=end.until))
     clipped = m["clipped_for"]
     limit = text("An input is clipped for {clipped:.3g} s.", clipped=clipped) if clipped > 0 else text("No input is ever clipped.")
     wall = (text("The error obeys A − LC all the same.") if m["separation_meter"] < 1e-8 and clipped > 0 else
             text("So the error obeys A − LC, whichever input the observer gets.") if m["separation_meter"] < 1e-8 else
             text("Separation meter {separation_meter}.", separation_meter=amount(m["separation_meter"])))
-    return joined(end, limit, wall)
+    return joined(first, how, limit, wall)
 
 
 def figures(model: Model, outcome: Outcome[OwnStudy]) -> tuple[Figure, ...]:
@@ -139,6 +139,11 @@ def _map(outcome: Outcome[OwnStudy]) -> MapFigure:
     said = (text("Not computed for this design yet: press the button under the knobs.") if done == 0 else
             text("{values:.1f} % of the starts computed so far recover. The circle runs now; click another start.",
                  values=100 * np.mean(values == 0) / done))
+    assert outcome.run is not None
+    if done:
+        scenario, plant = outcome.run.scenario, outcome.run.scenario.plant
+        said = joined(said, text("Each start is run for {span:.3g} s.", span=map_span(
+            scenario.horizon, plant.A, plant.B, plant.C, scenario.K, scenario.L)))
     return MapFigure("starts", text("starts that recover"), START_GRID, START_GRID, values, CATEGORIES[:2], "x(0)", "e(0)",
                      (design["start"], design["error0"]), said, text("Map"))
 
@@ -152,9 +157,9 @@ def turned(model: Model, scenario: Scenario) -> Scenario:
     T = s[:, None] * Q * float(np.linalg.norm(along))
     inverse = np.linalg.inv(T)
     new = Plant(inverse @ plant.A @ T, inverse @ plant.B, plant.C @ T, plant.D)
-    rest = np.zeros(plant.n)
+    rest, span = np.zeros(plant.n), map_span(model.horizon, plant.A, plant.B, plant.C, scenario.K, scenario.L)
     return replace(scenario, plant=new, model=None, K=scenario.K @ T, L=inverse @ scenario.L, x0=rest, xhat0=rest, impulses=(),
-                   horizon=model.horizon, dt=model.horizon / MAP_RUN_STEPS)
+                   horizon=span, dt=model.horizon / MAP_RUN_STEPS)
 
 
 def find_starts(model: Model, outcome: Outcome[OwnStudy]) -> Iterator[tuple[float, np.ndarray | None]]:

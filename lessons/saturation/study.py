@@ -12,12 +12,13 @@ from observer_lab.course.figures.claims import claim
 from observer_lab.course.lesson import Check, Design, Formula, Outcome
 from observer_lab.engine import EngineError, Plant, Scenario, autonomous_error, simulate
 from observer_lab.engine.simulation import Run, separation_meter, simulate_until
-from observer_lab.text import Text, format_number, joined, text
+from observer_lab.text import NO_WORDS, Text, format_number, joined, text
 
 from ..toolkit.boards import pole_boards, stage
 from ..toolkit.gains import gains
 from ..toolkit.knobs import kicks
 from ..toolkit.latex import matrix
+from .ending import Ending, ending_of
 from .knobs import APPLIED, HORIZON, MODEL
 
 CART_PLANT = MODEL.plant
@@ -30,12 +31,13 @@ FALLEN = radians(45.0)  # where the linear pole counts as fallen
 ENDS = (0.5, 1.0, 2.0, 4.0)  # s; a lost run is not followed past the first of them after the pole has fallen
 RUN_SERIES = ("x", "xhat", "e", "u_asked", "u_applied", "y", "yhat", "w", "v")
 START_GRID_DEG = np.linspace(-20.0, 20.0, 41)  # degrees: angle across, error of its estimate upwards
+FALLEN_END = Ending(False, True, 0.0, False)  # of a pole that has passed 45°
 NOT_COMPUTED, RECOVERED, NOT_RECOVERED, UNRECOVERABLE = -1, 0, 1, 2
 
 
 @dataclass(frozen=True, eq=False)
 class Starts:
-    """Categories (n_error, n_angle) of the starts on GRID × GRID; of a rough map each is that of the nearest start that was run."""
+    """Categories (n_error, n_angle) of the starts on START_GRID_DEG × START_GRID_DEG; of a rough map those of the nearest start."""
 
     values: np.ndarray
     rough: bool = False
@@ -47,7 +49,7 @@ class Starts:
 
     @property
     def home(self) -> float:
-        """Share of the whole map that comes home."""
+        """Share of the whole map that recovers."""
         return float(np.mean(self.values == RECOVERED))
 
     def at(self, angle: float, error: float) -> int:
@@ -59,7 +61,8 @@ class Starts:
 class Study:
     """One run as it is drawn: `shown` has every instant of the horizon, held once the pole has fallen.
 
-    `promised` is what ė = (A − LC)e says (n_t, n), `known` the states had x been known (n_t, n), `starts` the map.
+    `promised` is what ė = (A − LC)e says (n_t, n), `known` the states had x been known (n_t, n), `starts` the map; `end` and
+    `known_end` say how both go on after the horizon.
     """
 
     shown: Run
@@ -67,6 +70,8 @@ class Study:
     known: np.ndarray
     stopped: float | None
     starts: Starts | None
+    end: Ending = FALLEN_END
+    known_end: Ending = FALLEN_END
 
 
 def nearest(value: float) -> int:
@@ -102,7 +107,7 @@ def scenario_of(design: Design, K: np.ndarray, L: np.ndarray, state_feedback: bo
     x0, xhat0 = start_state(design["angle0"], design["error0"])
     return Scenario(CART_PLANT, K, L, x0=x0, xhat0=xhat0, horizon=HORIZON, dt=DT, u_min=-design["u_max"],
                     u_max=design["u_max"], fed=design["fed"], state_feedback=state_feedback,
-                    impulses=kicks(design, MODEL), seed=int(design["seed"]))
+                    impulses=kicks(design, MODEL, (DT, HORIZON)), seed=int(design["seed"]))
 
 
 def compute(design: Design) -> Outcome[Study]:
@@ -111,7 +116,8 @@ def compute(design: Design) -> Outcome[Study]:
     run = march(scenario_of(design, K, L))
     shown, stopped = whole(run)
     ideal = march(scenario_of(design, K, L, state_feedback=True))
-    known, _ = whole(ideal)
+    known, known_fall = whole(ideal)
+    end, known_end = (FALLEN_END if fall is not None else ending_of(each) for each, fall in ((run, stopped), (ideal, known_fall)))
     seen = until(run, stopped)
     A, B, C = CART_PLANT.A, CART_PLANT.B, CART_PLANT.C
     inside = A - L @ C if design["fed"] == APPLIED else A - B @ K - L @ C
@@ -119,21 +125,21 @@ def compute(design: Design) -> Outcome[Study]:
              "clipped": np.linalg.eigvals(inside)}
     meter = separation_meter(seen)
     metrics = {
-        "separation_meter": meter, "comes_home": float(comes_home(run)), "known_comes_home": float(comes_home(ideal)),
-        "stopped_at": HORIZON if stopped is None else stopped, "clipped_rate": float(np.max(np.real(poles["clipped"]))),
+        "separation_meter": meter, "comes_home": float(end.home), "known_comes_home": float(known_end.home),
+        "stopped_at": np.inf if stopped is None else stopped, "clipped_rate": float(np.max(np.real(poles["clipped"]))),
         "clipped_for": DT * float(np.sum(np.abs(seen.u_asked) > design["u_max"] * (1 + 1e-9))),
         "largest_asked": float(np.max(np.abs(seen.u_asked))), "ceiling": ceiling(CART_PLANT, design["u_max"]),
     }
-    story = Study(shown, autonomous_error(shown), known.x, stopped, None)
+    story = Study(shown, autonomous_error(shown), known.x, stopped, None, end, known_end)
     checks = (
-        Check("autonomous", text("the error dynamics are autonomous, ė = (A − LC)e"), meter < ERROR_LAW_RTOL, meter),
+        Check("autonomous", text("the error dynamics are autonomous, ė = (A − LC)e"), meter < ERROR_LAW_RTOL, meter, informative=True),
         Check("windup", text("the compensator is stable while the force is clipped"),
-              metrics["clipped_rate"] < 0, metrics["clipped_rate"]),
-        Check("home", text("this start recovers"), comes_home(run), float(np.linalg.norm(run.x[-1]))),
+              metrics["clipped_rate"] < 0, metrics["clipped_rate"], informative=True),
+        Check("home", text("this start recovers"), end.home, float(np.linalg.norm(run.x[-1])), informative=True),
     )
     boards = pole_boards(MODEL, design, poles["controller"], poles["observer"])
-    return Outcome(design, {"K": K, "L": L}, poles, metrics, checks, seen, boards, stage(MODEL, shown),
-                   _formulas(design, K, L, metrics), _live(design, metrics, stopped), story)
+    return Outcome(design, {"K": K, "L": L}, poles, metrics, checks, seen, boards, stage(MODEL, shown, design),
+                   _formulas(design, K, L, metrics), _live(design, metrics, story, _unstable(poles)), story)
 
 
 def slowest(outcome: Outcome[Study], name: str) -> float:
@@ -158,29 +164,38 @@ def _formulas(design: Design, K: np.ndarray, L: np.ndarray, metrics: Mapping[str
     )
 
 
-def _live(design: Design, metrics: Mapping[str, float], stopped: float | None) -> Text:
+def _unstable(poles: Mapping[str, np.ndarray]) -> Text:
+    """That a pole is on the right, said before all else."""
+    if np.max(np.real(poles["controller"])) >= 0:
+        return text("A controller pole is not in the left half plane: the loop is unstable.")
+    return (text("An observer pole is not in the left half plane: the error does not decay.")
+            if np.max(np.real(poles["observer"])) >= 0 else NO_WORDS)
+
+
+def ends(story: Study) -> Text:
+    """How the run on the screen ends, or goes on after it."""
+    if story.stopped is not None:
+        return text("The pole falls: past 45° at {stopped:.2f} s.", stopped=story.stopped)
+    if story.end.home:
+        return text("The pole recovers.")
+    if story.end.decided:
+        return text("The pole does not recover: after this run it does not come to rest.")
+    return text("Whether the pole recovers is not decided within {long:.0f} s.", long=story.end.until)
+
+
+def _live(design: Design, metrics: Mapping[str, float], story: Study, first: Text) -> Text:
     meter, clipped = metrics["separation_meter"], metrics["clipped_for"]
-    home = bool(metrics["comes_home"])
-    end = (text("The pole recovers.") if home else
-           text("The pole does not recover.") if stopped is None else
-           text("The pole falls: past 45° at {stopped:.2f} s.", stopped=stopped))
     limit = text("The force is clipped for {clipped:.2f} s.", clipped=clipped) if clipped > 0 else text("The force is never clipped.")
     obeys = (text("The error obeys A − LC all the same.") if clipped > 0 else
              text("So the error obeys A − LC, whichever input the observer gets."))
     wall = claim(obeys, meter, below=ERROR_LAW_RTOL, otherwise=text(
         "Separation meter {meter}: what the motor did not give drives the error.", meter=amount(meter)))
-    return joined(end, limit, wall)
+    return joined(first, ends(story), limit, wall)
 
 
 def march(scenario: Scenario) -> Run:
     """The run of a scenario, ending early with the part in which the pole falls."""
     return simulate_until(scenario, ENDS, lambda x: bool(np.abs(x[:, ANGLE]).max() > FALLEN))
-
-
-def comes_home(run: Run) -> bool:
-    """The verdict of the map for one run: near rest at the horizon and never too far from it."""
-    size = np.linalg.norm(run.x, axis=1)
-    return run.diverged_at is None and float(size[-1]) < RECOVERED_NORM and float(np.max(size)) <= LOST_NORM
 
 
 def whole(run: Run) -> tuple[Run, float | None]:
@@ -193,8 +208,9 @@ def whole(run: Run) -> tuple[Run, float | None]:
     count = s.n_t
     over = np.flatnonzero(np.abs(x[:, ANGLE]) > FALLEN)
     if run.diverged_at is not None and not len(over):
-        rest = simulate(Scenario(s.plant, x0=x[-1], reference=run.u_applied[-1], dt=s.dt,
-                                 horizon=s.dt * (count - len(x) + 1)))
+        now = float(run.t[-1])  # a hand that pulls goes on pulling
+        rest = simulate(Scenario(s.plant, x0=x[-1], reference=run.u_applied[-1], dt=s.dt, horizon=s.dt * (count - len(x) + 1),
+                                 impulses=tuple((t - now, jump) for t, jump in s.impulses if t > now + 1e-9)))
         x = np.vstack([x, rest.x[1:]])[:count]
         over = np.flatnonzero(np.abs(x[:, ANGLE]) > FALLEN)
     end = int(over[0]) if len(over) else count - 1

@@ -115,4 +115,5 @@ def with_integrator(plant: Plant, target: Target) -> Plant:
 def _wider(model: Model) -> Model:
     """The model of a lesson with one more state, which starts at zero and shows nowhere."""
     return replace(model, x0=(*model.x0, 0.0), guess=(*model.guess, 0.0), kick=(*model.kick, 0.0),
+                   grips=tuple(replace(grip, push=(*grip.push, 0.0)) for grip in model.grips),
                    watched=tuple(replace(signal, weights=(*signal.weights, 0.0)) for signal in model.watched))

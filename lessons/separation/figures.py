@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from observer_lab.course.figures.claims import claim
+from observer_lab.course.figures.diagram import DIAGRAM
 from observer_lab.course.figures.records import Curve, LineFigure, MatrixFigure, PlaneFigure, Point, over_frequency
 from observer_lab.course.lazy import FigureSet, tab_figures
 from observer_lab.course.lesson import Outcome
@@ -13,6 +14,7 @@ from observer_lab.engine.systems import amplitude_response
 from observer_lab.plants.signal_names import signal_name
 from observer_lab.text import NO_WORDS, Text, joined, text
 
+from ..toolkit.diagram import loop
 from ..toolkit.figures import ERROR_TAB, TIME_TAB, error_figure, input_figure, state_figures
 from ..toolkit.knobs import by_hand
 from .study import Setting, Study
@@ -31,7 +33,8 @@ def figures(here: Setting, outcome: Outcome[Study]) -> FigureSet:
                  tab_figures(ERROR_TAB, lambda: (error_figure(run, autonomous_error(run)), input_figure(run, model, limit, m))),
                  tab_figures(COMMAND_TAB, lambda: (_command(here, outcome),)),
                  tab_figures(SPECTRUM_TAB, lambda: (_spectrum(outcome), _blocks(outcome.study))),
-                 tab_figures(FREQUENCY_TAB, lambda: (_isolation(here, outcome),)))
+                 tab_figures(FREQUENCY_TAB, lambda: (_isolation(here, outcome),)),
+                 tab_figures(DIAGRAM, lambda: (loop(model.plant, run, outcome.gains["L"], outcome.gains["K"]),)))
 
 
 def _command(here: Setting, outcome: Outcome[Study]) -> LineFigure:

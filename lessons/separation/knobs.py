@@ -8,7 +8,7 @@ from observer_lab.course.knobs import Number, Switch
 from observer_lab.plants import MODELS
 from observer_lab.text import text
 
-from ..toolkit.knobs import method_knobs, pole_knobs, run_knobs
+from ..toolkit.knobs import method_knobs, pole_knobs, pull_knobs, run_knobs
 
 MOTION_GAIN = (
     30.0  # times that the stage exaggerates motion: what an observer's pole does to the ghost is to be seen from the first drag on
@@ -32,4 +32,5 @@ KNOBS = (
     Number("noise", r"\sigma_v", text("sensor noise"), "mm/s", low=0.0, high=5.0, default=0.0, step=0.1,
            hint=text("Standard deviation of each velocity sample; the noise itself is drawn from the seed.")),
     *run_knobs(MODEL.horizon),
+    *pull_knobs(MODEL),
 )

@@ -20,8 +20,9 @@ from observer_lab.text import NO_WORDS, Text, joined, text
 
 from ..toolkit.boards import pole_boards
 from ..toolkit.gains import gains
-from ..toolkit.knobs import kicks
+from ..toolkit.knobs import held, kicks
 from ..toolkit.latex import gain_words, tiny
+from ..toolkit.loop_rates import loop_rate
 from .command import Driven, Target, driven
 from .knobs import MODEL
 
@@ -114,7 +115,7 @@ def compute(here: Setting, design: Design) -> Outcome[Study]:
     metrics = LazyMap(lambda: {
         "union_error": loop.union_error, "separation_meter": separation_meter(run), "slowest_controller": slow,
         "slowest_observer": fast, "largest_input": float(np.max(np.abs(run.u_asked[:, :m]))),
-        "slowest_loop": float(max(loop.poles.real)), "dies_down": float(_dies_down(run)),
+        "slowest_loop": loop_rate(run), "dies_down": float(_dies_down(run)),
         "at_the_end": float(here.target.along(run, truth)[-1]),
     })
     same_union = loop.union_error <= UNION_RTOL or loop.polynomial_error <= UNION_RTOL
@@ -129,9 +130,10 @@ def compute(here: Setting, design: Design) -> Outcome[Study]:
          "compensator": loop.compensator_poles},
         metrics, checks, run, pole_boards(here.model, design, boards.controller_poles, boards.observer_poles,
                                           belief.A - L @ belief.C),
-        Stage(here.model.body, run.t, run.x[:, :truth.n], run.xhat[:, :truth.n], run.u_applied[:, :m]),
+        Stage(here.model.body, run.t, run.x[:, :truth.n], run.xhat[:, :truth.n], run.u_applied[:, :m],
+              held=held(design, here.model)),
         LazySequence(lambda: _formulas(K, L, believed_right(truth, belief), drove)),
-        LazyValue(lambda: _live(study, metrics["separation_meter"])), study)
+        LazyValue(lambda: _live(study, metrics["separation_meter"], metrics["slowest_loop"])), study)
 
 
 def _scenario(here: Setting, design: Design, drove: Driven) -> Scenario:
@@ -180,7 +182,7 @@ def _command_formulas(drove: Driven) -> tuple[Formula, ...]:
     return (Formula("command", u), Formula("N", gain_words(r"\bar N", drove.N)))
 
 
-def _live(study: Study, meter: float) -> Text:
+def _live(study: Study, meter: float, rate: float) -> Text:
     loop = study.loop
     one = text("The {count} poles of the loop are the union of both boards to about {union_error}.",
                count=len(loop.poles), union_error=tiny(loop.union_error))
@@ -189,7 +191,7 @@ def _live(study: Study, meter: float) -> Text:
     union = study.left_out() if not study.whole else claim(one, loop.union_error, below=1e-6, otherwise=two)
     wall = claim(text("Separation meter: 0."), meter, below=1e-8, otherwise=text(
         "Separation meter: {meter:.2g}; the error dynamics are no longer autonomous.", meter=meter))
-    first = claim(text("The loop is unstable."), float(np.max(loop.poles.real)), above=0.0)
+    first = claim(text("The loop is unstable."), rate, above=0.0)
     stable = claim(text("The compensator by itself is unstable."), float(np.max(loop.compensator_poles.real)), above=0.0)
     own = text("Integral action adds the pole {own:.3g}, and its copy in the observer adds {copy:.3g}.", own=study.driven.own[0],
                copy=study.driven.own[1])

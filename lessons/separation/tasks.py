@@ -11,6 +11,7 @@ from observer_lab.course.lesson import Outcome, Task, Verdict, typed_task
 from observer_lab.text import text
 
 from ..toolkit.figures import settle_time
+from ..toolkit.knobs import untouched
 from ..toolkit.tasks import check_gentle_settling
 from .knobs import KNOBS, MODEL
 from .study import Study
@@ -72,9 +73,9 @@ def _unstable_compensator(outcome: Outcome[Study]) -> Verdict:
 def _gentle(outcome: Outcome[Study]) -> Verdict:
     """Every motion of the deck at rest within a band of time, with little force, from the lesson's start."""
     d, run = outcome.design, outcome.run
-    if run is None or d["stiffness_error"] or d["delay"] or d["limited"] or d["noise"] or d["kick"] >= 0:
-        return Verdict(False, text("Keep the model right: no delay, no limit, no noise, no kick."))
-    times = [settle_time(run.t, np.abs(signal.of(run.x))) for signal in MODEL.watched]
+    if run is None or d["stiffness_error"] or d["delay"] or d["limited"] or d["noise"] or not untouched(d):
+        return Verdict(False, text("Keep the model right: no delay, no limit, no noise, no kick, no pull."))
+    times = [settle_time(run.t, np.abs(signal.of(run.x[:, :MODEL.plant.n]))) for signal in MODEL.watched]
     late, peak = max(np.inf if t is None else t for t in times), outcome.metrics["largest_input"]
     if not np.isfinite(late):
         return Verdict(False, text("The deck is not at rest by the end of the run."))

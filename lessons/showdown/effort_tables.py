@@ -24,7 +24,7 @@ def equal(outcome: Outcome[Study]) -> tuple[TableFigure, ...]:
     m = outcome.study
     found = None if m.trials is None else m.trials.equal
     waiting = (NOT_YET if loop_of(m.world, m.five[ORDER.index(LQE)]).stable else
-               text("The full LQG is unstable in this world: there is no effort to meet."))
+               text("The full LQG is unstable with these settings: there is no effort to meet."))
     rows = tuple((SHORT_NAMES[i], *(("–", "–") if found is None else _row(found, i - 1))) for i in range(1, 5))
     taken = tuple((CONTROLLER_NAMES[i], *(("–",) * 3 if found is None or np.isnan(found.dials[i - 1]) else
                                (f"{db:.1f}".replace("-", "−") for db in found.band_db[i - 1]))) for i in range(1, 5))

@@ -6,7 +6,8 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from observer_lab.course.figures.records import LOG_AXIS_FLOOR, Curve, LineFigure, over_frequency
+from observer_lab.course.figures.ranges import LOG_AXIS_FLOOR
+from observer_lab.course.figures.records import Curve, LineFigure, over_frequency
 from observer_lab.course.lazy import FigureSet, tab_figures
 from observer_lab.course.lesson import Outcome
 from observer_lab.engine.sampled import ResponseMeasures
@@ -18,7 +19,7 @@ from .effort_tables import EFFORT_TAB, equal
 from .report_levels import REPORT_TAB, report_tables
 from .score_tables import SCORE_TAB, TRIAL_TAB, friction, scored, times, tried
 from .simulation import loop_of
-from .study import Study
+from .study import Study, as_predicted
 from .transmissibility import TRANSMISSIBILITY_TAB, transmissibilities
 
 CHANNEL_TAB, SENSOR_TAB, INPUT_TAB = text("Channels"), text("Sensors"), text("Inputs")
@@ -92,7 +93,7 @@ def _channel(outcome: Outcome[Study], j: int) -> LineFigure:
     curves = [*_curves(outcome, j), _noise(m, 0.5), *_measured(outcome, j, 1e12)]
     said = _each(m, [format_number(db, ".1f") for db in m.band_db[:, j]])
     return over_frequency(f"channel_{key}", text("velocity: {name}", name=name), m.f, tuple(curves), "[(µm/s)²/Hz]",
-                          text("Suppression over 0.5–3 Hz in dB: {said}.", said=said), CHANNEL_TAB,
+                          as_predicted(outcome.design, text("Suppression over 0.5–3 Hz in dB: {said}.", said=said)), CHANNEL_TAB,
                           _window(curves))
 
 
@@ -107,10 +108,11 @@ def _sensor(outcome: Outcome[Study], j: int) -> LineFigure:
     else:
         before, now = (float(m.spectra[k].density[:, column].max()) for k in (0, i))
         gain = 10 * np.log10(before / now)
-        said = (text("On the stage is the platform without control.") if i == 0 else
-                text("{name}: the highest point is {gain:.1f} dB lower than without control.", name=CONTROLLER_NAMES[i], gain=gain)
-                if gain >= 0 else
-                text("{name}: the highest point is {gain:.1f} dB higher than without control.", name=CONTROLLER_NAMES[i], gain=-gain))
+        said = (text("On the stage is the platform without control.") if i == 0 else as_predicted(
+            outcome.design, text("{name}: the highest point is {gain:.1f} dB lower than without control.", name=CONTROLLER_NAMES[i],
+                               gain=gain)
+            if gain >= 0 else
+            text("{name}: the highest point is {gain:.1f} dB higher than without control.", name=CONTROLLER_NAMES[i], gain=-gain)))
     return over_frequency(f"sensor_{key}", text("true velocity at {name}", name=name), m.f, tuple(curves),
                           "[(µm/s)²/Hz]", said, SENSOR_TAB, _window(curves))
 
@@ -121,7 +123,7 @@ def _input(outcome: Outcome[Study], j: int) -> LineFigure:
     curves = [*_curves(outcome, 5 + j, 1e6, True), *_measured(outcome, 5 + j, 1e6)]
     said = _each(m, [format_number(1e3 * v, ".3g") for v in m.forces[:, j]])
     return over_frequency(f"input_{j}", text("command: {name}", name=name), m.f, tuple(curves), "[mN²/Hz]",
-                          text("RMS in mN: {said}.", said=said), INPUT_TAB, _window(curves))
+                          as_predicted(outcome.design, text("RMS in mN: {said}.", said=said)), INPUT_TAB, _window(curves))
 
 
 def _gain(outcome: Outcome[Study]) -> LineFigure:

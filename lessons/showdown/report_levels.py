@@ -127,12 +127,12 @@ def said_of_figure_24(m: Study) -> Text:
     """Whether its order and its size come out here."""
     order = [ORDER.index(name) for name in (LQE, DECOUPLED, SISO)]
     if not all(m.spectra[i].stable for i in order):
-        return text("Not all loops of figure 24 are stable in this world.")
+        return text("Not all loops of figure 24 are stable with these settings.")
     full, part, siso = (float(m.band_db[i, ROTATION]) for i in order)
     if not (full > part + TIED and part > siso + TIED):
-        return text("The order of figure 24 in rotation does not come out in this world.")
+        return text("The order of figure 24 in rotation does not come out with these settings.")
     if abs(full - siso - FIGURE_24_DB) < SAME_SIZE_DB:
-        return text("Order and size of figure 24 come out in this world.")
+        return text("Order and size of figure 24 come out with these settings.")
     return text("In rotation the order of figure 24 comes out, but not its size. The full LQG leads the SISO loops by {ours:.1f} dB, "
                 "in the report by {printed:.0f} dB.", ours=full - siso, printed=FIGURE_24_DB)
 

@@ -10,7 +10,7 @@ from observer_lab.text import Text, format_number, listed, text, text_in
 
 from .controllers import CONTROLLER_NAMES, DECOUPLED, LQE, ORDER, SHORT_NAMES
 from .friction import friction_of
-from .study import Study
+from .study import Study, as_predicted
 
 SCORE_TAB, TRIAL_TAB = text("Scores"), text("Trials")
 HEADS = (text_in("channel", "vertical"), text_in("channel", "rotation"), text_in("channel", "horizontal"))
@@ -45,8 +45,8 @@ def _suppression(outcome: Outcome[Study]) -> TableFigure:
     gains = np.where(stable[:, None], m.band_db, -np.inf)
     return TableFigure("suppression", text("suppression in dB, 0.5–3 Hz: of the highest peak / of the area"),
                        (text("controller"), *HEADS), rows, tab=SCORE_TAB,
-                       caption=best_words(gains[1:]) if stable[1:].any() else
-                       text("Unstable in this world: {names}.", names=listed(SHORT_NAMES[1:])))
+                       caption=as_predicted(outcome.design, best_words(gains[1:]) if stable[1:].any() else
+                                            text("Unstable with these settings: {names}.", names=listed(SHORT_NAMES[1:]))))
 
 
 def best_words(gains: np.ndarray) -> Text:
@@ -67,7 +67,7 @@ def _sizes(outcome: Outcome[Study]) -> TableFigure:
                   "–" if not m.spectra[i].stable else format_number(1e3 * m.forces[i].max(), ".3g")) for i in range(5))
     return TableFigure("sizes", text("RMS velocity in µm/s from 0.1 Hz up, RMS command in mN"),
                        (text("controller"), *HEADS, text("coil")), rows, tab=SCORE_TAB,
-                       caption=text("Here what a controller adds above the resonances counts too."))
+                       caption=as_predicted(outcome.design, text("Here what a controller adds above the resonances counts too.")))
 
 
 def times(outcome: Outcome[Study]) -> TableFigure:

@@ -6,7 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from observer_lab.course.figures.records import LOG_AXIS_FLOOR, Curve, LineFigure, over_frequency
+from observer_lab.course.figures.ranges import LOG_AXIS_FLOOR
+from observer_lab.course.figures.records import Curve, LineFigure, over_frequency
 from observer_lab.course.lesson import Outcome
 from observer_lab.text import Text, listed, text, text_in
 

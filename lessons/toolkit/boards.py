@@ -12,7 +12,7 @@ from observer_lab.engine.simulation import Run
 from observer_lab.plants.model import Model, Window
 from observer_lab.text import text
 
-from .knobs import BY_POLES, by_hand
+from .knobs import BY_POLES, by_hand, held
 
 WEIGHTS_FOLDER = text("Weights")
 
@@ -55,7 +55,7 @@ def listed(poles: Iterable[complex]) -> tuple[complex, ...]:
     return tuple(complex(p) for p in poles)
 
 
-def stage(model: Model, run: Run) -> Stage:
-    """The plant and its ghost along a run."""
+def stage(model: Model, run: Run, design: Design) -> Stage:
+    """The plant and its ghost along the run of a design."""
     xhat = run.xhat if run.xhat.shape == run.x.shape else None
-    return Stage(model.body, run.t, run.x, xhat, run.u_applied)
+    return Stage(model.body, run.t, run.x, xhat, run.u_applied, held=held(design, model))

@@ -14,6 +14,8 @@ from observer_lab.plants.model import Model, Signal
 from observer_lab.plants.signal_names import signal_name
 from observer_lab.text import Text, joined, same, symbol, text, text_in
 
+from .loop_rates import loop_rate, observer_rate
+
 TIME_TAB = text("Time")
 ERROR_TAB = text("Error and input")
 INPUTS = MappingProxyType({"force": text("force"), "force 1": text("force 1"), "force 2": text("force 2"),
@@ -56,43 +58,40 @@ def error_figure(run: Run, promised: np.ndarray | None = None) -> LineFigure:
     size = np.linalg.norm(run.e, axis=1)
     curves = [Curve(same("‖e‖"), size, "error")]
     if promised is not None:
-        curves.append(Curve(text("promised by A − LC"), np.linalg.norm(promised, axis=1), "reference",
+        curves.append(Curve(text("predicted by A − LC"), np.linalg.norm(promised, axis=1), "reference",
                             "dash", 1.6))
-    caption = no_error(run) or settled_words(settle_time(run.t, size), rate_of_error(run))
+    caption = error_words(run, settle_time(*error_with_jumps(run)))
     return LineFigure("error", text("estimation error"), run.t, tuple(curves), "‖x − x̂‖", log_y=True,
                       caption=caption, tab=ERROR_TAB)
 
 
+def error_with_jumps(run: Run) -> tuple[np.ndarray, np.ndarray]:
+    """t and ‖e‖ at the samples of a run and just after each kick, which may be over before the next sample."""
+    t, size = run.t, np.linalg.norm(run.e, axis=1)
+    for time, jump in run.scenario.impulses:
+        k = int(np.searchsorted(t, time))
+        if 0 < k < len(t) and t[k] > time and len(jump) == run.e.shape[1]:
+            at = int(np.searchsorted(run.t, time)) - 1
+            t, size = np.insert(t, k, time), np.insert(size, k, np.linalg.norm(run.e[at] + jump))
+    return t, size
+
+
 def rate_of_error(run: Run) -> float:
-    """Below 0 where the error dies out: the rightmost eigenvalue of A − LC of the model, ln |z| where it is sampled.
+    """Below 0 where the error decays: by the poles of the observer, and by those of the loop where the state drives the error.
 
-    An error that the state drives (another model, a delay, an input clipped unknown to the observer) dies out with the state only.
+    The state drives the error through another model, a delay, or an input that is clipped unknown to the observer.
     """
-    s = run.scenario
-    model = s.plant if s.model is None else s.model
-    rate = _rate(model.A if s.L is None else model.A - s.L @ model.C, model.dt)
-    if model is s.plant and not s.delay and (s.fed == "applied" or not run.saturated):
+    rate = observer_rate(run)
+    if not _driven(run):
         return rate
-    if s.K is None or not np.any(s.K):
+    if run.scenario.K is None or not np.any(run.scenario.K):
         return np.inf  # whatever pushes the plant pushes the error too
-    size = np.linalg.norm(run.x, axis=1)
-    late = float(size[-max(len(size) // 10, 1):].max())
-    return max(rate, _rate_of_loop(run), float(np.log(2 * max(late, 1e-300) / max(float(size.max()), 1e-300))))
+    return max(rate, loop_rate(run))
 
 
-def _rate(A: np.ndarray, dt: float) -> float:
-    poles = np.linalg.eigvals(A)
-    return float(np.log(max(np.max(np.abs(poles)), 1e-300)) if dt else np.max(np.real(poles)))
-
-
-def _rate_of_loop(run: Run) -> float:
-    """Of plant and observer together, without the limit; a state that is quiet for a while may be pushed again by an unstable loop."""
-    s, K, L = run.scenario, run.scenario.K, run.scenario.L
-    plant, model = s.plant, s.plant if s.model is None else s.model
-    if K is None or L is None or s.delay:
-        return -np.inf
-    A, B, C, D = plant.A, plant.B, plant.C, plant.D - model.D
-    return _rate(np.block([[A, -B @ K], [L @ C, model.A - model.B @ K - L @ model.C - L @ D @ K]]), plant.dt)
+def _driven(run: Run) -> bool:
+    s = run.scenario
+    return (s.model is not None and s.model is not s.plant) or bool(s.delay) or (s.fed != "applied" and run.saturated)
 
 
 NOTHING = 1e-10  # of the largest state and estimate: an error below it is rounding
@@ -104,12 +103,30 @@ def no_error(run: Run) -> Text | None:
     return text("The error is zero to rounding in the whole run.") if float(np.abs(run.e).max()) <= NOTHING * scale else None
 
 
-def settled_words(after: float | None, rate: float) -> Text:
-    """When the error is down to 2 % of its peak: for good only where the poles of the observer say so."""
+def error_words(run: Run, after: float | None) -> Text:
+    """What is said of the size of the error: zero; below 2 % of its peak after `after` s, for good or so far; or how it ends."""
+    rate, dt = rate_of_error(run), run.scenario.plant.dt
+    if (zero := no_error(run)) is not None:
+        return zero
     if after is None:
-        return text("The error does not settle within this run.")
-    return claim(text("The error stays below 2 % of its peak after {small:.2f} s.", small=after), rate, below=0.0, otherwise=text(
-        "From {small:.2f} s to the end of this run the error is below 2 % of its peak, but nothing keeps it there.", small=after))
+        return (_growing(observer_rate(run), dt) if observer_rate(run) >= 0 else
+                text("The error grows with the state: the loop is unstable.") if 0 < rate < np.inf else
+                text("In the last twentieth of this run the error exceeds 2 % of its peak."))
+    noisy, wound = run.scenario.V is not None or run.scenario.W is not None, _driven(run) and run.saturated
+    if rate >= 0:
+        return text("From {small:.2f} s to the end of this run the error is below 2 % of its peak, but nothing keeps it there.",
+                    small=after)
+    if noisy or wound:
+        return text("From {small:.2f} s to the end of this run the error is below 2 % of its peak.", small=after)
+    return claim(text("The error stays below 2 % of its peak after {small:.2f} s.", small=after), rate, below=0.0)
+
+
+def _growing(rate: float, dt: float) -> Text:
+    if rate == 0:
+        return (text("The error does not decay: an observer pole is on the unit circle.") if dt else
+                text("The error does not decay: an observer pole is on the imaginary axis."))
+    return (text("The error grows: an observer pole is outside the unit circle.") if dt else
+            text("The error grows: an observer pole is not in the left half plane."))
 
 
 def input_figure(run: Run, model: Model, limit: float | None = None, count: int | None = None) -> LineFigure:

@@ -40,12 +40,12 @@ def injection(plant: Plant, poles: Sequence[complex], model: Model | None = None
 @lru_cache(maxsize=32)
 def _placed(plant: Plant, poles: tuple[complex, ...]) -> np.ndarray:
     """K by its poles, which most knobs leave where they are."""
-    return place(plant.A, plant.B, poles).gain
+    return place(plant.A, plant.B, poles, sizes=np.ones(plant.n)).gain
 
 
 @lru_cache(maxsize=32)
 def _injected(plant: Plant, poles: tuple[complex, ...]) -> np.ndarray:
-    return observer_gain(plant.A, plant.C, poles).gain
+    return observer_gain(plant.A, plant.C, poles, sizes=np.ones(plant.n)).gain
 
 
 @lru_cache(maxsize=32)

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from observer_lab.course.knobs import Choice, Number, Poles
+from observer_lab.course.knobs import RELEASE_TIMES, SAMPLE_S, Choice, Number, Poles, Pull
 from observer_lab.course.lesson import Design
+from observer_lab.plants.grip import Grip
 from observer_lab.plants.model import Model
 from observer_lab.text import Text, text
 
 BY_POLES, BY_WEIGHTS = "poles", "weights"
+PULLS = ("pull", "pull_2")  # the names that grips give their records
+PULL_STEPS = 20  # steps from no force to the largest
 
 
 def run_knobs(horizon: float) -> tuple[Number, ...]:
@@ -62,8 +65,45 @@ def by_hand(design: Design) -> bool:
     return dict(design.values).get("method", BY_POLES) == BY_POLES
 
 
-def kicks(design: Design, model: Model) -> tuple[tuple[float, tuple[float, ...]], ...]:
-    """The impulse that the kick button has put into the design, if any; a sampled plant feels it at the next sample."""
+def pull_knobs(model: Model) -> tuple[Pull, ...]:
+    """The records of a hand on the plant, one for each place where it can be pulled; no widget shows them."""
+    return tuple(Pull(grip.knob, "F", grip.label, grip.unit, low=-RELEASE_TIMES * grip.most, high=RELEASE_TIMES * grip.most,
+                      step=grip.most / PULL_STEPS, most=grip.most, hidden=True) for grip in model.grips)
+
+
+def untouched(design: Design) -> bool:
+    """Whether nobody has kicked or pulled the plant in this run."""
+    return not any((name == "kick" and value >= 0) or (name in PULLS and value) for name, value in design.values)
+
+
+def kicks(design: Design, model: Model, grid: tuple[float, float] | None = None) -> tuple[tuple[float, tuple[float, ...]], ...]:
+    """The impulses of the kick button and of a hand, (time, jump of the state); a sampled plant feels them at the next sample.
+
+    A force F that a hand holds for one sample of its record is the impulse F · SAMPLE_S at the grid point nearest to where the sample
+    begins; `grid` is (its step, its end), None for the model's own.
+    """
     step = model.plant.dt
     at = step * np.ceil(design["kick"] / step - 1e-9) if step else design["kick"]
-    return ((float(at), model.kick),) if design["kick"] >= 0 else ()
+    struck = ((float(at), model.kick),) if design["kick"] >= 0 else ()
+    dt, horizon = grid or (model.plant.dt or model.dt, model.horizon)
+    return (*struck, *pulls(design, model, dt, horizon))
+
+
+def pulls(design: Design, model: Model, dt: float, horizon: float) -> tuple[tuple[float, tuple[float, ...]], ...]:
+    """The impulses of a hand at grid points of the run: each force of a record holds until the next one."""
+    values = dict(design.values)
+    found = []
+    for grip in model.grips:
+        record = values.get(grip.knob, ())
+        last = round(horizon / SAMPLE_S) + 1
+        firsts = [round(t / SAMPLE_S) for t, _ in record]
+        for (_, force), first, beyond in zip(record, firsts, (*firsts, last)[1:], strict=True):
+            jump = tuple(SAMPLE_S * force * v for v in grip.push)
+            found += [(dt * round(SAMPLE_S * k / dt), jump) for k in range(first, beyond) if force]
+    return tuple(found)
+
+
+def held(design: Design, model: Model) -> tuple[tuple[Grip, tuple[tuple[float, float], ...]], ...]:
+    """Where the plant of a stage can be pulled, and the record of the hand there."""
+    values = dict(design.values)
+    return tuple((grip, values[grip.knob]) for grip in model.grips if grip.knob in values)

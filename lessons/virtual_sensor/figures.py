@@ -7,13 +7,15 @@ from collections.abc import Mapping
 import numpy as np
 
 from observer_lab.course.figures.claims import claim
-from observer_lab.course.figures.records import Curve, Figure, LineFigure, PlaneFigure, Point
+from observer_lab.course.figures.records import Curve, DiagramFigure, Figure, LineFigure, PlaneFigure, Point
 from observer_lab.course.lesson import Outcome
 from observer_lab.engine.simulation import Run
+from observer_lab.plants import chip
 from observer_lab.text import NO_WORDS, Text, joined, same, text
 
+from ..toolkit.diagram import Press, loop
 from ..toolkit.figures import TIME_TAB
-from .knobs import HORIZON, MOST_TRUST
+from .knobs import MOST_TRUST
 from .study import Study
 
 ERROR_TAB = text("Error")
@@ -32,14 +34,14 @@ def figures(outcome: Outcome[Study]) -> tuple[Figure, ...]:
     run, seen = outcome.run, outcome.study
     assert run is not None
     return (_core(outcome, run, seen.copy), _case(outcome, run, seen.copy), _power(run), _errors(outcome, run, seen.copy),
-            _innovation(outcome, run), _locus(outcome, seen))
+            _innovation(outcome, run), _locus(outcome, seen), _loop(outcome, run))
 
 
 def _core(outcome: Outcome[Study], run: Run, copy: Run) -> LineFigure:
     m = outcome.metrics
     after = text("The observer's error in the core is below 1 K after {after:.2f} s.", after=m["known_after"])
     soon = text("The core error is below 1 K from {after:.2f} s to the end of this run, but it grows.", after=m["known_after"])
-    known = (text("At the end the observer's error in the core is still above 1 K.") if m["known_after"] > HORIZON else
+    known = (text("At the end the observer's error in the core is still above 1 K.") if np.isinf(m["known_after"]) else
              claim(_noisy(m) if m["core_sigma"] > 0 else after, m["slowest_observer"], below=0.0, otherwise=soon))
     copied = text("In the last tenth of the run the copy is off by up to {off:.2g} K.", off=m["copy_core_error"])
     return LineFigure("core", text("core temperature (nobody can measure it)"), run.t, (
@@ -120,3 +122,10 @@ def _locus(outcome: Outcome[Study], seen: Study) -> PlaneFigure:
                        "Re s", "Im s", (-5.0, 1.0), (-2.2, 2.2), unstable=True, tab=TRUST_TAB,
                        caption=text("Circles: θ = 0, the copy. Crosses: θ = {trust:g} now. {need}",
                                     trust=outcome.design["trust"], need=need))
+
+
+def _loop(outcome: Outcome[Study], run: Run) -> DiagramFigure:
+    """The chip and its observer as a block diagram; a press on L opens the correction, or closes it again."""
+    opened = outcome.design["trust"] == 0
+    words = text("Close the correction: θ = 1") if opened else text("Open the correction: θ = 0")
+    return loop(chip.plant(), run, outcome.gains["L"], press=Press("L", {"trust": 1.0 if opened else 0.0}, words))

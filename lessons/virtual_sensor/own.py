@@ -85,7 +85,7 @@ def compute(model: Model, design: Design) -> Outcome[OwnStudy]:
         "first_error": float(abs(error[0]))}
     return Outcome(
         design, {"L": L}, {"observer": poles, "copy": belief.poles}, metrics, checks_of(metrics), run, _boards(model, design, poles, L),
-        stage(model, run), (
+        stage(model, run, design), (
             Formula("observer", r"\dot{\hat x} = A\hat x + Bu + L\,(y - C\hat x)"),
             Formula("L", rf"{gain_words('L', L)},\quad \theta = {number(design['trust'])}"),
             Formula("error", gain_words("A - LC", belief.A - L @ belief.C))), _live(metrics), seen)
@@ -197,6 +197,7 @@ def _plane(model: Model, outcome: Outcome[OwnStudy]) -> PlaneFigure:
     shaky = np.flatnonzero(~stable)
     need = (text("All trusts tried, up to 2, make every mode stable.") if not len(shaky) else
             text("No trust tried, up to 2, makes every mode stable.") if len(shaky) == len(stable) else
+            text("Only a trust of {trust:.2g} is not stable among those tried.", trust=trusts[shaky[0]]) if len(shaky) == 1 else
             text("Some of the values of trust tried from {trusts:.2g} to {trusts2:.2g} are unstable.",
                  trusts=trusts[shaky[0]], trusts2=trusts[shaky[-1]]))
     high = max(window.re_high, 0.3 * -window.re_low)

@@ -29,7 +29,7 @@ KNOWN_ERROR_K = 1.0  # K: a core error below this counts as known
 class Study:
     """What the figures need beside the observer's run: the copy's run, how the poles move with trust, the reduced-order estimate.
 
-    `reduced`: x̂ (n_t, 2) of the reduced-order observer along the same readings, None where it is switched off.
+    `reduced`: x̂ (n_t, 2) of the reduced-order observer along the same readings, as long as the run; None where it is switched off.
     """
 
     copy: Run
@@ -106,18 +106,21 @@ def compute(design: Design) -> Outcome[Study]:
     poles, own = np.sort_complex(_poles_of(belief.A - L @ belief.C)), belief.poles
     trusts, (low, high) = _trusts(belief, L_full), stable_trusts(belief, L_full)
     reduced = reduced_observer(belief, (float(np.max(np.real(design["observer_poles"]))),)) if design["reduced"] else None
+    estimates = None if reduced is None else _reduced_estimates(watched, reduced, run)
+    if estimates is not None and len(estimates) < len(run.t):  # all curves end where the first of them has diverged
+        run = simulate(replace(watched, horizon=float(run.t[len(estimates) - 1])))
     seen = Study(copy, trusts, _poles_of(belief.A - trusts[:, None, None] * (L_full @ belief.C)), (low, high),
-                 None if reduced is None else _reduced_estimates(watched, reduced, run))
+                 None if estimates is None else estimates[:len(run.t)])
     metrics = _metrics(run, copy) | {
         "core_sigma": core_sigma(belief.A - L @ belief.C, L, design["noise"]),
         "slowest_observer": float(np.max(np.real(poles))), "slowest_copy": float(np.max(np.real(own))),
         "largest_gain": float(np.max(np.abs(L))), "least_trust": max(0.0, low)}
     if reduced is not None:
         metrics["reduced_sigma"] = reduced_sigma(reduced, design["noise"])
-        metrics["reduced_error"] = float(np.abs(run.x[:, 0] - seen.reduced[:len(run.t), 0])[-max(len(run.t) // 10, 1):].max())
+        metrics["reduced_error"] = float(np.abs(run.x[:, 0] - seen.reduced[:, 0])[-max(len(run.t) // 10, 1):].max())
     return Outcome(
         design, {"L": L}, {"observer": poles, "copy": own}, metrics, checks_of(metrics), run,
-        _boards(design, poles, own, belief.A - L @ belief.C), stage(model, run), _formulas(belief, L, design["trust"]),
+        _boards(design, poles, own, belief.A - L @ belief.C), stage(model, run, design), _formulas(belief, L, design["trust"]),
         _live(metrics, run, seen, design["trust"]), seen)
 
 
@@ -135,7 +138,7 @@ def _metrics(run: Run, copy: Run) -> dict[str, float]:
     return {
         "core_error": float(core[-tail:].max()), "copy_core_error": float(of_copy[-tail:].max()),
         "largest_copy_error": float(of_copy.max()), "case_error": float(np.abs(run.e[-tail:, 1]).max()),
-        "known_after": HORIZON + DT if known is None else known, "largest_guess": float(np.max(np.abs(run.xhat[:, 0])))}
+        "known_after": np.inf if known is None else known, "largest_guess": float(np.max(np.abs(run.xhat[:, 0])))}
 
 
 def core_sigma(A: np.ndarray, L: np.ndarray, noise: float) -> float:
@@ -171,7 +174,7 @@ def reduced_sigma(observer: ReducedObserver, noise: float) -> float:
 
 
 def _known_after(t: np.ndarray, error: np.ndarray) -> float | None:
-    """From when on the core is known within KNOWN, None if it is not so at the end."""
+    """From when on the core is known within KNOWN_ERROR_K, None if it is not so at the end."""
     off = np.flatnonzero(error >= KNOWN_ERROR_K)
     if not len(off):
         return 0.0

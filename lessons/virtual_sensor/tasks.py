@@ -9,10 +9,11 @@ from observer_lab.course.lesson import Outcome, Task, Verdict, typed_task
 from observer_lab.engine import error_parts
 from observer_lab.text import text
 
-from .knobs import DT, HORIZON, RUNAWAY_ID, STABLE_ID
+from .knobs import DT, RUNAWAY_ID, STABLE_ID
 from .study import Study, believed
 
 LISTENING, TREMBLE = (-1.45, -1.35), 0.2  # 1/s, where the slowest pole is to stand; K
+DECAYS_BY = -2.0  # 1/s: with a slower pole the error of the core only swings through the band
 PASSED_ON = 0.3  # K, the most that noise may move the estimate of the reduced-order observer
 
 
@@ -21,12 +22,16 @@ def feel_the_core(outcome: Outcome[Study]) -> Verdict:
     d, after = outcome.design, outcome.metrics["known_after"]
     if d["guess_core"] or d["guess_case"] or d["air_error"] or d["noise"] or d["plant"] != STABLE_ID:
         return Verdict(False, text("Keep both guesses at 0 K, the model right, no sensor noise and the chip that cools."))
+    slowest = float(np.max(outcome.poles["observer"].real))
+    if 2.1 <= after <= 2.2 and slowest > DECAYS_BY:
+        return Verdict(False, text("Known within 1 K after {after:.2f} s, but by a swing: the slowest pole is at {slowest:.3g}. Bring it "
+                                   "left of {least:g}.", after=after, slowest=slowest, least=DECAYS_BY))
     if 2.1 <= after <= 2.2:
         return Verdict(True, text("The core is known within 1 K after {after:.2f} s, with L up to "
                                   "{largest_gain:.3g} and a first guess that shoots to {largest_guess:.0f} K.",
                                   after=after, largest_gain=outcome.metrics["largest_gain"],
                                   largest_guess=outcome.metrics["largest_guess"]))
-    late = text("after {after:.2f} s", after=after) if after <= HORIZON else text("never")
+    late = text("after {after:.2f} s", after=after) if np.isfinite(after) else text("never")
     return Verdict(False, text("Known within 1 K: {late}; it should be after 2.1 to 2.2 s.", late=late))
 
 

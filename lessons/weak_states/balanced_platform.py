@@ -25,7 +25,7 @@ EQUAL = 1e-3  # of a Hankel value: the pairs of this plant differ by less, diffe
 class Motion:
     """One mode: pole with Im > 0, shape of the ten states, and its strength ‖C v‖ ‖wᴴB‖/(2|Re λ|) with wᴴv = 1.
 
-    The strength is what both Hankel values of a mode are if it is lightly damped and stands alone. kind: index into NAMES.
+    The strength is what both Hankel values of a mode are if it is lightly damped and stands alone. kind: index into MODE_NAMES.
     """
 
     pole: complex

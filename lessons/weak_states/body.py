@@ -13,7 +13,7 @@ from functools import lru_cache
 import numpy as np
 
 from observer_lab.course.lesson import Stage
-from observer_lab.plants.bodies.body import Body, Pose, bound_displacement, pose_between
+from observer_lab.plants.bodies.body import Body, PartName, Pose, bound_displacement, pose_between
 from observer_lab.plants.bodies.deck_body import MASS_REST, STAGE_SCALE, platform_body
 from observer_lab.plants.platform.model import Parameters
 from observer_lab.text import text
@@ -54,6 +54,9 @@ BODY = Body(
     lambda x, gain: _placed(*x[STATE_COUNT : STATE_COUNT + 3]).anchors(x[:STATE_COUNT], gain),
     20.0,
     text("Deck with its sensors; the copper balls are their test masses"),
+    names=(PartName(text("test mass of a sensor"), "test mass left", (-0.4, -0.2, 0.6)),
+           PartName(text("deck"), "deck", (-0.95, -0.7, -0.4)),
+           PartName(text("ghost: the smaller model"), "payload lid", (0.9, -0.3, 0.4), True)),
 )
 
 
@@ -63,7 +66,7 @@ def slower(motion: Motion) -> float:
 
 
 def swing(s: System, motion: Motion, order: int) -> Stage:
-    """The motion undamped, one swing in PERIOD seconds that begins with its largest part at REACH; the ghost is what the model holds."""
+    """The motion undamped, one swing in SWING_S seconds; its largest part begins at MAX_DRAWN_MOTION. The ghost is the model's."""
     p = s.parameters
     parts = relative(p, motion.shape) / MAX_DRAWN_MOTION
     shape = motion.shape / parts[np.argmax(np.abs(parts) > 0.999 * np.abs(parts).max())]  # the first of equals, on every machine

@@ -109,7 +109,8 @@ def _checks(study: Study, m: Mapping[str, float]) -> tuple[Check, ...]:
     c = study.compared
     return (
         Check("rank", text("both matrices have rank 10 at this tolerance"),
-              m["rank_controllability"] == m["rank_observability"] == STATE_COUNT, min(m["rank_controllability"], m["rank_observability"])),
+              m["rank_controllability"] == m["rank_observability"] == STATE_COUNT, min(m["rank_controllability"], m["rank_observability"]),
+              informative=True),
         Check("bound", text("the error keeps below 2Σσ"), m["error"] <= m["bound"] * (1 + 1e-6) + 1e-8, m["error"]),
         Check("stable", text("LQG on the cut model holds the platform"), c.small.stable,
               c.small.rightmost),

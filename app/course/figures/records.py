@@ -1,62 +1,34 @@
 """Define figure records, drawn by uPlot or SVG on the page and by matplotlib in exports.
 
-A record holds arrays and words, never a widget. Roles name meanings; `colours.py` gives each its colour everywhere.
+A record holds arrays and words, never a widget, and says itself what a table, a screen reader or a file needs. Roles name meanings;
+`colours.py` gives each its colour everywhere. A new kind stands in `Figure`, and is drawn in: `svg.py`, `export/figures/figure.py`.
 """
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Literal, assert_never
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Literal, Self
 
 import numpy as np
 
 from ...text import NO_WORDS, Text, label_in_language, text
+from .curves import Curve as Curve
+from .curves import Dash as Dash
+from .curves import Point as Point
+from .curves import finite as finite
+from .diagram import DiagramFigure as DiagramFigure
+from .figure_record import Entry, FigureRecord, Part, PinnedFigure, Sheet, distinct, numbered
 
-Dash = Literal["solid", "dash", "dot", "pin1", "pin2", "pin3", "pin4"]
 # the tabs that figures stand in unless a lesson says otherwise
 TIME, SPECTRUM, PLANE = text("Time"), text("Spectrum"), text("Plane")
 MATRICES, MAP, NUMBERS = text("Matrices"), text("Map"), text("Numbers")
-LOG_AXIS_FLOOR = 1e-12  # the lowest value that a logarithmic axis shows
+UNIT = re.compile(r"\[[^\[\]]+\]\s*$")  # at the end of an axis or a name
 
 
 @dataclass(frozen=True, eq=False)
-class Curve:
-    """One line: y over the figure's common x (or over its own `x` in a plane).
-
-    One with a `pin` belongs to the pinned design of that name; it alone may hold NaN, where its run does not reach.
-    """
-
-    name: Text
-    y: np.ndarray
-    role: str = "plant"
-    dash: Dash = "solid"
-    width: float = 2.0
-    x: np.ndarray | None = None
-    pin: Text = NO_WORDS
-
-    def called(self, language: str) -> str:
-        """Its name, with that of its pin: "true · A"."""
-        return " · ".join(each for each in (self.name(language), self.pin(language)) if each)
-
-    @property
-    def key(self) -> tuple[Text, str, str]:
-        """What tells it apart in a key: a pin has one entry there, whatever its curves are."""
-        return (self.pin, "", self.dash) if self.pin.id else (self.name, self.role, self.dash)
-
-    def entry(self, language: str) -> str:
-        """Its name in a key."""
-        return (self.pin if self.pin.id else self.name)(language)
-
-    @property
-    def drawn(self) -> np.ndarray:
-        """Its values fit to draw."""
-        return np.asarray(self.y, dtype=float) if self.pin.id else finite(self.y)
-
-
-@dataclass(frozen=True, eq=False)
-class LineFigure:
+class LineFigure(FigureRecord):
     """Curves over time in seconds or, where `log_x`, over frequency in hertz; `log_y` draws their magnitudes in decades."""
 
     id: str
@@ -75,6 +47,44 @@ class LineFigure:
         """What the curves run over."""
         return "f [Hz]" if self.log_x else "t [s]"
 
+    @property
+    def kind(self) -> str:
+        return "frequency" if self.log_x else "time"
+
+    def axes(self, language: str = "en") -> tuple[str, str]:
+        return self.x_label, label_in_language(self.y_label, language)
+
+    def table(self, language: str = "en") -> Sheet:
+        """A column a curve, with the unit of its axis where its name has none."""
+        unit = UNIT.search(self.axes(language)[1])
+        names = [name if unit is None or UNIT.search(name) else f"{name} {unit[0]}".strip() for name in
+                 (curve.called(language) for curve in self.curves)]
+        columns = [np.asarray(self.x, dtype=float), *(np.asarray(curve.y, dtype=float) for curve in self.curves)]
+        return [self.x_label, *distinct(names)], [tuple(map(float, row)) for row in zip(*columns, strict=True)]
+
+    def entries(self) -> Iterator[Entry]:
+        for name, curve in zip(distinct([curve.called("en") for curve in self.curves]), self.curves, strict=True):
+            yield from ((name, float(x), float(y), "") for x, y in zip(self.x, curve.y, strict=True))
+
+    def parts(self) -> Iterator[Part]:
+        yield from (("x", self.x_label), ("y", self.y_label), *numbered("curve", (curve.name for curve in self.curves)))
+
+    def with_pins(self, pinned: Sequence[PinnedFigure]) -> Self:
+        """The other's curves over its own x, where they have its axes and are not drawn anyway; nothing where they do not reach."""
+        axes, x, thin = (self.log_x, self.log_y, self.y_label), np.asarray(self.x, dtype=float), []
+        for place, pin, other in pinned:
+            if not isinstance(other, LineFigure) or axes != (other.log_x, other.log_y, other.y_label):
+                continue
+            at = np.asarray(other.x, dtype=float)
+            for curve in other.curves:
+                y = finite(curve.y)
+                if len(at) < 2 or len(y) != len(at):
+                    continue
+                if len(x) != len(at) or not np.array_equal(x, at):
+                    y = np.interp(x, at, y, left=np.nan, right=np.nan)
+                thin.append(curve.of_pin(place, pin, y, None))
+        return replace(self, curves=(*self.curves, *(curve for curve in thin if not curve.lies_on(self.curves))))
+
 
 def over_frequency(id: str, title: Text, f: np.ndarray, curves: tuple[Curve, ...], y_label: Text | str = "",
                    caption: Text = NO_WORDS, tab: Text = SPECTRUM, window: tuple[float, float] | None = None) -> LineFigure:
@@ -83,18 +93,7 @@ def over_frequency(id: str, title: Text, f: np.ndarray, curves: tuple[Curve, ...
 
 
 @dataclass(frozen=True, eq=False)
-class Point:
-    """A mark in a plane: a cross (pole), a circle (zero, start), a bolt (a mode that cannot move), hollow (of a pin)."""
-
-    x: float
-    y: float
-    role: str = "plant"
-    mark: Literal["cross", "circle", "bolt", "dot", "hollow"] = "cross"
-    name: Text = NO_WORDS
-
-
-@dataclass(frozen=True, eq=False)
-class PlaneFigure:
+class PlaneFigure(FigureRecord):
     """Curves and points in a plane: pole maps, phase portraits, ellipses."""
 
     id: str
@@ -110,10 +109,44 @@ class PlaneFigure:
     caption: Text = NO_WORDS
     tab: Text = PLANE
     powers: Literal["", "x", "y", "xy"] = ""  # the axes over which exponents of ten run, and which are numbered 10⁻³, 1, 10³
+    names: tuple[tuple[float, Text], ...] = ()  # what stands below places of the x axis instead of its numbers
+
+    @property
+    def kind(self) -> str:
+        return "plane"
+
+    def axes(self, language: str = "en") -> tuple[str, str]:
+        """What stands at the axes; an exponent is a logarithm."""
+        x, y = (label_in_language(label, language) for label in (self.x_label, self.y_label))
+        return f"log₁₀ {x or 'x'}" if "x" in self.powers else x, f"log₁₀ {y or 'y'}" if "y" in self.powers else y
+
+    def table(self, language: str = "en") -> Sheet:
+        """A row a point, curve by curve and then the marks."""
+        x, y = self.axes(language)
+        names = distinct([curve.called(language) for curve in self.curves])
+        rows = [(name, float(x), float(y)) for name, curve in zip(names, self.curves, strict=True)
+                for x, y in zip(curve.xs, curve.y, strict=True)]
+        return ["series", x or "x", y or "y"], [*rows, *((point.called(language), float(point.x), float(point.y)) for point in self.points)]
+
+    def entries(self) -> Iterator[Entry]:
+        yield from ((str(name), float(x), float(y), "") for name, x, y in self.table()[1])
+
+    def parts(self) -> Iterator[Part]:
+        yield from (("x", self.x_label), ("y", self.y_label), *numbered("curve", (curve.name for curve in self.curves)),
+                    *numbered("point", (point.name for point in self.points)), *numbered("place", (name for _, name in self.names)))
+
+    def with_pins(self, pinned: Sequence[PinnedFigure]) -> Self:
+        curves, points, there = list(self.curves), list(self.points), {point.key for point in self.points}
+        for place, pin, other in pinned:
+            if isinstance(other, PlaneFigure):
+                curves += [curve.of_pin(place, pin, curve.y, curve.x) for curve in other.curves if not curve.lies_on(self.curves)]
+                points += [replace(point, mark="hollow", name=NO_WORDS) for point in other.points
+                           if point.mark in ("cross", "dot") and point.key not in there]
+        return replace(self, curves=tuple(curves), points=tuple(points))
 
 
 @dataclass(frozen=True, eq=False)
-class MatrixFigure:
+class MatrixFigure(FigureRecord):
     """A heat map of the magnitudes of a matrix, with lines between its blocks."""
 
     id: str
@@ -125,9 +158,34 @@ class MatrixFigure:
     caption: Text = NO_WORDS
     tab: Text = MATRICES
 
+    @property
+    def kind(self) -> str:
+        return "matrix"
+
+    def axes(self, language: str = "en") -> tuple[str, str]:
+        return "", ""
+
+    def _names(self, language: str) -> tuple[list[str], list[str]]:
+        """The names of rows and columns, their numbers where they have none."""
+        rows, columns = ([label_in_language(name, language) for name in names] or [str(k) for k in range(count)]
+                         for names, count in zip((self.rows, self.columns), self.matrix.shape, strict=True))
+        return rows, columns
+
+    def table(self, language: str = "en") -> Sheet:
+        rows, columns = self._names(language)
+        return ["", *distinct(columns)], [(name, *map(float, row)) for name, row in zip(rows, self.matrix, strict=True)]
+
+    def entries(self) -> Iterator[Entry]:
+        rows, columns = self._names("en")
+        for (i, j), entry in np.ndenumerate(np.asarray(self.matrix, dtype=float)):
+            yield f"{rows[i]}, {columns[j]}", float(j), float(i), float(entry)
+
+    def parts(self) -> Iterator[Part]:
+        yield from (*numbered("column", self.columns), *numbered("row", self.rows))
+
 
 @dataclass(frozen=True, eq=False)
-class MapFigure:
+class MapFigure(FigureRecord):
     """A map over a grid: `values` (n_y, n_x) of numbers of categories with name and role, −1 where none is computed yet."""
 
     id: str
@@ -142,9 +200,32 @@ class MapFigure:
     caption: Text = NO_WORDS
     tab: Text = MAP
 
+    @property
+    def kind(self) -> str:
+        return "map"
+
+    def axes(self, language: str = "en") -> tuple[str, str]:
+        return label_in_language(self.x_label, language), label_in_language(self.y_label, language)
+
+    def table(self, language: str = "en") -> Sheet:
+        """A row a cell."""
+        x, y = self.axes(language)
+        return [x or "x", y or "y", "category"], [(x, y, name) for name, x, y, _ in self._cells(language)]
+
+    def entries(self) -> Iterator[Entry]:
+        return self._cells("en")
+
+    def _cells(self, language: str) -> Iterator[Entry]:
+        names = [name(language) for name, _ in self.categories]
+        for (i, j), k in np.ndenumerate(np.asarray(self.values)):
+            yield names[int(k)] if k >= 0 else "", float(self.x[j]), float(self.y[i]), float(k)
+
+    def parts(self) -> Iterator[Part]:
+        yield from (("x", self.x_label), ("y", self.y_label), *numbered("category", (name for name, _ in self.categories)))
+
 
 @dataclass(frozen=True, eq=False)
-class TableFigure:
+class TableFigure(FigureRecord):
     """A table: what is asked beside what is reached, numbers beside names."""
 
     id: str
@@ -154,110 +235,29 @@ class TableFigure:
     caption: Text = NO_WORDS
     tab: Text = NUMBERS
 
+    @property
+    def kind(self) -> str:
+        return "table"
 
-Figure = LineFigure | PlaneFigure | MatrixFigure | MapFigure | TableFigure
+    def axes(self, language: str = "en") -> tuple[str, str]:
+        return "", ""
 
+    def table(self, language: str = "en") -> Sheet:
+        return ([column(language) for column in self.columns],
+                [tuple(label_in_language(cell, language) for cell in row) for row in self.rows])
 
-def finite(values: np.ndarray, bound: float = 1e12) -> np.ndarray:
-    """Values fit to draw: NaN becomes 0, and what exceeds ±bound is clipped."""
-    return np.clip(np.nan_to_num(np.asarray(values, dtype=float), nan=0.0, posinf=bound, neginf=-bound), -bound, bound)
+    def entries(self) -> Iterator[Entry]:
+        columns, rows = self.table()
+        for i, row in enumerate(rows):
+            yield from ((name, float(i), "", cell) for name, cell in zip(columns, row, strict=True))
 
-
-def round_up_nicely(value: float) -> float:
-    """The least of 1, 2, 2.5, 5 × 10^k that is not below `value`."""
-    if not value > 0 or not math.isfinite(value):
-        return 1.0
-    decade = 10.0 ** math.floor(math.log10(value))
-    for step in (1.0, 2.0, 2.5, 5.0, 10.0):
-        if value <= step * decade * (1 + 1e-9):
-            return step * decade
-    return 10.0 * decade
-
-
-def axis_range(figure: LineFigure) -> tuple[float, float]:
-    """A calm y range for all curves of a figure: round numbers, zero inside, decades when logarithmic."""
-    data = [finite(curve.y) for curve in figure.curves if len(curve.y)]
-    if figure.log_y:
-        top = max((float(np.max(np.abs(y))) for y in data), default=1.0)
-        bottom = min((float(np.min(np.abs(y[np.abs(y) > LOG_AXIS_FLOOR]), initial=top)) for y in data), default=top)
-        if figure.window is not None:
-            top, bottom = max(top, figure.window[1]), min(bottom, figure.window[0])
-        top = max(top, 10 * LOG_AXIS_FLOOR)
-        high = 10.0 ** math.ceil(math.log10(top) - 1e-9)
-        deepest = high * 1e-9 if figure.window is None else min(high * 1e-9, figure.window[0])
-        low = 10.0 ** math.floor(math.log10(max(bottom, deepest, LOG_AXIS_FLOOR)) + 1e-9)
-        return min(low, high / 10), high
-    low = min((float(np.min(y)) for y in data), default=-1.0)
-    high = max((float(np.max(y)) for y in data), default=1.0)
-    if figure.window is not None:
-        low, high = min(low, figure.window[0]), max(high, figure.window[1])
-    low, high = (-round_up_nicely(-low * 1.02) if low < 0 else 0.0), (round_up_nicely(high * 1.02) if high > 0 else 0.0 if low < 0 else 1.0)
-    return (low, high) if low < high else (0.0, 1.0)  # numbers that are zero to a chart
+    def parts(self) -> Iterator[Part]:
+        yield from numbered("column", self.columns)
+        for number, row in enumerate(self.rows, 1):
+            yield from numbered(f"row.{number}", row)
 
 
-def legal_range(low: float, high: float, log: bool) -> bool:
-    """Whether an axis can have that range."""
-    return math.isfinite(low) and math.isfinite(high) and low < high and (low > 0 or not log)
-
-
-def steady_range(figure: LineFigure, last: tuple[float, float] | None, resting: bool) -> tuple[float, float]:
-    """The y range to show now: it stays put while a knob moves and follows, if it must, when the knob rests.
-
-    A range that is kept is one that the figure can have now: finite, rising, and positive on a logarithmic axis.
-    """
-    log = figure.log_y
-    kept = last if last is not None and legal_range(*last, log) else None
-    if kept is not None and not resting:
-        return kept
-    wanted = axis_range(figure)
-    if kept is None:
-        return wanted
-    last = kept
-    if log:
-        inside = last[0] <= wanted[0] * 1.01 and wanted[1] <= last[1] * 1.01
-        loose = math.log10(last[1] / last[0]) > 2.5 * math.log10(wanted[1] / wanted[0])
-    else:
-        inside = last[0] <= wanted[0] and wanted[1] <= last[1]
-        loose = last[1] - last[0] > 4.1 * (wanted[1] - wanted[0])
-    return last if inside and not loose else wanted
-
-
-def columns(figure: Figure) -> tuple[list[str], np.ndarray]:
-    """The data of a figure as named columns, for a CSV file and for tests."""
-    match figure:
-        case LineFigure():
-            return [figure.x_label, *(c.name("en") for c in figure.curves)], np.column_stack([figure.x, *(c.y for c in figure.curves)])
-        case PlaneFigure():
-            rows = [(p.x, p.y) for p in figure.points] + [at for c in figure.curves for at in zip(_xs(c), c.y, strict=True)]
-            return [*axes_of(figure)], np.array(rows, dtype=float).reshape(-1, 2)
-        case MatrixFigure():
-            named = figure.columns or map(str, range(figure.matrix.shape[1]))
-            return [label_in_language(name, "en") for name in named], np.asarray(figure.matrix, dtype=float)
-        case MapFigure():
-            x, y = np.meshgrid(figure.x, figure.y)
-            return [*axes_of(figure), "category"], np.column_stack([x.ravel(), y.ravel(), figure.values.ravel()])
-        case TableFigure():
-            return [c("en") for c in figure.columns], np.empty((0, len(figure.columns)))
-        case _:
-            assert_never(figure)
-
-
-def axes_of(figure: PlaneFigure | MapFigure, language: str = "en") -> tuple[str, str]:
-    """What the numbers of a figure are, as a table says it: an exponent is a logarithm."""
-    def axis(label: Text | str, name: str) -> str:
-        return "log₁₀ " * (name in getattr(figure, "powers", "")) + (label_in_language(label, language) or name)
-    return axis(figure.x_label, "x"), axis(figure.y_label, "y")
-
-
-def _xs(curve: Curve) -> np.ndarray:
-    return np.arange(len(curve.y), dtype=float) if curve.x is None else curve.x
-
-
-def thin_samples(t: np.ndarray, *series: np.ndarray, points: int = 500) -> tuple[np.ndarray, ...]:
-    """Every k-th sample, the last one kept, so that a curve has at most `points` + 1 points on the screen."""
-    step = max(1, math.ceil(len(t) / points))
-    index = np.unique(np.append(np.arange(0, len(t), step), len(t) - 1))
-    return (t[index], *(s[index] for s in series))
+Figure = LineFigure | PlaneFigure | MatrixFigure | MapFigure | TableFigure | DiagramFigure
 
 
 def tab_names(figures: Sequence[Figure]) -> list[Text]:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from ...plants.bodies.body import Body
+from ...plants.grip import Grip
 from ...text import Text, text
 from ..knobs import KnobError
 
@@ -56,7 +57,9 @@ class Stage:
     A record of x or xhat is what `body.pose` takes: the plant's state, and after it whatever else a body shows that no
     equation moves (where sensors stand, which are on, an ellipsoid of states).
     `spread` is a radius per time (stage units) of the uncertainty at each anchor, if there is noise; `note` says in lines of
-    words on the stage what would surprise there. Raises KnobError where there is no more than the start to be played.
+    words on the stage what would surprise there.
+    `held` says where a hand can pull the body, each with the record of its force. Raises KnobError where
+    there is no more than the start to be played.
     """
 
     body: Body
@@ -66,6 +69,7 @@ class Stage:
     u: np.ndarray | None = None
     spread: np.ndarray | None = None
     note: tuple[Text, ...] = ()
+    held: tuple[tuple[Grip, tuple[tuple[float, float], ...]], ...] = ()
 
     def __post_init__(self) -> None:
         if len(self.t) < 2:

@@ -17,7 +17,7 @@ def moodle_table(course: Course, points: Points) -> str:
     An item that was not handed in is "-", as Moodle writes no grade.
     """
     names = _asked(course)
-    rows = [[student, *(_number(row[name]) if name in row else "-" for name in names)] for student, row in points.items()]
+    rows = [[student, *(f"{row[name]:g}" if name in row else "-" for name in names)] for student, row in points.items()]
     return _csv([["ID number", *names], *rows])
 
 
@@ -28,18 +28,14 @@ def canvas_table(course: Course, points: Points) -> str:
     """
     names = _asked(course)
     head = ["Student", "ID", "SIS User ID", "SIS Login ID", "Section", *names]
-    possible = ["Points Possible", "", "", "", "", *(_number(course.items[name].points) for name in names)]
-    rows = [[student, "", student, student, "", *(_number(row[name]) if name in row else "" for name in names)]
+    possible = ["Points Possible", "", "", "", "", *(f"{course.items[name].points:g}" for name in names)]
+    rows = [[student, "", student, student, "", *(f"{row[name]:g}" if name in row else "" for name in names)]
             for student, row in points.items()]
     return _csv([head, possible, *rows])
 
 
 def _asked(course: Course) -> list[str]:
     return [name for name, item in course.items.items() if not item.practice]
-
-
-def _number(points: float) -> str:
-    return f"{points:g}"
 
 
 def _csv(rows: Iterable[list[str]]) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from ..exercises.exam import canonical_key, number_of
@@ -26,12 +26,14 @@ class Finding:
     points: float = 0.0
 
 
-def grade(course: Course, lessons: Mapping[str, Lesson], tokens: Iterable[tuple[str, str]]) -> tuple[Finding, ...]:
+def grade(course: Course, lessons: Mapping[str, Lesson], tokens: Iterable[tuple[str, str]],
+          stranger: Callable[[str, str], str | None] = lambda source, student: None) -> tuple[Finding, ...]:
     """A finding for each (source, token), in the same order.
 
-    Of a student's hand-ins of one item the first `tries` count, by the time of their signature; a late one uses up no try.
+    Of a student's hand-ins of one item the first `tries` count, by the time of their signature; a late one uses up no try, nor does
+    one that another student gave. `stranger` says of a source and a student why it is not theirs, None where it may be.
     """
-    found = [_verified(course, source, token) for source, token in tokens]
+    found = [_verified(course, source, token, stranger) for source, token in tokens]
     used: Counter[tuple[str, str]] = Counter()
     seen: set[str] = set()
     valid = [(one.hand_in.issued, place, one.hand_in) for place, one in enumerate(found) if one.hand_in is not None and one.refusal is None]
@@ -52,8 +54,8 @@ def best_points(course: Course, findings: Sequence[Finding]) -> dict[str, dict[s
     return {student: marks[student] for student in sorted(marks, key=canonical_key)}
 
 
-def _verified(course: Course, source: str, token: str) -> Finding:
-    """A finding whose signature, item and deadline are judged, and not yet its answer nor how often it came."""
+def _verified(course: Course, source: str, token: str, stranger: Callable[[str, str], str | None]) -> Finding:
+    """A finding whose signature, item, deadline and giver are judged, and not yet its answer nor how often it came."""
     try:
         hand_in = read_hand_in(course, token)
     except HandInError as problem:
@@ -64,7 +66,18 @@ def _verified(course: Course, source: str, token: str) -> Finding:
     if item.deadline is not None and hand_in.issued > item.deadline.timestamp():
         return Finding(source, token, hand_in, Refusal.LATE, f"it was signed at {hand_in.time:%Y-%m-%d %H:%M:%S} UTC, after "
                                                              f"{item.deadline.isoformat(' ', 'minutes')}")
+    if (why := stranger(source, hand_in.student)) is not None:
+        return Finding(source, token, hand_in, Refusal.OTHER_STUDENT, why)
     return Finding(source, token, hand_in)
+
+
+def sources_of_students(findings: Sequence[Finding], place: Callable[[str], str]) -> dict[str, tuple[str, ...]]:
+    """Student → the places of the hand-ins that count, where there are several; a place is what `place` makes of a source."""
+    found: dict[str, dict[str, None]] = {}
+    for one in findings:
+        if one.hand_in is not None and one.refusal in (None, Refusal.DOUBLED):
+            found.setdefault(canonical_key(one.hand_in.student), {})[place(one.source)] = None
+    return {student: tuple(places) for student, places in found.items() if len(places) > 1}
 
 
 def _counted(course: Course, lessons: Mapping[str, Lesson], one: Finding, hand_in: HandIn, seen: set[str],

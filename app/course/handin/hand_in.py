@@ -30,6 +30,7 @@ class Refusal(StrEnum):
     NOT_ASKED = "not asked"
     LATE = "late"
     DOUBLED = "doubled"
+    OTHER_STUDENT = "another student"
 
 
 class HandInError(ValueError):

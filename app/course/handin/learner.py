@@ -20,8 +20,10 @@ class Report:
 class Learner:
     """The key that the course draws numbers for, which nobody can change, and what takes a hand-in to the platform.
 
-    `report` may wait for another machine, and does not raise; None where the platform takes no points.
+    `report` may wait for another machine, and does not raise; None where the platform takes no points. `item` is the name of the exam or
+    task that the launch opens, "" for all of a lesson.
     """
 
     key: str
     report: Callable[[str], Report] | None = field(default=None, repr=False)
+    item: str = ""

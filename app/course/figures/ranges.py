@@ -1,0 +1,71 @@
+"""Choose the range that the vertical axis of a chart shows, and keep it while a knob moves."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from .curves import finite
+from .records import LineFigure
+
+LOG_AXIS_FLOOR = 1e-12  # the lowest value that a logarithmic axis shows
+
+
+def round_up_nicely(value: float) -> float:
+    """The least of 1, 2, 2.5, 5 × 10^k that is not below `value`."""
+    if not value > 0 or not math.isfinite(value):
+        return 1.0
+    decade = 10.0 ** math.floor(math.log10(value))
+    for step in (1.0, 2.0, 2.5, 5.0, 10.0):
+        if value <= step * decade * (1 + 1e-9):
+            return step * decade
+    return 10.0 * decade
+
+
+def axis_range(figure: LineFigure) -> tuple[float, float]:
+    """A calm y range for all curves of a figure: round numbers, zero inside, decades when logarithmic."""
+    data = [finite(curve.y) for curve in figure.curves if len(curve.y)]
+    if figure.log_y:
+        top = max((float(np.max(np.abs(y))) for y in data), default=1.0)
+        bottom = min((float(np.min(np.abs(y[np.abs(y) > LOG_AXIS_FLOOR]), initial=top)) for y in data), default=top)
+        if figure.window is not None:
+            top, bottom = max(top, figure.window[1]), min(bottom, figure.window[0])
+        top = max(top, 10 * LOG_AXIS_FLOOR)
+        high = 10.0 ** math.ceil(math.log10(top) - 1e-9)
+        deepest = high * 1e-9 if figure.window is None else min(high * 1e-9, figure.window[0])
+        low = 10.0 ** math.floor(math.log10(max(bottom, deepest, LOG_AXIS_FLOOR)) + 1e-9)
+        return min(low, high / 10), high
+    low = min((float(np.min(y)) for y in data), default=-1.0)
+    high = max((float(np.max(y)) for y in data), default=1.0)
+    if figure.window is not None:
+        low, high = min(low, figure.window[0]), max(high, figure.window[1])
+    low, high = (-round_up_nicely(-low * 1.02) if low < 0 else 0.0), (round_up_nicely(high * 1.02) if high > 0 else 0.0 if low < 0 else 1.0)
+    return (low, high) if low < high else (0.0, 1.0)  # numbers that are zero to a chart
+
+
+def legal_range(low: float, high: float, log: bool) -> bool:
+    """Whether an axis can have that range."""
+    return math.isfinite(low) and math.isfinite(high) and low < high and (low > 0 or not log)
+
+
+def steady_range(figure: LineFigure, last: tuple[float, float] | None, resting: bool) -> tuple[float, float]:
+    """The y range to show now: it stays put while a knob moves and follows, if it must, when the knob rests.
+
+    A range that is kept is one that the figure can have now: finite, rising, and positive on a logarithmic axis.
+    """
+    log = figure.log_y
+    kept = last if last is not None and legal_range(*last, log) else None
+    if kept is not None and not resting:
+        return kept
+    wanted = axis_range(figure)
+    if kept is None:
+        return wanted
+    last = kept
+    if log:
+        inside = last[0] <= wanted[0] * 1.01 and wanted[1] <= last[1] * 1.01
+        loose = math.log10(last[1] / last[0]) > 2.5 * math.log10(wanted[1] / wanted[0])
+    else:
+        inside = last[0] <= wanted[0] and wanted[1] <= last[1]
+        loose = last[1] - last[0] > 4.1 * (wanted[1] - wanted[0])
+    return last if inside and not loose else wanted

@@ -1,0 +1,1 @@
+"""Judge what is done in a scene, and draw its question."""

@@ -1,0 +1,1 @@
+"""Find lessons, scenes, terms and functions by the words that people type."""

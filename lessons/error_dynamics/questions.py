@@ -1,0 +1,55 @@
+"""Draw the questions of lesson 2: what makes the error decay, a force, a worse start."""
+
+from __future__ import annotations
+
+from types import MappingProxyType
+
+import numpy as np
+
+from observer_lab.course.figures.records import Curve
+from observer_lab.course.guiding.questions import Asked, DrawnQuestion, question_over_time
+from observer_lab.engine.simulation import Run
+from observer_lab.text import Text, text
+
+from ..toolkit.questions import driven, size
+
+BETTER = 0.3  # of the copy's error, in the option that says that the observer knows the input better
+FASTER = 2.0  # by how much a moving block would shorten the transient, in the option that says so
+
+
+def _drawn(t: np.ndarray, known: tuple[Curve, ...], options: tuple[np.ndarray, ...], run: Curve) -> DrawnQuestion:
+    return question_over_time(text("size of the error e"), t, known, options, run, "‖e‖", log_y=True, span=(-4.0, 1.0))
+
+
+def _curve(run: Run, name: Text, role: str = "error") -> Curve:
+    return Curve(name, size(run.e), role)
+
+
+def recall(asked: Asked) -> DrawnQuestion:
+    """The error of an observer beside a copy's: smaller at the same pace, faster by the feedback, or the same."""
+    run, study = asked.entry.run, asked.entry.study
+    t, e0 = run.t, run.e[0]
+    copy = size(driven(run.scenario.plant.A, e0, t))
+    return _drawn(t, (Curve(text("the copy"), copy, "second", "dot"),), (BETTER * copy, size(driven(study.error, e0, t)), copy),
+                  _curve(run, text("the observer")))
+
+
+def predict(asked: Asked) -> DrawnQuestion:
+    """The error under a sine force: driven by it, as without it, or shorter."""
+    quiet, run = asked.entry.run, asked.after.run
+    A, B = asked.entry.study.error, run.scenario.plant.B
+    pushed = driven(A, quiet.e[0], quiet.t, run.u_applied @ B.T)
+    shorter = size(driven(FASTER * A, quiet.e[0], quiet.t))
+    return _drawn(quiet.t, (), (size(pushed), size(quiet.e), shorter), _curve(run, text("with the force")))
+
+
+def surprise(asked: Asked) -> DrawnQuestion:
+    """The error from twice the start: half as fast, later by a fixed time, or the same curve at twice the height."""
+    before, after = asked.entry.run, asked.after.run
+    t, error = before.t, before.e
+    slower = 2 * size(driven(0.5 * asked.entry.study.error, error[0], t))
+    later = np.interp(np.maximum(t - np.log(2) / 1.5, 0.0), t, 2 * size(error))
+    return _drawn(t, (_curve(before, text("now"), "muted"),), (slower, later, 2 * size(error)), _curve(after, text("from twice the start")))
+
+
+QUESTIONS = MappingProxyType({"recall": recall, "predict": predict, "surprise": surprise})

@@ -1,0 +1,64 @@
+"""Draw the questions of lesson 7: poles that move, the applied force, an exact start."""
+
+from __future__ import annotations
+
+from types import MappingProxyType
+
+import numpy as np
+
+from observer_lab.course.figures.records import Curve, Point
+from observer_lab.course.guiding.questions import Asked, DrawnQuestion, question_of_bar_groups, question_of_poles, question_over_time
+from observer_lab.text import text
+
+from .knobs import APPLIED
+from .study import ANGLE
+from .tasks import FAST_POLES
+
+SHIFT = 1.4  # of a pole that moves
+LESS = 0.4  # of the error's departure, in the option that says that it becomes smaller
+SOONER = 1.2  # how much faster the pole falls, in the option that says so
+SHOWN_S, SHOWN_DEG = 2.5, 20.0  # s and degrees of the angle's plot
+
+
+def _sorted(*poles: np.ndarray) -> list[complex]:
+    return np.sort_complex(np.concatenate([np.asarray(each, dtype=complex) for each in poles])).tolist()
+
+
+def recall(asked: Asked) -> DrawnQuestion:
+    """The loop's poles when one pair of the observer's moves: this pair alone, or all of them."""
+    before = asked.entry.poles
+    wanted = np.asarray(asked.entry.design["observer_poles"])
+    lead = wanted.real == wanted.real.min()
+    after = asked.at(observer_poles=tuple(np.where(lead, SHIFT * wanted, wanted).tolist())).poles
+    known = _sorted(before["controller"], before["observer"])
+    return question_of_poles(text("poles of the loop"), tuple(Point(s.real, s.imag, "muted", "circle") for s in known), (
+        _sorted(before["controller"], np.where(lead, SHIFT * wanted, wanted)), [SHIFT * s for s in known]),
+        _sorted(after["controller"], after["observer"]))
+
+
+def predict(asked: Asked) -> DrawnQuestion:
+    """What the applied force gives: nothing, a smaller departure, an observer without effect, or one that still counts."""
+    start = {"fed": APPLIED, "angle0": 4.0, "error0": 8.0}
+    home = [asked.at(**start, **more).metrics["comes_home"] for more in ({}, {"observer_poles": FAST_POLES})]
+    departs = min(asked.after.metrics["separation_meter"], 1.0)
+    return question_of_bar_groups(
+        text("with the applied force; the last two from 4° with an error of 8°"), text("yes (1) or no (0)"), (),
+        (text("error leaves its law"), text("recovers, this observer"), text("recovers, faster observer")),
+        ((1, 0, 0), (LESS, 0, 0), (0, 1, 1), (0, 0, 1)), (departs, *home))
+
+
+def surprise(asked: Asked) -> DrawnQuestion:
+    """The angle from an exact start: as if x were known, falling sooner than now, or as from a smaller error."""
+    before, after = asked.entry.study.shown, asked.after.study.shown
+    few = before.t <= SHOWN_S
+    t = before.t[few]
+
+    def angle(x: np.ndarray) -> np.ndarray:
+        return np.clip(np.degrees(x[few, ANGLE]), -SHOWN_DEG, SHOWN_DEG)
+    now = angle(before.x)
+    return question_over_time(text("angle of the pole"), t, (Curve(text("now"), now, "muted", "dot"),), (
+        angle(asked.after.study.known), np.interp(SOONER * t, t, now), angle(asked.at(error0=3.0).study.shown.x)),
+        Curve(text("without an error"), angle(after.x)), "θ [°]")
+
+
+QUESTIONS = MappingProxyType({"recall": recall, "predict": predict, "surprise": surprise})
