@@ -6,16 +6,17 @@ import json
 import secrets
 from collections import Counter
 from collections.abc import Iterable, Mapping
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from typing import Any
 
 from .redis_connection import connect, key, machine_name
 from .room_store import SECRET_BYTES, SEED_BITS
-from .votes import Asked, Vote, read_asked
+from .votes import HIDDEN_BELOW, Asked, Vote, read_asked
 
 GONE_S = 60  # s without a report after which the followers of a worker are no longer counted
 SECRET, STATE, HANDS, SEED, TAKEN = (key(name) for name in ("secret", "state", "hands", "seed", "taken"))
-VOTES, BALLOTS, WORKERS, RUNS, RUN_NUMBER = (key(name) for name in ("votes", "ballots", "workers", "runs", "run-number"))
+VOTES, BALLOTS, WORKERS, RUNS, RUN_NUMBER, SEEN = (
+    key(name) for name in ("votes", "ballots", "workers", "runs", "run-number", "seen"))
 SLOWER = "\0"  # the place under which a worker counts raised hands
 
 
@@ -78,6 +79,16 @@ class RedisRoom:
             _close(pipe, votes)
         self._redis.transaction(end, VOTES, BALLOTS)
 
+    def mark_vote(self, vote: Vote) -> None:
+        """Write down how a closed vote is shown."""
+        def mark(pipe: Any) -> None:
+            stored = next((each for each in _stored(pipe) if each.number == vote.number and not each.open), None)
+            pipe.multi()
+            if stored is not None:
+                marked = replace(stored, counts_out=vote.counts_out, revealed=vote.revealed, talks=vote.talks)
+                pipe.hset(VOTES, vote.number, _written(marked))
+        self._redis.transaction(mark, VOTES)
+
     def cast(self, ballots: Iterable[tuple[int, str, complex]]) -> list[bool]:
         """Write ballots down, all in one transaction; for each whether it counts."""
         given = list(ballots)
@@ -106,6 +117,14 @@ class RedisRoom:
             for name in (_people, _seats):
                 pipe.expire(name(self._worker(worker)), GONE_S)
             pipe.execute()
+        seen = self.seen()
+        grown = {place: count for place, count in self.presence()[0].items() if count >= max(HIDDEN_BELOW, seen.get(place, 0) + 1)}
+        if grown:
+            self._redis.hset(SEEN, mapping=grown)
+
+    def seen(self) -> dict[str, int]:
+        """The most people that were at each place at once; a place where fewer than five were is not kept."""
+        return {place.decode(): int(count) for place, count in sorted(self._redis.hgetall(SEEN).items())}
 
     def presence(self) -> tuple[dict[str, int], int]:
         """The counts of all workers by place, and the raised hands."""
@@ -214,6 +233,8 @@ def _stored(client: Any) -> list[Vote]:
     for words in client.hvals(VOTES):
         said = json.loads(words)
         said |= {"counts": tuple(said["counts"]), "edges": tuple(said["edges"]), "asked": read_asked(said["asked"])}
+        if "revealed" not in said:  # of a version that showed all as soon as a vote was closed
+            said |= {"counts_out": not said["open"], "revealed": not said["open"]}
         found.append(Vote(**said))
     return sorted(found, key=lambda vote: vote.number)
 

@@ -27,6 +27,7 @@ class RoomView:
     unsolved: tuple[tuple[str, int], ...] = ()
     votes: tuple[Vote, ...] = ()
     audience: str = ""  # the address of those who follow
+    failing: bool = False  # whether the store cannot be read or written
 
 
 def overview(counts: Mapping[str, int], slower: int, votes: tuple[Vote, ...]) -> RoomView:
@@ -56,6 +57,18 @@ class VoteDesk(Protocol):
 
     def close_vote(self) -> RoomView:
         """Take no more votes."""
+        ...
+
+    def show_counts(self, vote: Vote, shown: bool) -> RoomView:
+        """Show the counts of a closed vote to everybody, or hide them."""
+        ...
+
+    def discuss(self, vote: Vote) -> RoomView:
+        """Let the class discuss a closed vote for a while."""
+        ...
+
+    def reveal(self, vote: Vote) -> RoomView:
+        """Tell the answer to a closed vote, with its counts."""
         ...
 
     def lower_hands(self) -> RoomView:

@@ -11,27 +11,13 @@ from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 
-from .votes import Asked, Vote, read_asked, write_asked
+from .room_schema import bring_up_to_date
+from .votes import HIDDEN_BELOW, Asked, Vote, read_asked, write_asked
 
 FILE = "room.sqlite"  # in the folder of --data-dir
 WAIT_S = 10.0  # s that one worker waits for another one's writing
 SECRET_BYTES = 24  # of the presenter's word
 SEED_BITS = 63  # of the room's seed
-SCHEMA = """
-CREATE TABLE IF NOT EXISTS room (id INTEGER PRIMARY KEY CHECK (id = 1), secret TEXT NOT NULL, state TEXT NOT NULL, hands INTEGER NOT NULL);
-CREATE TABLE IF NOT EXISTS votes (number INTEGER PRIMARY KEY, lesson TEXT NOT NULL, scene TEXT NOT NULL, round INTEGER NOT NULL,
-  open INTEGER NOT NULL, counts TEXT NOT NULL, asked TEXT NOT NULL, edges TEXT NOT NULL);
-CREATE TABLE IF NOT EXISTS ballots (vote INTEGER NOT NULL, ballot TEXT NOT NULL, answer REAL NOT NULL, PRIMARY KEY (vote, ballot))
-  WITHOUT ROWID;
-CREATE TABLE IF NOT EXISTS presence (worker INTEGER NOT NULL, place TEXT NOT NULL, people INTEGER NOT NULL, slower INTEGER NOT NULL,
-  PRIMARY KEY (worker, place));
-CREATE TABLE IF NOT EXISTS drawn (id INTEGER PRIMARY KEY CHECK (id = 1), seed INTEGER NOT NULL, taken INTEGER NOT NULL);
-CREATE TABLE IF NOT EXISTS seats (seat INTEGER PRIMARY KEY, worker INTEGER NOT NULL);
-CREATE TABLE IF NOT EXISTS runs (id INTEGER PRIMARY KEY CHECK (id = 1), number INTEGER NOT NULL, words TEXT NOT NULL);
-INSERT OR IGNORE INTO runs VALUES (1, 0, '');
-"""
-
-
 def connect(path: Path, synchronous: str) -> sqlite3.Connection:
     """A connection that several threads of a process may share, with a log that readers do not wait for. Raises sqlite3.Error."""
     database = sqlite3.connect(path, timeout=WAIT_S, check_same_thread=False, isolation_level=None)
@@ -48,7 +34,7 @@ class RoomStore:
         path = folder / FILE
         os.close(os.open(path, os.O_CREAT | os.O_RDWR, 0o600))  # it holds the presenter's word
         self._lock, self._database = threading.RLock(), connect(path, "FULL")
-        self._database.executescript(SCHEMA)
+        bring_up_to_date(self._database)
         self._database.execute("INSERT OR IGNORE INTO room VALUES (1, ?, '', 0)", (secrets.token_urlsafe(SECRET_BYTES),))
         self._database.execute("INSERT OR IGNORE INTO drawn VALUES (1, ?, 0)", (secrets.randbits(SEED_BITS),))
 
@@ -105,6 +91,12 @@ class RoomStore:
         with self._writing() as database:
             self._close(database)
 
+    def mark_vote(self, vote: Vote) -> None:
+        """Write down of a closed vote whether its counts are shown, its answer is told, and how often it was put up for discussion."""
+        with self._writing() as database:
+            database.execute("UPDATE votes SET counts_out = ?, revealed = ?, talks = ? WHERE number = ? AND NOT open",
+                             (vote.counts_out, vote.revealed, vote.talks, vote.number))
+
     def _close(self, database: sqlite3.Connection) -> None:
         for vote in self._votes(database, "WHERE open"):
             database.execute("UPDATE votes SET open = 0, counts = ?, edges = ? WHERE number = ?",
@@ -133,10 +125,11 @@ class RoomStore:
 
     def _votes(self, database: sqlite3.Connection, which: str = "") -> list[Vote]:
         out = []
-        for number, lesson, scene, times, is_open, counts, asked, edges in database.execute(
-                f"SELECT number, lesson, scene, round, open, counts, asked, edges FROM votes {which} ORDER BY number").fetchall():
+        for number, lesson, scene, times, is_open, counts, asked, edges, out_now, revealed, talks in database.execute(
+                "SELECT number, lesson, scene, round, open, counts, asked, edges, counts_out, revealed, talks FROM votes "
+                f"{which} ORDER BY number").fetchall():
             vote = Vote(number, lesson, scene, times, bool(is_open), tuple(json.loads(counts)), read_asked(asked),
-                        tuple(json.loads(edges)))
+                        tuple(json.loads(edges)), bool(out_now), bool(revealed), talks)
             if is_open:
                 answers = database.execute("SELECT answer FROM ballots WHERE vote = ?", (number,)).fetchall()
                 vote = vote.counting([answer for (answer,) in answers])
@@ -150,6 +143,12 @@ class RoomStore:
             database.execute("DELETE FROM presence WHERE worker = ?", (worker,))
             database.executemany("INSERT INTO presence VALUES (?, ?, ?, 0)", [(worker, place, count) for place, count in people.items()])
             database.execute("INSERT OR REPLACE INTO presence VALUES (?, '', 0, ?)", (worker, slower))
+            database.execute("INSERT INTO seen SELECT place, SUM(people) AS people FROM presence WHERE place != '' GROUP BY place HAVING "
+                             "SUM(people) >= ? ON CONFLICT (place) DO UPDATE SET people = MAX(people, excluded.people)", (HIDDEN_BELOW,))
+
+    def seen(self) -> dict[str, int]:
+        """The most people that were at each place at once; a place where fewer than five were is not kept."""
+        return dict(self._read("SELECT place, people FROM seen ORDER BY place"))
 
     def presence(self) -> tuple[dict[str, int], int]:
         """The counts of all workers by place, and the raised hands."""

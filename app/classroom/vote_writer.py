@@ -19,7 +19,7 @@ class VoteWriter:
     """A thread that writes what waits. What it cannot write is told as not counted."""
 
     def __init__(self, store: KeptRoom) -> None:
-        self._store = store
+        self._store, self.failing = store, False  # whether the last votes could not be written down
         self._waiting: queue.SimpleQueue[Cast | None] = queue.SimpleQueue()
 
     def start(self) -> None:
@@ -42,7 +42,9 @@ class VoteWriter:
             votes = [each for each in batch if each is not None]
             try:
                 counted = self._store.cast([each[:3] for each in votes])
+                self.failing = False
             except Exception:
+                self.failing = True
                 log.exception("votes could not be written down")
                 counted = [False] * len(votes)
             for (*_, told), counts in zip(votes, counted, strict=True):

@@ -14,6 +14,7 @@ import numpy as np
 from .pole_grid import PoleGrid
 from .round_steps import round_step
 
+DISCUSS_S = 120.0  # s of a discussion between two votes
 HIDDEN_BELOW = 5  # votes, below which counts would tell who has chosen what
 MAX_OPTIONS = 8  # of a question
 LONGEST_QUESTION, LONGEST_OPTION = 300, 120  # characters of a question that is typed on the spot
@@ -73,6 +74,14 @@ class Vote:
     counts: tuple[int, ...]
     asked: Asked | None = None
     edges: tuple[float, ...] = ()
+    counts_out: bool = False  # whether the presenter shows the counts
+    revealed: bool = False  # whether the answer is told
+    talks: int = 0  # how often it was put up for discussion; 0 where the class does not discuss it
+
+    @property
+    def visible(self) -> bool:
+        """Whether the counts may be seen: never while the vote is open."""
+        return self.counts_out and not self.open
 
     @property
     def kind(self) -> Kind:
@@ -97,8 +106,8 @@ class Vote:
         return replace(self, counts=tuple(found[k] for k in range(len(self.counts))))
 
     def sealed(self) -> Vote:
-        """The vote as the audience may see it: while it is open, without its counts."""
-        return replace(self, counts=(0,) * len(self.counts)) if self.open else self
+        """The vote as the audience may see it: without its counts unless they are shown."""
+        return self if self.visible else replace(self, counts=(0,) * len(self.counts))
 
     @property
     def cloud(self) -> tuple[tuple[complex, int], ...]:
@@ -113,8 +122,8 @@ class Vote:
 
     @property
     def shown(self) -> tuple[int, ...] | None:
-        """The counts as they may be shown; None while so few have voted that a count would tell who chose what."""
-        return self.counts if self.total >= HIDDEN_BELOW else None
+        """The counts where they are shown; None also where so few have voted that a count would tell who chose what."""
+        return self.counts if self.visible and self.total >= HIDDEN_BELOW else None
 
 
 def votes_on(votes: Sequence[Vote], lesson: str, scene: str) -> tuple[Vote, ...]:

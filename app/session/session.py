@@ -12,7 +12,6 @@ import secrets
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from typing import assert_never
 
 from ..classroom.room import RoomView, VoteDesk
 from ..course.handin.learner import Learner
@@ -22,29 +21,13 @@ from ..course.lectures import Lecture
 from ..course.lesson import Lesson
 from ..course.scenes import Mode
 from ..engine import EngineError
-from .commands.commands import (
-    Answer,
-    Command,
-    Designing,
-    Edit,
-    MemoryRecalled,
-    PageSeen,
-    Paging,
-    PlaceOpened,
-    Playing,
-    RunOnTabThread,
-    Sharing,
-    Studying,
-    WindowChanged,
-)
-from .commands.exams import Answering, HandingIn, HandInReported
-from .commands.files import Comparing, FileReady, LessonsChanged, Shelving, Taking
-from .commands.guide import Guiding
-from .commands.room import Lecturing, RoomChanged, RunSeeds
-from .handlers import design, downloads, exams, guide, hand_in, lectures, page, pins, playback, room, saved_designs, sharing, tasks
+from .commands.base import Notice
+from .commands.commands import Edit, MemoryRecalled
+from .handlers import design, guide, lectures, playback, sharing, tasks
 from .handlers.many_seeds import SeedRunner
 from .handlers.presenter import Presenter
 from .handlers.reload import RECALL_TIMEOUT_S, MemoryRequest, restore_memory
+from .handlers.table import run_command
 from .runtime.background_jobs import BackgroundJobs
 from .runtime.mailbox import Mailbox, grouped
 from .runtime.scheduler import Scheduler
@@ -85,11 +68,10 @@ class Session:
                       talk=talk, lecture=talk is not None, course=course, learner=learner, key=learner.key if learner else "",
                       newcomer=mode == "guide" and not insists and not state and desk is None,
                       room=None if desk is None else RoomView(audience=desk.audience))
-        self._show = Presenter(lessons, view, lesson, first, clock)
+        self._show = Presenter(lessons, view, lesson, first, clock, BackgroundJobs(self.post), desk)
         self._show.insists = insists or bool(state)
-        self._desk = desk
-        self._seeds = SeedRunner(self._show, desk)
-        self._errands = BackgroundJobs(self.post)
+        self._seeds = SeedRunner(self._show)
+        self._show.run_seeds = self._seeds.start_or_cancel
         self._ended: Callable[[], object] = lambda: None
         self._recall = MemoryRequest(self._show, lambda *kept: self.post(MemoryRecalled(*kept)))
 
@@ -106,7 +88,7 @@ class Session:
 
     def close(self) -> None:
         """End the worker; safe from any thread."""
-        self._errands.forget()
+        self._show.background.forget()
         self._mailbox.close()
 
     @property
@@ -117,7 +99,7 @@ class Session:
     # --- the worker ------------------------------------------------------------------------------------------------
     def restore(self, text: str | None, token: str = "", known: bool = False) -> None:
         """Go on where this tab was before a reload, which kept that text; None if it kept nothing. See `MemoryRecalled`."""
-        restore_memory(self._show, MemoryRecalled(text, token, known))
+        restore_memory(self._show, text, token, known)
 
     def open(self) -> None:
         """Compute the lesson's present design and lay the screen out."""
@@ -141,17 +123,15 @@ class Session:
             if self._mailbox.closed:  # whoever asked has left, and what waits would be done for nobody
                 return
             self._show.answered = number
-            self._show.touched |= not isinstance(
-                edits, (MemoryRecalled, Answer, WindowChanged, RunOnTabThread, PageSeen, PlaceOpened, FileReady, LessonsChanged,
-                        RoomChanged, HandInReported)
-            )
+            self._show.touched |= not isinstance(edits, Notice)
             try:
                 if isinstance(edits, list):
                     design.set_knobs(self._show, edits, moving=True)
-                    playback.replay_while_dragging(self._show)
+                    if not any(map(design.pulls, edits)):
+                        playback.replay_while_dragging(self._show)
                 else:
                     self._show.complete()
-                    self._run_command(edits)
+                    run_command(self._show, edits)
                 guide.follow(self._show, edits)
             except (KnobError, EngineError) as problem:
                 self._show.report_refusal(problem)
@@ -180,37 +160,6 @@ class Session:
             log.exception("the figures of hidden tabs failed")
             self._show.report_refusal(problem)
 
-    def _run_command(self, command: Command) -> None:
-        """Hand a command to the room that knows it."""
-        if isinstance(command, RunSeeds):
-            self._seeds.start_or_cancel()
-        elif isinstance(command, Playing):
-            playback.obey(self._show, command)
-        elif isinstance(command, Designing):
-            design.obey(self._show, command)
-        elif isinstance(command, Studying):
-            tasks.obey(self._show, command)
-        elif isinstance(command, Answering):
-            exams.obey(self._show, command)
-        elif isinstance(command, HandingIn):
-            hand_in.obey(self._show, self._errands, command)
-        elif isinstance(command, Sharing):
-            sharing.obey(self._show, command)
-        elif isinstance(command, Taking):
-            downloads.obey(self._show, self._errands, command)
-        elif isinstance(command, Comparing):
-            pins.obey(self._show, command)
-        elif isinstance(command, Shelving):
-            saved_designs.obey(self._show, command)
-        elif isinstance(command, Guiding):
-            lectures.obey(self._show, command)
-        elif isinstance(command, Lecturing):
-            room.obey(self._show, self._desk, command)
-        elif isinstance(command, Paging):
-            page.obey(self._show, command)
-        else:
-            assert_never(command)
-
     def _begin(self) -> None:
         if self._state:
             sharing.open_words(self._show, self._state)
@@ -220,7 +169,7 @@ class Session:
         while not self._show.recalled and not self._mailbox.closed and (left := end - time.monotonic()) > 0:
             for _, edit in self._mailbox.take(left):
                 if isinstance(edit, MemoryRecalled):
-                    restore_memory(self._show, edit)
+                    run_command(self._show, edit)
                 else:
                     early.append(edit)
         for edit in early:

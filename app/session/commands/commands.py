@@ -6,17 +6,15 @@ A field of type `object` holds what a browser sent and is judged where the comma
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+
+import msgspec
 
 from ...text import Text
-from .exams import Examining
-from .files import Comparing, LessonsChanged, Shelving, Taking
-from .guide import Guiding, ToggleGlossary
-from .room import Lecturing, RunSeeds
+from .base import Command as Command
+from .base import Notice
 
 
-@dataclass(frozen=True)
-class SetKnobs:
+class SetKnobs(msgspec.Struct, frozen=True):
     """New values for knobs, as they came in. Edits of one `grip` belong to one drag, and to one step of undo."""
 
     values: Mapping[str, object]
@@ -24,187 +22,158 @@ class SetKnobs:
 
 
 # --- the run -------------------------------------------------------------------------------------------------------
-@dataclass(frozen=True)
-class Play:
+class Play(Command, frozen=True):
     """Play or pause; at the end of the run, play it again."""
 
 
-@dataclass(frozen=True)
-class Rewind:
+class Rewind(Command, frozen=True):
     """Back to the start of the run."""
 
 
-@dataclass(frozen=True)
-class Seek:
+class Seek(Command, frozen=True):
     """To a time of the run, in seconds."""
 
     t: object
 
 
-@dataclass(frozen=True)
-class ChangeSpeed:
+class ChangeSpeed(Command, frozen=True):
     """So many steps faster, or slower where `steps` is negative."""
 
     steps: int
 
 
-@dataclass(frozen=True)
-class Kick:
+class Kick(Command, frozen=True):
     """Strike the plant now."""
 
 
-@dataclass(frozen=True)
-class PageSeen:
+class PageSeen(Notice, frozen=True):
     """The page is seen by somebody who minds no motion (1), or is hidden (0)."""
 
     seen: object
 
 
 # --- the design ----------------------------------------------------------------------------------------------------
-@dataclass(frozen=True)
-class Undo:
+class Undo(Command, frozen=True):
     """The design before."""
 
 
-@dataclass(frozen=True)
-class Redo:
+class Redo(Command, frozen=True):
     """The design that was undone."""
 
 
-@dataclass(frozen=True)
-class Reset:
+class Reset(Command, frozen=True):
     """Every knob at its default."""
 
 
-@dataclass(frozen=True)
-class DrawByHand:
+class DrawByHand(Command, frozen=True):
     """A value of a knob that records a hand, from the present time of the run on."""
 
     knob: str
     value: object
 
 
-@dataclass(frozen=True)
-class PickPoint:
+class PickPoint(Command, frozen=True):
     """A click on the lesson's map."""
 
     x: object
     y: object
 
 
-@dataclass(frozen=True)
-class UploadPlant:
+class UploadPlant(Command, frozen=True):
     """The plant in a file that the person chose."""
 
     name: object
     data: object
 
 
-@dataclass(frozen=True)
-class ChoosePlant:
-    """A plant to show: "" for the lesson's own, YOURS for the one that was brought, or an example's name."""
+class ChoosePlant(Command, frozen=True):
+    """A plant to show: "" for the lesson's own, `YOURS` for the one that was brought, or an example's name."""
 
     which: str
 
 
-@dataclass(frozen=True)
-class Refuse:
+class Refuse(Command, frozen=True):
     """Something that must not be taken came from the browser: say why, and change nothing."""
 
     why: Text
 
 
 # --- studying ------------------------------------------------------------------------------------------------------
-@dataclass(frozen=True)
-class Predict:
+class Predict(Command, frozen=True):
     """The index of the predicted option, −1 to skip."""
 
     index: object
 
 
-@dataclass(frozen=True)
-class PredictAgain:
+class PredictAgain(Command, frozen=True):
     """The index of the option chosen in the lesson's second prediction, −1 to skip."""
 
     index: object
 
 
-@dataclass(frozen=True)
-class ShowAgain:
+class ShowAgain(Command, frozen=True):
     """Set the knobs so that the run shows the answer to the second prediction."""
 
 
-@dataclass(frozen=True)
-class Reveal:
+class Reveal(Command, frozen=True):
     """Show the answer to the prediction."""
 
 
-@dataclass(frozen=True)
-class CheckTask:
+class CheckTask(Command, frozen=True):
     """Judge a task by the present design and by what was typed under it."""
 
     task: str
     said: object = ""
 
 
-@dataclass(frozen=True)
-class CheckNextTask:
+class CheckNextTask(Command, frozen=True):
     """Judge the first task that is not yet solved."""
 
 
-@dataclass(frozen=True)
-class ShowHint:
+class ShowHint(Command, frozen=True):
     """One more hint for a task."""
 
     task: str
 
 
-@dataclass(frozen=True)
-class ShowSolution:
+class ShowSolution(Command, frozen=True):
     """Set the knobs to a task's solution and say why it solves it."""
 
     task: str
 
 
-@dataclass(frozen=True)
-class RunJob:
+class RunJob(Command, frozen=True):
     """Start the lesson's long computation, or cancel it."""
 
 
 # --- the page ------------------------------------------------------------------------------------------------------
-@dataclass(frozen=True)
-class OpenLesson:
+class OpenLesson(Command, frozen=True):
     """Open a lesson by its id."""
 
     lesson: object
 
 
-@dataclass(frozen=True)
-class TurnPage:
+class TurnPage(Command, frozen=True):
     """So many lessons on, or back where `steps` is negative."""
 
     steps: int
 
 
-@dataclass(frozen=True)
-class SetLanguage:
+class SetLanguage(Command, frozen=True):
     """Speak a language; the other one if it is not known."""
 
     code: object = None
 
 
-@dataclass(frozen=True)
-class ToggleLecture:
+class ToggleLecture(Command, frozen=True):
     """Large print on or off."""
 
 
-@dataclass(frozen=True)
-class ToggleTheme:
+class ToggleTheme(Command, frozen=True):
     """Dark, or light again."""
 
 
-@dataclass(frozen=True)
-class WindowChanged:
+class WindowChanged(Notice, frozen=True):
     """What a browser says of its window: px across and up, and whether its owner likes the dark."""
 
     across: object
@@ -212,44 +181,41 @@ class WindowChanged:
     night: object
 
 
-@dataclass(frozen=True)
-class ToggleLandscape:
+class ToggleLandscape(Command, frozen=True):
     """The surface over the s-plane on or off."""
 
 
-@dataclass(frozen=True)
-class LookFrom:
+class ToggleNames(Command, frozen=True):
+    """The names of the plant's parts on or off."""
+
+
+class LookFrom(Command, frozen=True):
     """Look from a named place."""
 
     place: str
 
 
-@dataclass(frozen=True)
-class ToggleHelp:
+class ToggleHelp(Command, frozen=True):
     """Open or close the list of keys."""
 
 
-@dataclass(frozen=True)
-class ToggleCourse:
+class ToggleCourse(Command, frozen=True):
     """Open or close the page of all lessons."""
 
 
-@dataclass(frozen=True)
-class Answer:
+class Answer(Notice, frozen=True):
     """Say that all that was asked before this question has been done."""
 
     question: object
 
 
-@dataclass(frozen=True)
-class RunOnTabThread:
+class RunOnTabThread(Notice, frozen=True):
     """What the view has to do since a browser has said something, on the thread of the tab: nobody has asked for it."""
 
     do: Callable[[], object]
 
 
-@dataclass(frozen=True)
-class MemoryRecalled:
+class MemoryRecalled(Notice, frozen=True):
     """What the browser's tab kept before it was loaded again, None if nothing.
 
     `token` stands in the address bar, "" where none does; `known` says that this tab itself has put it there. `earlier` is what
@@ -264,37 +230,26 @@ class MemoryRecalled:
     window: tuple[object, object, object] | None = None
 
 
-@dataclass(frozen=True)
-class OpenState:
+class OpenState(Command, frozen=True):
     """Open the state in a token, a link or the words of a file. `asked` counts what came from the address bar."""
 
     words: object
     asked: object = None
 
 
-@dataclass(frozen=True)
-class PlaceOpened:
+class PlaceOpened(Notice, frozen=True):
     """Which of the figures' tabs is open, by its number, and which step of thought; None where none is."""
 
     tab: object
     step: object
 
 
-@dataclass(frozen=True)
-class ToggleDownloads:
+class ToggleDownloads(Command, frozen=True):
     """Open or close the dialog in which a state can be taken away."""
 
 
-@dataclass(frozen=True)
-class SaveState:
+class SaveState(Command, frozen=True):
     """Hand the present state over as a file."""
 
 
-Playing = Play | Rewind | Seek | ChangeSpeed | Kick | PageSeen
-Designing = Undo | Redo | Reset | DrawByHand | PickPoint | UploadPlant | ChoosePlant | Refuse
-Studying = Predict | Reveal | PredictAgain | ShowAgain | CheckTask | CheckNextTask | ShowHint | ShowSolution | RunJob
-Sharing = OpenState | PlaceOpened | ToggleDownloads | SaveState
-Paging = (OpenLesson | TurnPage | SetLanguage | ToggleLecture | ToggleTheme | WindowChanged | ToggleLandscape | LookFrom | ToggleHelp
-          | ToggleGlossary | ToggleCourse | Answer | RunOnTabThread | LessonsChanged | MemoryRecalled)
-Command = Playing | Designing | Studying | Examining | Sharing | Taking | Comparing | Shelving | Paging | Guiding | Lecturing | RunSeeds
 Edit = SetKnobs | Command

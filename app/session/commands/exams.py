@@ -2,43 +2,43 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from ...course.handin.course_file import Kind
 from ...course.handin.learner import Report
+from .base import Command, Notice
 
 
-@dataclass(frozen=True)
-class AnswerExam:
+class AnswerExam(Command, frozen=True):
     """An answer to an exam, as it was typed."""
 
     exam: str
     said: object
 
 
-@dataclass(frozen=True)
-class AnotherVariant:
+class AnotherVariant(Command, frozen=True):
     """Other numbers for an exam."""
 
     exam: str
 
 
-@dataclass(frozen=True)
-class SetKey:
+class SetKey(Command, frozen=True):
     """The student's key, from which the numbers of all exams are drawn."""
 
     key: object
 
 
-@dataclass(frozen=True)
-class WithholdResults:
+class SetWord(Command, frozen=True):
+    """The word that belongs to the student's key in this course."""
+
+    word: object
+
+
+class WithholdResults(Command, frozen=True):
     """Whether answers are noted and nothing is told of them."""
 
     on: object
 
 
-@dataclass(frozen=True)
-class HandIn:
+class HandIn(Command, frozen=True):
     """Sign an answer to an exam, or a solved task, as a hand-in; `said` is the answer as it was typed."""
 
     kind: Kind
@@ -46,20 +46,13 @@ class HandIn:
     said: object = ""
 
 
-@dataclass(frozen=True)
-class SaveHandIn:
+class SaveHandIn(Command, frozen=True):
     """Give the person the last hand-in of an item as a file; `item` is its name in the course."""
 
     item: str
 
 
-@dataclass(frozen=True)
-class HandInReported:
+class HandInReported(Notice, frozen=True):
     """A hand-in has gone to the learning platform, or it is known why not."""
 
     report: Report
-
-
-Answering = AnswerExam | AnotherVariant | SetKey | WithholdResults
-HandingIn = HandIn | SaveHandIn | HandInReported
-Examining = Answering | HandingIn

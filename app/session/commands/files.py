@@ -3,23 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 from ...course.lesson import Lesson
 from ...text import Text
+from .base import Command, Notice
 
 
-@dataclass(frozen=True)
-class DownloadFile:
+class DownloadFile(Command, frozen=True):
     """A file of what is shown: a figure by its id, or all for "", as "png", "svg", "pdf", "csv" or "json"; everything as "zip"; a
-    "python", "notebook", "engine-notebook" or "matlab" script; the "replay" as a page; the "sheet" for print."""
+    "python", "notebook", "engine-notebook" or "matlab" script; code for a device as "c", "arduino", "micropython",
+    "st" or "simulink"; the "replay" as a page; the "sheet" for print."""
 
     kind: str
     figure: str = ""
 
 
-@dataclass(frozen=True)
-class FileReady:
+class FileReady(Notice, frozen=True):
     """A file that was asked for is there, or it is known why it cannot be made."""
 
     name: str
@@ -27,74 +26,59 @@ class FileReady:
     why: Text | None = None
 
 
-@dataclass(frozen=True)
-class LessonsChanged:
+class LessonsChanged(Notice, frozen=True):
     """Files of lessons have changed on the server: these are the lessons now, by id."""
 
     lessons: Mapping[str, Lesson]
 
 
-@dataclass(frozen=True)
-class PinDesign:
+class PinDesign(Command, frozen=True):
     """Pin the present design, under a name of one's own or the next letter."""
 
     name: object = ""
 
 
-@dataclass(frozen=True)
-class Unpin:
+class Unpin(Command, frozen=True):
     """Take the pin of that place away."""
 
     place: object
 
 
-@dataclass(frozen=True)
-class OpenPin:
+class OpenPin(Command, frozen=True):
     """Make the pinned design of that place the present one."""
 
     place: object
 
 
-@dataclass(frozen=True)
-class ToggleGhost:
+class ToggleGhost(Command, frozen=True):
     """Let the ghost of the pin of that place walk on the stage, or no longer."""
 
     place: object
 
 
-@dataclass(frozen=True)
-class GoToStep:
+class GoToStep(Command, frozen=True):
     """The design of that place in the history."""
 
     place: object
 
 
-@dataclass(frozen=True)
-class SaveDesign:
+class SaveDesign(Command, frozen=True):
     """Keep the present design in the browser's own storage, under a name of one's own."""
 
     name: object
 
 
-@dataclass(frozen=True)
-class OpenSavedDesign:
+class OpenSavedDesign(Command, frozen=True):
     """Open the design that is kept under a name."""
 
     name: object
 
 
-@dataclass(frozen=True)
-class DeleteSavedDesign:
+class DeleteSavedDesign(Command, frozen=True):
     """Keep the design of that name no longer."""
 
     name: object
 
 
-@dataclass(frozen=True)
-class ClearBrowser:
+class ClearBrowser(Command, frozen=True):
     """Let the browser forget all that it keeps."""
-
-
-Taking = DownloadFile | FileReady
-Shelving = SaveDesign | OpenSavedDesign | DeleteSavedDesign | ClearBrowser
-Comparing = PinDesign | Unpin | OpenPin | ToggleGhost | GoToStep

@@ -2,62 +2,64 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from .base import Command
 
 
-@dataclass(frozen=True)
-class SetMode:
+class SetMode(Command, frozen=True):
     """Show the lesson as a guide, as a lab, or for a hall."""
 
     mode: object
 
 
-@dataclass(frozen=True)
-class GoToScene:
+class GoToScene(Command, frozen=True):
     """Open a scene of the path by its number from 0."""
 
     index: object
 
 
-@dataclass(frozen=True)
-class TurnScene:
+class TurnScene(Command, frozen=True):
     """So many scenes on, or back where `steps` is negative."""
 
     steps: int
 
 
-@dataclass(frozen=True)
-class ChooseOption:
+class ChooseOption(Command, frozen=True):
     """Choose an option of the scene's question; −1 skips it."""
 
     index: object
 
 
-@dataclass(frozen=True)
-class ToggleGlossary:
+class AnswerByHand(Command, frozen=True):
+    """Answer the scene's question by a drawing: the heights of its columns, as shares of the figure's height, with commas."""
+
+    heights: object
+
+
+class RestartScene(Command, frozen=True):
+    """Begin the open scene anew."""
+
+
+class ShowKeptRun(Command, frozen=True):
+    """Show the run again that the scene's verdict speaks of."""
+
+
+class ToggleGlossary(Command, frozen=True):
     """Open or close the page of all terms."""
 
 
-@dataclass(frozen=True)
-class OpenLecture:
+class OpenLecture(Command, frozen=True):
     """Give the lecture of a TOML file, from its first stop."""
 
     words: object
 
 
-@dataclass(frozen=True)
-class EndLecture:
+class EndLecture(Command, frozen=True):
     """Leave the lecture; the lesson that is open stays open, as a guide."""
 
 
-@dataclass(frozen=True)
-class RecordStop:
+class RecordStop(Command, frozen=True):
     """Note the scene that is open as the next stop of a lecture that is being recorded."""
 
 
-@dataclass(frozen=True)
-class SaveLecture:
+class SaveLecture(Command, frozen=True):
     """Hand over what was recorded as a TOML file, and begin a new recording."""
-
-
-Guiding = OpenLecture | EndLecture | RecordStop | SaveLecture | SetMode | GoToScene | TurnScene | ChooseOption

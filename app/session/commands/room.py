@@ -2,55 +2,67 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from ...classroom.room import RoomView
+from .base import Command, Notice
 
 
-@dataclass(frozen=True)
-class OpenVote:
+class OpenVote(Command, frozen=True):
     """Ask the class the question of the open scene, or ask it again."""
 
 
-@dataclass(frozen=True)
-class AskTyped:
+class AskTyped(Command, frozen=True):
     """Ask the class a question that was typed: its first line, and on each further line an option; without options a number."""
 
     words: object
 
 
-@dataclass(frozen=True)
-class AskPole:
+class AskPole(Command, frozen=True):
     """Ask the class to place a pole on the board that is in sight, with a question that was typed or without one."""
 
     words: object
 
 
-@dataclass(frozen=True)
-class AskTypedAgain:
+class AskTypedAgain(Command, frozen=True):
     """Ask the typed question once more."""
 
 
-@dataclass(frozen=True)
-class CloseVote:
-    """Take no more votes; the page then does what the question asks about."""
+class CloseVote(Command, frozen=True):
+    """Take no more votes; nothing tells the answer yet."""
 
 
-@dataclass(frozen=True)
-class LowerHands:
+class ShowCounts(Command, frozen=True):
+    """Show the counts of a closed vote to everybody."""
+
+    number: object
+
+
+class HideCounts(Command, frozen=True):
+    """Hide the counts of a closed vote."""
+
+    number: object
+
+
+class Discuss(Command, frozen=True):
+    """Let the class discuss a closed vote for a while."""
+
+    number: object
+
+
+class Reveal(Command, frozen=True):
+    """Tell the answer to a closed vote; the page then does what the question asks about."""
+
+    number: object
+
+
+class LowerHands(Command, frozen=True):
     """Forget who asked for a slower lecture."""
 
 
-@dataclass(frozen=True)
-class RunSeeds:
+class RunSeeds(Command, frozen=True):
     """Run the design on many seeds, one for each follower where a class is here; or cancel that."""
 
 
-@dataclass(frozen=True)
-class RoomChanged:
+class RoomChanged(Notice, frozen=True):
     """Who is here, where, and how the votes stand; nobody has asked for it."""
 
     view: RoomView
-
-
-Lecturing = OpenVote | AskTyped | AskPole | AskTypedAgain | CloseVote | LowerHands | RoomChanged

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable
-from typing import assert_never
 
 from ...course.knobs import KnobError
-from ...text import error_words, text
-from ..commands.files import DownloadFile, FileReady, Taking
-from ..runtime.background_jobs import BackgroundJobs
+from ...text import Text, error_words, text
+from ..commands.files import FileReady
 from ..runtime.error_words import NOT_DONE, error_kind
 from ..state.token import write_token
 from ..state.view import Picture
@@ -23,24 +21,23 @@ FILE_IN_PROGRESS = text("The file is being made; it comes as a download.")
 TOO_MANY = text("Several files are being made already; wait until they are here.")
 
 
-def obey(show: Presenter, errands: BackgroundJobs, command: Taking) -> None:
-    """Do what a command about files asks. Raises KnobError."""
-    match command:
-        case DownloadFile(kind, figure):
-            if kind == "replay" and warn_if_locked(show):
-                return
-            picture, saved, view = show.picture, show.saved(), show.view
-            token = write_token(show.lesson, saved)
-            if not errands.send(lambda: make_file(picture, token, kind, figure, lambda: view.replay(picture, token, saved.camera))):
-                raise KnobError(TOO_MANY)
-            if kind in SLOW_KINDS:
-                show.view.say(FILE_IN_PROGRESS, False)
-        case FileReady(name, content, why):
-            if why is not None:
-                raise KnobError(why)
-            show.view.download(name, content)
-        case _:
-            assert_never(command)
+def download_file(show: Presenter, kind: str, figure: str) -> None:
+    """Begin to make a file of what is shown. Raises KnobError."""
+    if kind == "replay" and warn_if_locked(show):
+        return
+    picture, saved, view = show.picture, show.saved(), show.view
+    token = write_token(show.lesson, saved)
+    if not show.background.send(lambda: make_file(picture, token, kind, figure, lambda: view.replay(picture, token, saved.camera))):
+        raise KnobError(TOO_MANY)
+    if kind in SLOW_KINDS:
+        show.view.say(FILE_IN_PROGRESS, False)
+
+
+def take_file(show: Presenter, name: str, content: bytes, why: Text | None) -> None:
+    """Hand a file that is ready to the page. Raises KnobError where it could not be made."""
+    if why is not None:
+        raise KnobError(why)
+    show.view.download(name, content)
 
 
 def make_file(picture: Picture, token: str, kind: str, figure: str, replay: Callable[[], bytes]) -> FileReady:
@@ -59,6 +56,8 @@ def make_file(picture: Picture, token: str, kind: str, figure: str, replay: Call
                 file = files.File(f"{picture.lesson.id}-replay.html", replay())
             case "python" | "notebook" | "matlab" | "engine-notebook":
                 file = files.script_file(taken, kind)
+            case "c" | "arduino" | "micropython" | "st" | "simulink":
+                file = files.device_file(taken, kind)
             case _:
                 file = files.figure_file(taken, figure, kind)
     except files.FileError as problem:

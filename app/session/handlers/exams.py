@@ -7,7 +7,6 @@ variant of their own, which practice never shows.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import assert_never
 
 from ...course.exercises.exam import Exam, ExamItem, number_of, seed_of
 from ...course.exercises.typed_answers import MAX_TYPED_CHARACTERS, UnreadableInput, explain_unreadable
@@ -15,32 +14,12 @@ from ...course.handin.served_course import WITHHELD
 from ...course.knobs import KnobError
 from ...course.lesson import Verdict
 from ...text import text
-from ..commands.exams import AnotherVariant, AnswerExam, Answering, SetKey, WithholdResults
 from ..state.view import MOST_ANSWERS, MOST_VARIANTS, ExamAnswer, ExamState, State
 from .presenter import Presenter
 
 SEALED = text("This server notes answers to exams and tells nothing of them; practise on one that was started without --exam.")
 PLATFORM_DECIDES = text("Your learning platform gives your key.")
 COURSE_DECIDES = text("The course file says which exams are for practice.")
-
-
-def obey(show: Presenter, command: Answering) -> None:
-    """Do what a command about exams asks. Raises KnobError."""
-    match command:
-        case AnswerExam(exam, said):
-            note_answer(show, find_exam(show, exam), said)
-        case AnotherVariant(exam):
-            _turn(show, find_exam(show, exam))
-        case SetKey(key):
-            if show.state.learner is not None:
-                raise KnobError(PLATFORM_DECIDES)
-            show.change(replace(show.state, key=key.strip()[:MAX_TYPED_CHARACTERS] if isinstance(key, str) else ""))
-        case WithholdResults(on):
-            if show.state.sealed and on is not True:
-                raise KnobError(SEALED if show.state.course is None else COURSE_DECIDES)
-            show.change(replace(show.state, withheld=on is True))
-        case _:
-            assert_never(command)
 
 
 def is_withheld(state: State, lesson: str, exam: Exam) -> bool:
@@ -119,7 +98,33 @@ def note_answer(show: Presenter, exam: Exam, said: object) -> str:
     return words
 
 
-def _turn(show: Presenter, exam: Exam) -> None:
-    seen = _seen(show, exam)
-    if not is_withheld(show.state, show.lesson.id, exam):
-        _see(show, exam, replace(seen, variant=seen.variant % MOST_VARIANTS + 1))
+def answer_exam(show: Presenter, exam: str, said: object) -> None:
+    """Note an answer to an exam. Raises KnobError."""
+    note_answer(show, find_exam(show, exam), said)
+
+
+def set_key(show: Presenter, key: object) -> None:
+    """Take the student's key. Raises KnobError where a learning platform gives it."""
+    if show.state.learner is not None:
+        raise KnobError(PLATFORM_DECIDES)
+    show.change(replace(show.state, key=key.strip()[:MAX_TYPED_CHARACTERS] if isinstance(key, str) else ""))
+
+
+def set_word(show: Presenter, word: object) -> None:
+    """Take the word that belongs to the student's key."""
+    show.change(replace(show.state, word=word.strip()[:MAX_TYPED_CHARACTERS] if isinstance(word, str) else ""))
+
+
+def withhold_results(show: Presenter, on: object) -> None:
+    """Tell nothing of answers to exams, or tell it again. Raises KnobError where the server has settled that."""
+    if show.state.sealed and on is not True:
+        raise KnobError(SEALED if show.state.course is None else COURSE_DECIDES)
+    show.change(replace(show.state, withheld=on is True))
+
+
+def turn_variant(show: Presenter, exam: str) -> None:
+    """Draw other numbers for an exam that is practised. Raises KnobError."""
+    found = find_exam(show, exam)
+    seen = _seen(show, found)
+    if not is_withheld(show.state, show.lesson.id, found):
+        _see(show, found, replace(seen, variant=seen.variant % MOST_VARIANTS + 1))

@@ -5,37 +5,26 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any, assert_never  # the values of knobs are of any kind, as `Any` says
+from typing import Any  # the values of knobs are of any kind, as `Any` says
 
-from ...course.knobs import KnobError, Number
-from ...course.lesson import Lesson
+from ...course.guiding.goals import judge_move
+from ...course.guiding.predictions import prediction_of
+from ...course.knobs import ByHand, KnobError, Number, Pull
+from ...course.lesson import Design, Lesson
 from ...course.scenes import MODES, Choose, Move, Press, Question, Read, Scene, Solve, entry_values
 from ...text import text
 from ..commands.commands import Kick, Play
-from ..commands.guide import ChooseOption, GoToScene, SetMode, TurnScene
 from ..state.validate import check_number
 from ..state.view import Performance
+from .playback import part_with_error
 from .presenter import Presenter
 
+MAX_SKETCH_CHARACTERS = 1000  # of a prediction that was drawn by hand
 STEP_S, STEPS = 0.1, 16  # between two moves of a knob that the page performs, and how many they are
 
 
-def obey(show: Presenter, command: SetMode | GoToScene | TurnScene | ChooseOption) -> None:
-    """Do what a command of the guide asks. Raises KnobError."""
-    match command:
-        case SetMode(mode):
-            _set_mode(show, mode)
-        case GoToScene(index):
-            enter_scene(show, int(check_number(index)))
-        case TurnScene(steps):
-            enter_scene(show, show.state.scene + steps)
-        case ChooseOption(index):
-            _choose(show, int(check_number(index)))
-        case _:
-            assert_never(command)
-
-
-def _set_mode(show: Presenter, mode: object) -> None:
+def set_mode(show: Presenter, mode: object) -> None:
+    """Show the lesson as a guide, as a lab, or for a hall. Raises KnobError."""
     if mode not in MODES:
         raise KnobError(text("There is no view {mode}; there are {modes}.", mode=str(mode)[:40], modes=", ".join(MODES)))
     if mode != show.state.mode:
@@ -45,7 +34,7 @@ def _set_mode(show: Presenter, mode: object) -> None:
 
 def enter(show: Presenter) -> None:
     """Open the path's scene where it has not been begun; a path that was left, or came by a link, stands as it was."""
-    if show.picture.guided and not show.state.done and not show.state.chosen and not show.desk.entered:
+    if show.picture.guided and not show.state.done and not show.state.chosen and not show.lesson_state.entered:
         enter_scene(show, show.state.scene)
 
 
@@ -53,7 +42,7 @@ def greet(show: Presenter) -> None:
     """Show a newcomer the page of lessons, once."""
     if show.state.newcomer:
         show.state = replace(show.state, newcomer=False)
-        show.view.open_course(show.desks.progress(show.lesson.id, show.state))
+        show.view.open_course(show.lesson_states.progress(show.lesson.id, show.state))
 
 
 def enter_scene(show: Presenter, index: int) -> None:
@@ -62,57 +51,104 @@ def enter_scene(show: Presenter, index: int) -> None:
     if not show.picture.guided or not 0 <= index < len(path):
         return
     scene = path[index]
-    values = entry_values(path, index, show.lesson.start())
-    if any(knob.name == "kick" for knob in show.lesson.knobs):
-        values.setdefault("kick", show.lesson.start()["kick"])
+    kept = show.state.done.get(scene.id) if scene.answers else None
     show.state = replace(show.state, scene=index, performance=None, t=0.0, playing=False, loop=None, stopped=False)
-    show.adopt_design(show.lesson.apply(show.design, values))
+    show.adopt_design(kept or entry_design(show, index))
+    show.lesson_state.began = show.design
     show.view.camera(scene.view)
-    show.view.pose(0.0)
-    if isinstance(scene.do, Read) and scene.play:
+    if kept is not None:
+        show.state = replace(show.state, t=_telling_moment(show))
+    show.view.pose(show.state.t)
+    if kept is None and isinstance(scene.do, Read) and scene.play:
         _perform(show, scene)
-    elif isinstance(scene.do, Read):
+    elif kept is None and isinstance(scene.do, Read):
         _mark_done(show, scene)
     else:
         show.change(show.state)
+    show.remember()
 
 
-def options_of(lesson: Lesson, scene: Scene, language: str) -> tuple[tuple[str, ...], tuple[str, ...], int]:
-    """The options of a scene's question, what refutes each, and the index of the right one."""
-    words = lesson.words[language]
-    if not isinstance(scene.do, Choose):
-        return (), (), 0
-    if scene.do.question is Question.FIRST:
-        return words.options, words.refutations, lesson.answer
-    if scene.do.question is Question.SECOND:
-        assert words.again is not None and lesson.again is not None
-        return words.again.options, words.again.refutations, lesson.again.answer
-    own = words.scenes[scene.id]
-    return own.options, own.refutations, scene.do.answer
+def entry_design(show: Presenter, index: int) -> Design:
+    """The design with which a scene begins: what the path has set, and all else as the person left it."""
+    start = show.lesson.start()
+    values = entry_values(show.lesson.path, index, start)
+    for knob in show.lesson.knobs:
+        if knob.name == "kick" or isinstance(knob, Pull):
+            values.setdefault(knob.name, start[knob.name])
+    return show.lesson.apply(show.design, values)
 
 
-def _choose(show: Presenter, index: int) -> None:
-    """Note the option, perform what was asked about, and say the verdict when that is done."""
+def restart_scene(show: Presenter) -> None:
+    """Begin the open scene anew: what was answered or done in it is forgotten."""
     scene = show.picture.scene
+    if scene is not None:
+        show.state = replace(show.state, done=_without(show.state.done, scene.id), chosen=_without(show.state.chosen, scene.id),
+                             sketches=_without(show.state.sketches, scene.id))
+        if isinstance(scene.do, Solve):  # knobs that the path does not set still stand where they have solved it
+            asked, start = scene.do.task, show.lesson.start()
+            solution = next(task.solution for task in show.lesson.tasks if task.id == asked)
+            show.adopt_design(show.lesson.apply(show.design, {name: start[name] for name in solution}))
+        enter_scene(show, show.state.scene)
+
+
+def show_kept_run(show: Presenter) -> None:
+    """Show the run again that the verdict of the open scene speaks of."""
+    scene = show.picture.scene
+    if scene is not None and scene.id in show.state.done:
+        show.adopt_design(show.state.done[scene.id])
+        show.change(replace(show.state, playing=False, loop=None, t=_telling_moment(show)))
+        show.view.pose(show.state.t)
+
+
+def _without(found: Mapping[str, Any], name: str) -> dict[str, Any]:
+    return {key: value for key, value in found.items() if key != name}
+
+
+def _telling_moment(show: Presenter) -> float:
+    """The moment at which a run that is over rests: where plant and estimate differ most, its end where nothing is estimated."""
+    stage = show.picture.outcome.stage
+    if stage is None:
+        return 0.0
+    return part_with_error(show).peak if stage.xhat is not None else show.picture.end
+
+
+def choose_option(show: Presenter, index: object) -> None:
+    """Note the option, perform what was asked about, and say the verdict when that is done. Raises KnobError."""
+    scene, choice = show.picture.scene, int(check_number(index))
     if scene is None or not isinstance(scene.do, Choose) or scene.id in show.state.chosen:
         return
-    options, _, _ = options_of(show.lesson, scene, show.state.language)
-    if not -1 <= index < len(options):
+    options = prediction_of(show.lesson, scene, show.state.language).options
+    if not -1 <= choice < len(options):
         raise KnobError(text("There are {count} predictions.", count=len(options)))
-    state = replace(show.state, chosen={**show.state.chosen, scene.id: index})
+    state = replace(show.state, chosen={**show.state.chosen, scene.id: choice})
     if scene.do.question is Question.FIRST:
-        state = replace(state, predicted=index, revealed=True)
+        state = replace(state, predicted=choice, revealed=True)
     elif scene.do.question is Question.SECOND:
-        state = replace(state, again=index, predicted=-1 if state.predicted is None else state.predicted)
+        state = replace(state, again=choice, predicted=-1 if state.predicted is None else state.predicted)
     show.change(state)
     _perform(show, scene)
+
+
+def answer_by_hand(show: Presenter, heights: object) -> None:
+    """Note a drawing as the answer: the option that it is nearest to is chosen. Raises KnobError where it cannot be read."""
+    scene, drawn = show.picture.scene, show.picture.question
+    if scene is None or drawn is None or not drawn.columns or scene.id in show.state.chosen:
+        return
+    parts = str(heights).split(",") if len(str(heights)) <= MAX_SKETCH_CHARACTERS else []
+    try:
+        shares = tuple(min(max(check_number(float(part)), 0.0), 1.0) for part in parts)
+    except ValueError:
+        shares = ()
+    nearest = drawn.nearest(shares)
+    show.state = replace(show.state, sketches={**show.state.sketches, scene.id: shares})
+    choose_option(show, nearest)
 
 
 def perform_answer(show: Presenter) -> None:
     """Do what the open scene's question asks about, where nobody has chosen in this tab: the class has."""
     scene = show.picture.scene
     if scene is not None and isinstance(scene.do, Choose) and scene.id not in show.state.chosen:
-        _choose(show, -1)
+        choose_option(show, -1)
 
 
 def _perform(show: Presenter, scene: Scene) -> None:
@@ -164,7 +200,7 @@ def tick(show: Presenter, now: float) -> None:
         return
     runs = scene.runs and show.picture.horizon > 0 and not show.state.calm
     show.last_tick = show.clock()
-    show.state = replace(show.state, performance=None, playing=runs, t=0.0, loop=None)
+    show.state = replace(show.state, performance=None, playing=runs, t=0.0 if runs else _telling_moment(show), loop=None)
     show.rest()
     _mark_done(show, scene)
 
@@ -184,17 +220,20 @@ def stop(show: Presenter) -> None:
 
 
 def follow(show: Presenter, edits: object) -> None:
-    """Notice whether the person has just done what the scene asks for."""
+    """Notice whether the person has just done what the scene asks for.
+
+    A move and a task are judged where the knobs rest. As long as they hold after further changes, the latest run is the one that is kept.
+    """
     scene = show.picture.scene
-    if scene is None or scene.id in show.state.done:
+    if scene is None or show.state.performance is not None:
         return
     match scene.do:
-        case Move(knobs):
-            entry = entry_values(show.lesson.path, show.state.scene, show.lesson.start())
-            if isinstance(edits, list) and any(show.design[name] != show.lesson.knob(name).check(entry[name]) for name in knobs):
+        case Move():
+            began = show.lesson_state.began or entry_design(show, show.state.scene)
+            if show.resting and judge_move(show.lesson, scene.do, began, show.design)[0]:
                 _mark_done(show, scene)
         case Press(button):
-            if isinstance(edits, Kick if button == "kick" else Play):
+            if scene.id not in show.state.done and _pressed(button, edits):
                 _mark_done(show, scene)
         case Solve(task):
             found = next(t for t in show.lesson.tasks if t.id == task)
@@ -204,5 +243,14 @@ def follow(show: Presenter, edits: object) -> None:
             pass
 
 
+def _pressed(button: str, edits: object) -> bool:
+    """Whether edits are what a scene asks for: play, kick, or a pull that has been let go."""
+    if button == "pull":
+        hands = [value for edit in edits for value in edit.values.values()] if isinstance(edits, list) else []
+        return any(isinstance(value, ByHand) and value.released for value in hands)
+    return isinstance(edits, Kick if button == "kick" else Play)
+
+
 def _mark_done(show: Presenter, scene: Scene) -> None:
-    show.change(replace(show.state, done=show.state.done | {scene.id}))
+    if show.state.done.get(scene.id) != show.design:
+        show.change(replace(show.state, done={**show.state.done, scene.id: show.design}))

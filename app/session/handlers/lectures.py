@@ -7,7 +7,6 @@ from dataclasses import replace
 from ...course.knobs import KnobError
 from ...course.lectures import MAX_STOPS, Lecture, Stop, read_lecture, write_lecture
 from ...text import languages, text
-from ..commands.guide import EndLecture, GoToScene, Guiding, OpenLecture, RecordStop, SaveLecture, TurnScene
 from ..state.validate import check_number
 from . import guide
 from .presenter import Presenter
@@ -17,25 +16,24 @@ NOTHING_RECORDED = text("No scene is noted yet; open one in the guide and press 
 OWN_TITLE = text("My lecture")
 
 
-def obey(show: Presenter, command: Guiding) -> None:
-    """Do what a command of the guide asks; in a lecture its stops take the place of a path's scenes. Raises KnobError."""
-    match command:
-        case OpenLecture(words):
-            _open(show, _read(show, words))
-        case EndLecture():
-            if show.state.talk is not None:
-                guide.stop(show)
-                show.rebuild(replace(show.state, talk=None, stop=0, mode="guide", lecture=False))
-        case RecordStop():
-            _record(show)
-        case SaveLecture():
-            _save(show)
-        case TurnScene(steps) if show.state.talk is not None:
-            _go_to(show, show.state.stop + steps)
-        case GoToScene(index) if show.state.talk is not None:
-            _go_to(show, int(check_number(index)))
-        case _:
-            guide.obey(show, command)
+def turn_scene(show: Presenter, steps: int) -> None:
+    """Turn so many stops of the lecture, or scenes of the path."""
+    if show.state.talk is not None:
+        _go_to(show, show.state.stop + steps)
+    else:
+        guide.enter_scene(show, show.state.scene + steps)
+
+
+def go_to_scene(show: Presenter, index: object) -> None:
+    """Open a stop of the lecture, or a scene of the path. Raises KnobError."""
+    (guide.enter_scene if show.state.talk is None else _go_to)(show, int(check_number(index)))
+
+
+def end_lecture(show: Presenter) -> None:
+    """Leave the lecture; its lesson stays open, as a guide."""
+    if show.state.talk is not None:
+        guide.stop(show)
+        show.rebuild(replace(show.state, talk=None, stop=0, mode="guide", lecture=False))
 
 
 def begin(show: Presenter) -> None:
@@ -57,7 +55,9 @@ def _read(show: Presenter, words: object) -> Lecture:
     return read_lecture(written, show.lessons)
 
 
-def _open(show: Presenter, talk: Lecture) -> None:
+def open_lecture(show: Presenter, words: object) -> None:
+    """Give the lecture of a TOML file, from its first stop. Raises KnobError."""
+    talk = _read(show, words)
     guide.stop(show)
     show.state = replace(show.state, talk=talk, stop=0, mode="present", lecture=True)
     _go_to(show, 0, anew=True)
@@ -84,7 +84,7 @@ def _scene_id(show: Presenter) -> str:
     return "" if scene is None else scene.id
 
 
-def _record(show: Presenter) -> None:
+def record_stop(show: Presenter) -> None:
     """Note the open scene. What is given as a lecture can be recorded too: its stop is noted with its note."""
     scene, state = show.picture.scene, show.state
     if scene is None:
@@ -97,7 +97,8 @@ def _record(show: Presenter) -> None:
                        title=show.picture.scene_words.title), False)
 
 
-def _save(show: Presenter) -> None:
+def save_lecture(show: Presenter) -> None:
+    """Hand over what was recorded as a TOML file, and begin a new recording. Raises KnobError."""
     stops = show.state.recorded
     if not stops:
         raise KnobError(NOTHING_RECORDED)

@@ -45,7 +45,7 @@ def _reopen(show: Presenter, before: Lesson) -> None:
         show.cancel_job()
     show.forget_outcomes()
     show.lesson = lesson
-    show.desks.reset_lesson(lesson.id, design)
+    show.lesson_states.reset_lesson(lesson.id, design)
     show.open()
     guide.enter(show)
     show.view.say(RELOADED, False)

@@ -9,7 +9,6 @@ from dataclasses import replace
 import numpy as np
 
 from ...classroom.class_runs import ClassRuns, OwnRun
-from ...classroom.room import VoteDesk
 from ...course.knobs import KnobError
 from ...course.lesson import Design
 from ...course.many_seeds import SEED_COUNT, SeedErrors
@@ -30,8 +29,8 @@ log = logging.getLogger(__name__)
 class SeedRunner:
     """The runs of one tab. What was found stands until the design changes."""
 
-    def __init__(self, show: Presenter, desk: VoteDesk | None) -> None:
-        self._show, self._desk = show, desk
+    def __init__(self, show: Presenter) -> None:
+        self._show, self._desk = show, show.vote_desk
         self._job = LongJob(show.clock)
         self._design: Design | None = None
         self._seats: tuple[int, ...] = ()

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import assert_never
 
 from ...course.knobs import KnobError
 from ...course.pinned_designs import MAX_PINS, Pin, next_pin_letter
 from ...text import text
-from ..commands.files import Comparing, GoToStep, OpenPin, PinDesign, ToggleGhost, Unpin
 from ..state.validate import check_name, check_number
 from .presenter import Presenter
 
@@ -19,36 +17,17 @@ NO_PIN = text("There is no such pin any more.")
 NO_STEP = text("There is no such step any more.")
 
 
-def obey(show: Presenter, command: Comparing) -> None:
-    """Do what a command about pins and steps asks. Raises KnobError and what a lesson raises."""
-    match command:
-        case PinDesign(name):
-            _pin(show, check_name(name))
-        case Unpin(place):
-            gone = _at(show, place)
-            show.change(replace(show.state, pins=tuple(pin for pin in show.state.pins if pin is not gone)))
-        case OpenPin(place):
-            show.adopt_design(_at(show, place).design)
-        case ToggleGhost(place):
-            turned = _at(show, place)
-            show.change(replace(show.state, pins=tuple(replace(pin, ghost=not pin.ghost) if pin is turned else pin
-                                                       for pin in show.state.pins)))
-        case GoToStep(place):
-            _go(show, place)
-        case _:
-            assert_never(command)
-
-
-def _pin(show: Presenter, name: str) -> None:
-    pins = show.state.pins
-    for pin in pins:
-        if pin.design == show.picture.design:
-            raise KnobError(ALREADY_PINNED.format(name=pin.name))
-        if pin.name == name:
+def pin(show: Presenter, name: object) -> None:
+    """Pin the present design. Raises KnobError."""
+    name, pins = check_name(name), show.state.pins
+    for each in pins:
+        if each.design == show.picture.design:
+            raise KnobError(ALREADY_PINNED.format(name=each.name))
+        if each.name == name:
             raise KnobError(NAMESAKE.format(name=name))
     if len(pins) >= MAX_PINS:
         raise KnobError(TOO_MANY_PINS)
-    show.change(replace(show.state, pins=(*pins, Pin(name or next_pin_letter([pin.name for pin in pins]), show.picture.design))))
+    show.change(replace(show.state, pins=(*pins, Pin(name or next_pin_letter([each.name for each in pins]), show.picture.design))))
 
 
 def _at(show: Presenter, place: object) -> Pin:
@@ -58,7 +37,26 @@ def _at(show: Presenter, place: object) -> Pin:
     return show.state.pins[index]
 
 
-def _go(show: Presenter, place: object) -> None:
+def unpin(show: Presenter, place: object) -> None:
+    """Take a pin away. Raises KnobError."""
+    gone = _at(show, place)
+    show.change(replace(show.state, pins=tuple(each for each in show.state.pins if each is not gone)))
+
+
+def open_pin(show: Presenter, place: object) -> None:
+    """Make a pinned design the present one. Raises KnobError."""
+    show.adopt_design(_at(show, place).design)
+
+
+def toggle_ghost(show: Presenter, place: object) -> None:
+    """Show a pin's ghost on the stage, or no longer. Raises KnobError."""
+    turned = _at(show, place)
+    pins = tuple(replace(each, ghost=not each.ghost) if each is turned else each for each in show.state.pins)
+    show.change(replace(show.state, pins=pins))
+
+
+def go_to_step(show: Presenter, place: object) -> None:
+    """Open a design of the history. Raises KnobError."""
     index = int(check_number(place))
     if not 0 <= index < len(show.picture.steps):
         raise KnobError(NO_STEP)

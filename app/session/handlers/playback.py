@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import assert_never
 
 from ...course.error_window import ErrorWindow, find_error_window
 from ...text import text
-from ..commands.commands import ChangeSpeed, Kick, PageSeen, Play, Playing, Rewind, Seek
 from ..state.validate import check_number
 from ..state.view import ReplayLoop
 from .presenter import Presenter
@@ -22,25 +20,6 @@ LATE_POSE_S, LATE_POSES_IN_A_ROW = 0.3, 3  # s that a pose waits for other tabs,
 LATE_NOTICE_PAUSE_S = 120.0  # s before it says so once more
 CROWDED = text("Many tabs are at work on this server: the stage moves in fewer pictures, and what your hand does is answered first.")
 PREDICT_FIRST = text("Choose a prediction first; then the run unlocks.")
-
-
-def obey(show: Presenter, command: Playing) -> None:
-    """Do what a command of the run asks. Raises KnobError."""
-    match command:
-        case Play():
-            _play(show)
-        case Rewind():
-            _seek(show, 0.0)
-        case Seek(t):
-            _seek(show, t)
-        case ChangeSpeed(steps):
-            _change_speed(show, steps)
-        case Kick():
-            _kick(show)
-        case PageSeen(seen):
-            _watched(show, check_number(seen) > 0)
-        case _:
-            assert_never(command)
 
 
 def warn_if_locked(show: Presenter) -> bool:
@@ -88,7 +67,7 @@ def tick(show: Presenter, now: float) -> None:
     if t < end - 1e-9:
         show.state = replace(show.state, t=t)
     elif loop is not None and loop.rounds > 1:
-        part = _part(show)
+        part = part_with_error(show)
         show.state = replace(show.state, t=part.begin, loop=replace(loop, part=part, rounds=loop.rounds - 1))
     else:
         t = end if loop is None else min(loop.rest, end)
@@ -122,16 +101,17 @@ def replay_while_dragging(show: Presenter) -> None:
     _go_round(show, HAND_ROUNDS)
 
 
-def _part(show: Presenter) -> ErrorWindow:
+def part_with_error(show: Presenter) -> ErrorWindow:
     """Where the error lives in the run that is shown, after the last kick."""
     stage = show.picture.outcome.stage
     assert stage is not None
     kicked = dict(show.picture.design.values).get("kick", 0.0) if show.lesson.kick else 0.0
-    return find_error_window(stage, kicked)
+    pulled = [t for _, record in stage.held for t, force in record if force]
+    return find_error_window(stage, max(kicked, min(pulled, default=0.0)))
 
 
 def _go_round(show: Presenter, rounds: int) -> None:
-    part = _part(show)
+    part = part_with_error(show)
     t = show.state.t if show.state.playing and part.begin <= show.state.t < part.end else part.begin
     rest = part.end if show.state.predicted is not None else part.peak
     show.change(replace(show.state, playing=False, stopped=False, t=t, loop=ReplayLoop(part, rounds, rest)))
@@ -139,8 +119,9 @@ def _go_round(show: Presenter, rounds: int) -> None:
     show.view.pose(t)
 
 
-def _watched(show: Presenter, seen: bool) -> None:
-    """The page is seen: a run that has not been touched is shown in motion, a few rounds long. It is hidden: that ends."""
+def watch(show: Presenter, seen: object) -> None:
+    """Show an untouched run in motion, a few rounds long, when the page is seen; end that when it is hidden. Raises KnobError."""
+    seen = check_number(seen) > 0
     show.state = replace(show.state, calm=not seen)
     if not seen and show.state.loop is not None:
         show.change(replace(show.state, loop=None))
@@ -152,7 +133,8 @@ def _ended(show: Presenter) -> bool:
     return show.state.t >= show.picture.end - 1e-9
 
 
-def _play(show: Presenter) -> None:
+def play(show: Presenter) -> None:
+    """Play or pause."""
     if warn_if_locked(show) or show.picture.horizon <= 0:
         return
     playing = not show.state.moving
@@ -161,7 +143,8 @@ def _play(show: Presenter) -> None:
     show.view.pose(show.state.t)
 
 
-def _seek(show: Presenter, t: object) -> None:
+def seek(show: Presenter, t: object) -> None:
+    """Go to a time of the run. Raises KnobError."""
     if warn_if_locked(show):
         show.redraw()
         return
@@ -171,12 +154,25 @@ def _seek(show: Presenter, t: object) -> None:
     show.view.pose(show.state.t)
 
 
-def _change_speed(show: Presenter, steps: int) -> None:
+def change_speed(show: Presenter, steps: int) -> None:
+    """Play faster, or slower where `steps` is negative."""
     index = min(max(PLAYBACK_SPEEDS.index(show.state.speed) + steps, 0), len(PLAYBACK_SPEEDS) - 1)
     show.change(replace(show.state, speed=PLAYBACK_SPEEDS[index]))
 
 
-def _kick(show: Presenter) -> None:
+def play_for_hand(show: Presenter) -> bool:
+    """Let the run go on under a hand that pulls the plant, from its start where it is over; False where it is locked."""
+    if warn_if_locked(show):
+        return False
+    if _ended(show):
+        show.state = replace(show.state, t=0.0)
+    if not show.state.playing:
+        show.change(replace(show.state, playing=True, loop=None, stopped=False))
+    return True
+
+
+def kick(show: Presenter) -> None:
+    """Strike the plant now and play on."""
     if not show.lesson.kick or warn_if_locked(show):
         return
     if _ended(show):

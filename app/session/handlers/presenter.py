@@ -1,7 +1,4 @@
-"""Hold what a tab shows: lesson, lesson states, tab state and the last valid picture.
-
-Bad input costs one sentence and nothing else: whatever fails on the way to a picture, the last good one stays.
-"""
+"""Hold what a tab shows. Whatever fails on the way to a picture, the last good one stays."""
 
 from __future__ import annotations
 
@@ -9,18 +6,19 @@ import logging
 from collections.abc import Callable, Hashable, Mapping
 from dataclasses import replace
 
+from ...classroom.room import VoteDesk
 from ...course.lazy import FigureSet, complete_figures
 from ...course.lesson import Design, Lesson
 from ...text import Text
+from ..runtime.background_jobs import BackgroundJobs
 from ..runtime.error_words import kept_for_others, refusal_message
-from ..runtime.outcomes import LongJob, OutcomeAndFigures, OutcomeCache
+from ..runtime.outcomes import LongJob, OutcomeAndFigures, OutcomeCache, PinOutcomes, SceneOutcomes
 from ..state.lesson_state import LessonState
 from ..state.lesson_states import LessonStates, lesson_to_open_first
 from ..state.saved_state import SavedState
 from ..state.tab_memory import write_lesson_state, write_memory
 from ..state.token import write_token
 from ..state.view import Picture, State, View
-from .pinned_outcomes import PinOutcomes
 
 log = logging.getLogger(__name__)
 
@@ -29,49 +27,48 @@ class Presenter:
     """The tab's picture and the ways it changes. Only the tab's worker calls it."""
 
     def __init__(self, lessons: Mapping[str, Lesson], view: View, lesson: str, state: State,
-                 clock: Callable[[], float]) -> None:
+                 clock: Callable[[], float], background: BackgroundJobs, vote_desk: VoteDesk | None) -> None:
         self.lessons = dict(lessons)
         self.view, self.clock = view, clock
         self.lesson, self.state = self.lessons[lesson], state
         self.job = LongJob(clock)
+        self.background = background
+        self.vote_desk = vote_desk  # where the class votes, None in a tab that presents to nobody
+        self.run_seeds: Callable[[], object] = lambda: None  # begins the runs of many seeds, or cancels them
         self.resting = True
         self.answered = 0  # the number of the edit that is being worked on, or was last
         self.last_edit = self.last_tick = clock()
         self.alone = 0.0  # s from the last tick on in which the view goes on with the run by itself
         self.late, self.said_late = 0, float("-inf")  # how many poses in a row have waited for other tabs; when that was said
-        self.desks = LessonStates(self.lessons)
+        self.lesson_states = LessonStates(self.lessons)
+        self.limited_grip: int | None = None  # the last grip of a hand on the plant that reached its limit
         self.touched = False  # whether the person has done anything yet
         self.recalled = False  # whether it is known what the browser's tab kept
         self.insists = False  # whether the server names the lesson or the state that a new tab opens with
         self.asked = 0  # the number of the last state that was opened from the address bar
         self._drafts = OutcomeCache()
-        self._pinning = PinOutcomes(self._drafts, self.lessons)
+        self._pinning, self._scenes = PinOutcomes(self._drafts, self.lessons), SceneOutcomes(self._drafts)
         self._unsaid: list[tuple[Text, bool]] = []  # sentences that wait for the page
         self._torn = False  # whether laying the page out has failed half-way
-        self._shown: Picture | None = None
+        self.shown: Picture | None = None  # the last good picture, None before the first
         self.unfinished: tuple[tuple[tuple[Design, ...], int], Picture | None] | None = None  # the last whole picture, and its history
-
-    @property
-    def shown(self) -> Picture | None:
-        """The last good picture, None before the first."""
-        return self._shown
 
     @property
     def picture(self) -> Picture:
         """The last good picture of a tab that is open."""
-        assert self._shown is not None, "the tab is not open yet"
-        return self._shown
+        assert self.shown is not None, "the tab is not open yet"
+        return self.shown
 
     @property
     def design(self) -> Design:
         """The present design, shown or about to be."""
-        return self.desk.history.design
+        return self.lesson_state.history.design
 
     @property
-    def desk(self) -> LessonState:
+    def lesson_state(self) -> LessonState:
         """What belongs to the present lesson."""
-        plant = self.state.plant if self._shown is None else self._shown.design.plant
-        return self.desks.of(self.lesson.id, lambda: lesson_to_open_first(self.lessons[self.lesson.id], plant, self.view.say).start())
+        own, plant = self.lessons[self.lesson.id], self.state.plant if self.shown is None else self.shown.design.plant
+        return self.lesson_states.of(own.id, lambda: lesson_to_open_first(own, plant, self.view.say).start())
 
     # --- lessons ---------------------------------------------------------------------------------------------------
     def open(self) -> None:
@@ -82,14 +79,14 @@ class Presenter:
             drawn = self._draw(self.design)
         except BaseException as problem:
             log.exception("the remembered design of lesson %s cannot be computed; it starts anew", self.lesson.id)
-            self._unsaid += [(kept_for_others(problem), True)] if self.desk.history.design.plant else []
+            self._unsaid += [(kept_for_others(problem), True)] if self.design.plant else []
             self.lesson = self.lessons[self.lesson.id]
-            self.desks.reset_lesson(self.lesson.id, self.lesson.start())
+            self.lesson_states.reset_lesson(self.lesson.id, self.lesson.start())
             drawn = self._draw(self.design)
-        self.state = self.desk.state_on_opening(self.state)
+        self.state = self.lesson_state.state_on_opening(self.state)
         self.resting = True
-        self._shown = self._make(self.design, drawn)
-        self._build_page(self._shown)
+        self.shown = self._make(self.design, drawn)
+        self._build_page(self.shown)
         while self._unsaid:
             self.view.say(*self._unsaid.pop(0))
 
@@ -109,14 +106,14 @@ class Presenter:
     def forget_outcomes(self) -> None:
         """Forget what was computed: the files of a lesson have changed."""
         self._drafts, self.unfinished = OutcomeCache(), None
-        self._pinning = PinOutcomes(self._drafts, self.lessons)
+        self._pinning, self._scenes = PinOutcomes(self._drafts, self.lessons), SceneOutcomes(self._drafts)
 
     def rebuild(self, state: State) -> None:
         """Lay the screen out anew: the language or the size of the print has changed."""
         self.complete()
         self.state = state
-        self._shown = self._again()
-        self._build_page(self._shown)
+        self.shown = self._again()
+        self._build_page(self.shown)
 
     def open_state(self, saved: SavedState) -> None:
         """Open a state that came from elsewhere: its lesson, its design as a step of undo, and how its page looked.
@@ -125,11 +122,11 @@ class Presenter:
         """
         design, state = saved.design, self.state
         self._drafts.draw(self.lessons[design.lesson].fit(design.plant), design)
-        self.desks.lay(design.lesson, design, self.clock())
+        self.lesson_states.lay(design.lesson, design, self.clock())
         self.state = replace(state, language=saved.language, lecture=saved.lecture, tab=saved.tab, step=saved.step,
                              mode=saved.mode or "lab", camera=saved.camera,
                              plant=design.plant or state.plant, withheld=saved.withheld or state.withheld)
-        if self._shown is None:
+        if self.shown is None:
             self.lesson = self.lessons[design.lesson]
         else:
             self.view.look(saved.camera)
@@ -145,15 +142,13 @@ class Presenter:
 
     def _lesson_for(self, design: Design) -> Lesson:
         """The lesson built for the plant that a design brings."""
-        if design.plant == self.lesson.plant:
-            return self.lesson
-        return self.lessons[design.lesson].fit(design.plant)
+        return self.lesson if design.plant == self.lesson.plant else self.lessons[design.lesson].fit(design.plant)
 
     # --- designs ---------------------------------------------------------------------------------------------------
     def adopt_design(self, design: Design, key: Hashable = None, held: bool = False, moving: bool = False) -> None:
         """Make a design the present one; whatever fails on the way, the last good one stays. While it is `moving` the rest comes later."""
-        history = self.desk.history
-        if design == history.design and self._shown is not None and design == self._shown.design:
+        history = self.lesson_state.history
+        if design == history.design and self.shown is not None and design == self.shown.design:
             self.redraw()
             return
         before = history.save()
@@ -162,7 +157,7 @@ class Presenter:
 
     def walk(self, step: int) -> bool:
         """So many steps of redo, or of undo where negative; False where there are not so many."""
-        history = self.desk.history
+        history = self.lesson_state.history
         before = history.save()
         if not history.move(step):
             return False
@@ -171,26 +166,26 @@ class Presenter:
 
     def _show_present_design(self, before: tuple[tuple[Design, ...], int], moving: bool = False) -> None:
         """Show the history's present design; if that fails, go back to where the history stood `before`."""
-        history, picture, resting, state, lesson = self.desk.history, self._shown, self.resting, self.state, self.lesson
+        history, picture, resting, state, lesson = self.lesson_state.history, self.shown, self.resting, self.state, self.lesson
         try:
             self.lesson = self._lesson_for(history.design)
             drawn = self._draw(history.design, whole=not moving)
             horizon = float(drawn[0].stage.t[-1]) if drawn[0].stage is not None else 0.0
             self.state = replace(self.state, t=min(self.state.t, horizon))
             self.resting = False
-            self._shown = self._make(history.design, drawn, whole=not moving)
+            self.shown = self._make(history.design, drawn, whole=not moving)
             if self.lesson is not lesson:  # other knobs, other figures
-                self.view.build(self._shown)
-            self.view.show(self._shown)
+                self.view.build(self.shown)
+            self.view.show(self.shown)
             self.view.pose(self.state.t)
         except BaseException:
-            rebuilt = self._shown is not picture and self.lesson is not lesson
+            rebuilt = self.shown is not picture and self.lesson is not lesson
             history.restore(before)
-            self._shown, self.resting, self.state, self.lesson = picture, resting, state, lesson
+            self.shown, self.resting, self.state, self.lesson = picture, resting, state, lesson
             if rebuilt and picture is not None:
                 self.view.build(picture)
             raise
-        self.unfinished = None if self._shown.whole else self.unfinished or (before, picture)
+        self.unfinished = None if self.shown.whole else self.unfinished or (before, picture)
         if self.job.running:
             self.cancel_job()
         self.last_edit = self.clock()
@@ -203,15 +198,15 @@ class Presenter:
         try:
             if complete_figures(picture.figures, undisturbed):
                 picture.outcome.complete()
-                self._shown, self.unfinished = replace(picture, whole=True), None
-                self.view.show(self._shown)
+                self.shown, self.unfinished = replace(picture, whole=True), None
+                self.view.show(self.shown)
         except BaseException:
-            self.desk.history.restore(before)
-            self._shown, self.unfinished = good, None
+            self.lesson_state.history.restore(before)
+            self.shown, self.unfinished = good, None
             raise
 
     def _draw(self, design: Design, whole: bool = True) -> OutcomeAndFigures:
-        return self._drafts.draw(self.lesson, design, self.desk.follows, whole)
+        return self._drafts.draw(self.lesson, design, self.lesson_state.follows, whole)
 
     # --- pictures --------------------------------------------------------------------------------------------------
     def change(self, state: State) -> None:
@@ -219,7 +214,7 @@ class Presenter:
         before, self.state = self.state, state
         if state.moving and (not before.moving or state.t != before.t):
             self.last_tick, self.alone = self.clock(), 0.0
-        self.desk.keep(state)
+        self.lesson_state.keep(state)
         self.redraw()
         if state.revealed and not before.revealed and state.tab == state.left:  # who has turned to another is not called back
             self.view.open_figure(self.lesson.answering)
@@ -228,9 +223,9 @@ class Presenter:
 
     def redraw(self) -> None:
         """Show the last good picture with the present state, on a page that is whole."""
-        if self._shown is not None:
-            self._shown = self._again()
-            (self._build_page if self._torn else self.view.show)(self._shown)
+        if self.shown is not None:
+            self.shown = self._again()
+            (self._build_page if self._torn else self.view.show)(self.shown)
 
     def rest(self) -> None:
         """The knobs rest: the final picture, and what a reload should bring back."""
@@ -250,7 +245,7 @@ class Presenter:
         design = self.picture.design
         picture = self._make(design, self._drafts.outcome_with_job_result(self.lesson, design, found))
         self.view.show(picture)
-        self._shown = picture
+        self.shown = picture
         self._drafts.store_job_result(self.lesson, design, found)
 
     def mark_job_ended(self) -> None:
@@ -264,7 +259,7 @@ class Presenter:
 
     def tell(self, words: Text, bad: bool) -> None:
         """Say a sentence now, or when the page stands."""
-        if self._shown is None:
+        if self.shown is None:
             self._unsaid.append((words, bad))
         else:
             self.view.say(words, bad)
@@ -278,17 +273,19 @@ class Presenter:
         return self._make(self.picture.design, (self.picture.outcome, self.picture.figures), whole=self.unfinished is None)
 
     def _make(self, design: Design, drawn: OutcomeAndFigures, whole: bool = True) -> Picture:
-        history = self.desk.history
-        guided = self.state.mode != "lab" and bool(self.lesson.path)
-        self.state = replace(self.state, can_undo=history.can_undo, can_redo=history.can_redo, guided=guided)
+        history = self.lesson_state.history
+        scene = self.state.scene_of(self.lesson.path)
+        self.state = replace(self.state, can_undo=history.can_undo and not (scene and history.design == self.lesson_state.began),
+                             can_redo=history.can_redo, guided=scene is not None)
         return Picture(self.lesson, design, *drawn, self.state, self.resting, tuple(self.lessons.values()), self.answered,
-                       self._pinning.drawn(self.state.pins), *history.save(), whole or not isinstance(drawn[1], FigureSet))
+                       self._pinning.drawn(self.state.pins), *history.save(), whole or not isinstance(drawn[1], FigureSet),
+                       *self._scenes.of(self.lesson, scene, self.state.done, self.lesson_state.began, drawn[0]))
 
     def remember(self) -> None:
-        """Keep in the browser's tab what a reload should bring back, once it is known what is kept there already."""
+        """Keep in the browser's tab what a reload should bring back, once what it keeps is known."""
         if self.recalled:
             self._write_down()
-            self.view.remember(write_memory(self.lesson.id, self.state, self.desks.written(self.lesson.id)))
+            self.view.remember(write_memory(self.lesson.id, self.state, self.lesson_states.written(self.lesson.id)))
             self.view.address(write_token(self.lesson, self.saved()), self.lesson.id, self.asked)
 
     def saved(self) -> SavedState:
@@ -296,4 +293,4 @@ class Presenter:
         return replace(self.picture, state=self.state).saved(self.design, self.view.eye())
 
     def _write_down(self) -> None:
-        self.desk.text = write_lesson_state(self.lesson, self.desk.history, self.state)
+        self.lesson_state.text = write_lesson_state(self.lesson, self.lesson_state, self.state)

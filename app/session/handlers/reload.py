@@ -11,7 +11,6 @@ from dataclasses import replace
 
 from ...course.knobs import KnobError
 from ...text import text
-from ..commands.commands import MemoryRecalled
 from ..state.saved_designs import read_saved_designs
 from ..state.tab_memory import TabMemory, read_memory
 from ..state.validate import check_number, check_pixels
@@ -46,29 +45,30 @@ class MemoryRequest:
             self.ask()
 
 
-def restore_memory(show: Presenter, said: MemoryRecalled) -> None:
-    """The answer: go on where this tab was, or keep what the person has done meanwhile and put what was kept beside
+def restore_memory(show: Presenter, text: str | None, token: str = "", known: bool = False, earlier: str | None = None,
+                   shelf: str | None = None, window: tuple[object, object, object] | None = None) -> None:
+    """Go on where this tab was, or keep what the person has done meanwhile and put what was kept beside
     it. A new tab goes on where the browser's last one was. A token in the address bar that this tab has not put there itself is
     opened over it."""
     if show.recalled:
         return
     show.recalled = True
-    show.state = replace(show.state, shelf=read_saved_designs(said.shelf, show.lessons))
-    if said.window is not None and show.shown is None:  # a page that stands has told of its window by now
-        across, up, night = said.window
+    show.state = replace(show.state, shelf=read_saved_designs(shelf, show.lessons))
+    if window is not None and show.shown is None:  # a page that stands has told of its window by now
+        across, up, night = window
         with suppress(KnobError):
             show.state = replace(show.state, window=(check_pixels(across), check_pixels(up)), night=bool(check_number(night)))
-    memory = read_memory(said.text, show.lessons)
-    if said.text or said.earlier or said.token:
+    memory = read_memory(text, show.lessons)
+    if text or earlier or token:
         show.state = replace(show.state, newcomer=False)
     if memory is not None:
         _go_on(show, memory)
-    elif (earlier := read_memory(said.earlier, show.lessons)) is not None:
-        _begin_from(show, earlier)
-    if said.token and said.known and memory is not None:
-        sharing.look_again(show, said.token)
-    elif said.token:
-        sharing.open_words(show, said.token)
+    elif (before := read_memory(earlier, show.lessons)) is not None:
+        _begin_from(show, before)
+    if token and known and memory is not None:
+        sharing.look_again(show, token)
+    elif token:
+        sharing.open_words(show, token)
     if show.shown is not None:
         show.remember()
 
@@ -77,13 +77,13 @@ def _go_on(show: Presenter, memory: TabMemory) -> None:
     if show.touched:
         _put_beside(show, memory)
         return
-    show.desks.forget()
-    show.desks.take_back(memory.desks)
+    show.lesson_states.forget()
+    show.lesson_states.take_back(memory.lesson_states)
     show.lesson = show.lessons[memory.lesson]
     show.state = replace(show.state, language=memory.language, lecture=memory.lecture, dark=memory.dark,
-                         plant=memory.plant or show.state.plant, key=_key(show, memory), fresh=memory.fresh or show.state.fresh,
-                         withheld=memory.withheld or show.state.withheld, mode=memory.mode or show.state.mode,
-                         talk=memory.talk, stop=memory.stop, hand_ins=_signed(show, memory))
+                         plant=memory.plant or show.state.plant, key=_key(show, memory), word=memory.word,
+                         fresh=memory.fresh or show.state.fresh, withheld=memory.withheld or show.state.withheld,
+                         mode=memory.mode or show.state.mode, talk=memory.talk, stop=memory.stop, hand_ins=_signed(show, memory))
     if show.shown is not None:
         show.open()
 
@@ -95,8 +95,9 @@ def _begin_from(show: Presenter, earlier: TabMemory) -> None:
     if not show.insists:
         _go_on(show, memory)
         return
-    show.desks.take_back(memory.desks)
-    show.state = replace(state, dark=memory.dark, plant=state.plant or memory.plant, key=_key(show, memory), hand_ins=_signed(show, memory))
+    show.lesson_states.take_back(memory.lesson_states)
+    show.state = replace(state, dark=memory.dark, plant=state.plant or memory.plant, key=_key(show, memory), word=memory.word,
+                         hand_ins=_signed(show, memory))
     if show.shown is not None:
         show.open()
 
@@ -116,10 +117,11 @@ def _signed(show: Presenter, memory: TabMemory) -> dict[str, str]:
 
 
 def _put_beside(show: Presenter, memory: TabMemory) -> None:
-    met = show.desks.take_back(memory.desks)
-    desk = show.desk
-    show.change(replace(show.state, predicted=desk.predicted, revealed=desk.revealed, again=desk.again, tasks=desk.tasks, exams=desk.exams,
-                        pins=desk.pins, plant=show.state.plant or memory.plant, key=show.state.key or memory.key,
+    met = show.lesson_states.take_back(memory.lesson_states)
+    kept = show.lesson_state
+    show.change(replace(show.state, predicted=kept.predicted, revealed=kept.revealed, again=kept.again, tasks=kept.tasks, exams=kept.exams,
+                        pins=kept.pins, plant=show.state.plant or memory.plant, key=show.state.key or memory.key,
+                        word=show.state.word or memory.word,
                         fresh=memory.fresh or show.state.fresh, withheld=show.state.withheld or memory.withheld,
                         hand_ins={**_signed(show, memory), **show.state.hand_ins}))
     if met:

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import assert_never
 
 from ...classroom.pole_grid import PoleGrid
 from ...classroom.room import RoomView, VoteDesk
-from ...classroom.votes import LONGEST_QUESTION, MAX_OPTIONS, Asked, read_pole_question, read_question
+from ...classroom.votes import LONGEST_QUESTION, MAX_OPTIONS, Asked, Vote, read_pole_question, read_question
 from ...course.figures.scene import Board
+from ...course.guiding.predictions import prediction_of
 from ...course.knobs import KnobError
 from ...course.scenes import Choose, Move
 from ...text import NO_WORDS, Text, text
-from ..commands.room import AskPole, AskTyped, AskTypedAgain, CloseVote, Lecturing, LowerHands, OpenVote, RoomChanged
 from . import guide
 from .presenter import Presenter
 
@@ -21,45 +20,88 @@ NO_QUESTION = text("Type a question on the first line and two to {most} short op
                    "Without options the class answers with a number.", most=MAX_OPTIONS)
 
 
-def obey(show: Presenter, desk: VoteDesk | None, command: Lecturing) -> None:
-    """Do what a presenter asks of the room. Raises KnobError in a tab that does not present."""
-    if desk is None:
+def ask_typed(show: Presenter, words: object) -> None:
+    """Ask the class a typed question. Raises KnobError."""
+    _ask(show, read_question(words) if isinstance(words, str) else None, NO_QUESTION)
+
+
+def ask_pole(show: Presenter, words: object) -> None:
+    """Ask the class to place a pole. Raises KnobError."""
+    _ask(show, read_pole_question(words, _grid(show)) if isinstance(words, str) else None, NO_POLE_QUESTION)
+
+
+def ask_typed_again(show: Presenter) -> None:
+    """Ask the typed question once more. Raises KnobError."""
+    _ask(show, show.picture.typed[-1].asked if show.picture.typed else None, NO_QUESTION)
+
+
+def close_vote(show: Presenter) -> None:
+    """Take no more votes; nothing tells the answer yet. Raises KnobError."""
+    show_room(show, _desk(show).close_vote())
+
+
+def show_counts(show: Presenter, number: object) -> None:
+    """Show the counts of a closed vote to everybody. Raises KnobError."""
+    show_room(show, _desk(show).show_counts(_closed(show, number), True))
+
+
+def hide_counts(show: Presenter, number: object) -> None:
+    """Hide the counts of a closed vote. Raises KnobError."""
+    show_room(show, _desk(show).show_counts(_closed(show, number), False))
+
+
+def discuss(show: Presenter, number: object) -> None:
+    """Let the class discuss a closed vote for a while. Raises KnobError."""
+    show_room(show, _desk(show).discuss(_closed(show, number)))
+
+
+def reveal(show: Presenter, number: object) -> None:
+    """Tell the answer to a closed vote; the page then does what the question asks about. Raises KnobError."""
+    vote = _closed(show, number)
+    performs = vote in show.picture.votes
+    show_room(show, _desk(show).reveal(vote))
+    if performs:
+        guide.perform_answer(show)
+
+
+def _closed(show: Presenter, number: object) -> Vote:
+    """The closed vote of that number. Raises KnobError."""
+    room = show.state.room
+    found = [vote for vote in (room.votes if room is not None else ()) if str(vote.number) == str(number) and not vote.open]
+    if not found:
+        raise KnobError(text("There is no closed vote {number}.", number=str(number)[:20]))
+    return found[0]
+
+
+def lower_hands(show: Presenter) -> None:
+    """Forget who asked for a slower lecture. Raises KnobError."""
+    show_room(show, _desk(show).lower_hands())
+
+
+def _desk(show: Presenter) -> VoteDesk:
+    """The desk at which the class votes. Raises KnobError in a tab that does not present."""
+    if show.vote_desk is None:
         raise KnobError(text("Only the presenter's tab can ask the class; open the presenter's link."))
-    match command:
-        case OpenVote():
-            _open(show, desk)
-        case AskTyped(words):
-            _ask(show, desk, read_question(words) if isinstance(words, str) else None, NO_QUESTION)
-        case AskPole(words):
-            _ask(show, desk, read_pole_question(words, _grid(show)) if isinstance(words, str) else None, NO_POLE_QUESTION)
-        case AskTypedAgain():
-            _ask(show, desk, show.picture.typed[-1].asked if show.picture.typed else None, NO_QUESTION)
-        case CloseVote():
-            performs = show.picture.voting
-            _show_room(show, desk.close_vote())
-            if performs:
-                guide.perform_answer(show)
-        case LowerHands():
-            _show_room(show, desk.lower_hands())
-        case RoomChanged(view):
-            _show_room(show, view)
-        case _:
-            assert_never(command)
+    return show.vote_desk
 
 
-def _open(show: Presenter, desk: VoteDesk) -> None:
-    scene = show.picture.scene
+def open_vote(show: Presenter) -> None:
+    """Ask the class the question of the open scene, or ask it again. Raises KnobError."""
+    desk, scene = _desk(show), show.picture.scene
     if scene is None or not isinstance(scene.do, Choose):
         raise KnobError(text("This scene asks no question; turn to one that does."))
-    options, _, _ = guide.options_of(show.lesson, scene, show.state.language)
-    _show_room(show, desk.open_vote(show.lesson.id, scene.id, len(options)))
+    options = prediction_of(show.lesson, scene, show.state.language).options
+    show_room(show, desk.open_vote(show.lesson.id, scene.id, len(options)))
 
 
-def _ask(show: Presenter, desk: VoteDesk, asked: Asked | None, otherwise: Text) -> None:
+def _ask(show: Presenter, asked: Asked | None, otherwise: Text) -> None:
+    desk = _desk(show)
     if asked is None:
         raise KnobError(otherwise)
     scene = show.picture.scene
-    _show_room(show, desk.open_vote(show.lesson.id, scene.id if scene else "", 0, asked))
+    if show.picture.typed and show.picture.typed[-1].open and show.picture.typed[-1].asked == asked:
+        return  # it was asked already: the page has sent it again after an outage
+    show_room(show, desk.open_vote(show.lesson.id, scene.id if scene else "", 0, asked))
 
 
 def _grid(show: Presenter) -> PoleGrid:
@@ -71,6 +113,7 @@ def _grid(show: Presenter) -> PoleGrid:
     return PoleGrid(board.id, board.re_low, board.re_high, board.im_high, board.disc)
 
 
-def _show_room(show: Presenter, view: RoomView) -> None:
+def show_room(show: Presenter, view: RoomView) -> None:
+    """Show who is here and how the votes stand."""
     show.state = replace(show.state, room=view)
     show.redraw()

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import assert_never
 
 from ...course.knobs import KnobError
 from ...text import text
-from ..commands.files import ClearBrowser, DeleteSavedDesign, OpenSavedDesign, SaveDesign, Shelving
 from ..state.saved_designs import MAX_SAVED_BYTES, MAX_SAVED_DESIGNS, SavedDesign
 from ..state.saved_state import SavedState, read_state, write_state
 from ..state.validate import check_name
@@ -21,27 +19,9 @@ SAVED_MESSAGE = text("Kept in this browser as {name}.")
 CLEARED = text("This browser now keeps none of your data; the page starts again.")
 
 
-def obey(show: Presenter, command: Shelving) -> None:
-    """Do what a command about kept designs asks. Raises KnobError and what a lesson raises."""
-    match command:
-        case SaveDesign(name):
-            _keep(show, check_name(name))
-        case OpenSavedDesign(name):
-            state = show.state
-            saved = read_state(_found(show, name).words, show.lessons)
-            show.open_state(replace(saved, language=state.language, lecture=state.lecture, tab=None, step=None, camera=show.view.eye()))
-        case DeleteSavedDesign(name):
-            gone = _found(show, name)
-            show.view.save_design(gone.name, "")
-            show.change(replace(show.state, shelf=tuple(kept for kept in show.state.shelf if kept is not gone)))
-        case ClearBrowser():
-            _clear(show)
-        case _:
-            assert_never(command)
-
-
-def _keep(show: Presenter, name: str) -> None:
-    """Keep the present design; one of that name is replaced."""
+def save_design(show: Presenter, name: object) -> None:
+    """Keep the present design in the browser; one of that name is replaced. Raises KnobError."""
+    name = check_name(name)
     words = write_state(show.lesson, SavedState(show.picture.design))
     others = tuple(kept for kept in show.state.shelf if kept.name != name)
     if not name:
@@ -55,6 +35,19 @@ def _keep(show: Presenter, name: str) -> None:
     show.view.say(SAVED_MESSAGE.format(name=name), False)
 
 
+def open_saved_design(show: Presenter, name: object) -> None:
+    """Open a kept design; the page keeps its language and its camera. Raises KnobError and what a lesson raises."""
+    state, saved = show.state, read_state(_found(show, name).words, show.lessons)
+    show.open_state(replace(saved, language=state.language, lecture=state.lecture, tab=None, step=None, camera=show.view.eye()))
+
+
+def delete_saved_design(show: Presenter, name: object) -> None:
+    """Keep a design no longer. Raises KnobError."""
+    gone = _found(show, name)
+    show.view.save_design(gone.name, "")
+    show.change(replace(show.state, shelf=tuple(kept for kept in show.state.shelf if kept is not gone)))
+
+
 def _found(show: Presenter, name: object) -> SavedDesign:
     for kept in show.state.shelf:
         if kept.name == name:
@@ -62,12 +55,12 @@ def _found(show: Presenter, name: object) -> SavedDesign:
     raise KnobError(NO_SUCH)
 
 
-def _clear(show: Presenter) -> None:
+def clear_browser(show: Presenter) -> None:
     """The browser forgets everything, and so does this tab: whoever sits here next finds a page as on the first day."""
     show.view.clear_storage()
     show.lesson = show.lessons[show.lesson.id]
-    show.desks.forget()
-    show.desks.reset_lesson(show.lesson.id, show.lesson.start())
+    show.lesson_states.forget()
+    show.lesson_states.reset_lesson(show.lesson.id, show.lesson.start())
     show.state = replace(show.state, shelf=(), plant="", key="", tab=None, step=None)
     show.open()
     show.view.say(CLEARED, False)

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import logging
 from dataclasses import replace
-from typing import assert_never
 
 from ...course.figures.records import tab_names
 from ...course.knobs import KnobError
+from ...course.scenes import Choose
 from ...engine import EngineError
 from ...text import error_words, joined
-from ..commands.commands import OpenState, PlaceOpened, SaveState, Sharing, ToggleDownloads
 from ..runtime.error_words import NOT_DONE, error_kind
 from ..state.saved_state import NO_STATE, SavedState, read_state, write_state
 from ..state.token import is_token, read_token, write_token
@@ -19,24 +18,24 @@ from .presenter import Presenter
 log = logging.getLogger(__name__)
 
 
-def obey(show: Presenter, command: Sharing) -> None:
-    """Do what a command about travelling states asks. Raises KnobError and what a lesson raises."""
-    match command:
-        case OpenState(words, asked):
-            show.asked = asked if isinstance(asked, int) else show.asked
-            try:
-                take(show, words)
-            except Exception:
-                show.remember()  # the address bar goes back to what is shown
-                raise
-        case PlaceOpened(tab, step):
-            _place(show, tab, step)
-        case ToggleDownloads():
-            show.view.offer(write_token(show.lesson, show.saved()))
-        case SaveState():
-            show.view.download(f"{show.lesson.id}.json", write_state(show.lesson, show.saved()).encode())
-        case _:
-            assert_never(command)
+def open_state(show: Presenter, words: object, asked: object) -> None:
+    """Open a state; where that fails the address bar goes back to what is shown. Raises KnobError and what a lesson raises."""
+    show.asked = asked if isinstance(asked, int) else show.asked
+    try:
+        take(show, words)
+    except Exception:
+        show.remember()
+        raise
+
+
+def toggle_downloads(show: Presenter) -> None:
+    """Open or close the dialog in which the state can be taken away."""
+    show.view.offer(write_token(show.lesson, show.saved()))
+
+
+def save_state(show: Presenter) -> None:
+    """Hand the present state over as a file."""
+    show.view.download(f"{show.lesson.id}.json", write_state(show.lesson, show.saved()).encode())
 
 
 def take(show: Presenter, words: object) -> None:
@@ -46,9 +45,15 @@ def take(show: Presenter, words: object) -> None:
     show.open_state(saved)
     if saved.scene:
         scene = [each.id for each in show.lesson.path].index(saved.scene)
-        show.desk.scene, show.desk.entered = scene, True
+        kept = show.lesson_state
+        kept.scene, kept.entered = scene, True
+        if saved.answered is not None:
+            kept.done = {**kept.done, saved.scene: saved.design}
+            kept.chosen = {**kept.chosen, saved.scene: saved.answered} if isinstance(show.lesson.path[scene].do, Choose) else kept.chosen
         if show.shown is not None:
-            show.change(replace(show.state, scene=scene))
+            show.change(replace(show.state, scene=scene, done=kept.done, chosen=kept.chosen))
+            if saved.camera is None and show.picture.guided:
+                show.view.camera(show.lesson.path[scene].view)
     if saved.notes:
         show.tell(joined(*saved.notes), False)
 
@@ -82,7 +87,8 @@ def _read(show: Presenter, words: object) -> SavedState:
     return read_token(words, show.lessons) if is_token(words) or "{" not in words else read_state(words, show.lessons)
 
 
-def _place(show: Presenter, tab: object, step: object) -> None:
+def note_place(show: Presenter, tab: object, step: object) -> None:
+    """Note which figures' tab and which step of thought are open."""
     names, steps = tab_names(show.picture.figures), show.lesson.words["en"].steps
     chosen = names[tab]("en") if isinstance(tab, int) and 0 < tab < len(names) else None
     opened = step if isinstance(step, int) and 0 <= step < len(steps) else None

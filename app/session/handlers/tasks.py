@@ -5,25 +5,12 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable
 from dataclasses import replace
-from typing import assert_never
 
 from ...course.exercises.typed_answers import MAX_TYPED_CHARACTERS
 from ...course.knobs import KnobError
 from ...course.lesson import Task, Verdict
 from ...engine import EngineError
 from ...text import text
-from ..commands.commands import (
-    CheckNextTask,
-    CheckTask,
-    Predict,
-    PredictAgain,
-    Reveal,
-    RunJob,
-    ShowAgain,
-    ShowHint,
-    ShowSolution,
-    Studying,
-)
 from ..state.validate import check_number
 from ..state.view import TaskState
 from .playback import warn_if_locked
@@ -37,57 +24,39 @@ COURSE_NO_SOLUTION = text("The course shows no solution to this task.")
 CANCELLED = text("Computation cancelled; the last picture stays.")
 
 
-def obey(show: Presenter, command: Studying) -> None:
-    """Do what a command of the left column asks. Raises KnobError and what a lesson raises."""
-    match command:
-        case Predict(index):
-            _predict(show, int(check_number(index)))
-        case Reveal():
-            if not warn_if_locked(show):
-                show.change(replace(show.state, revealed=True, left=show.state.tab))
-        case PredictAgain(index):
-            _predict_again(show, int(check_number(index)))
-        case ShowAgain():
-            _show_again(show)
-        case CheckTask(task, said):
-            check_task(show, task, said)
-        case CheckNextTask():
-            _check_next(show)
-        case ShowHint(task):
-            _hint(show, _find(show, task))
-        case ShowSolution(task):
-            if not show.state.offers_solution(show.lesson.id, task):
-                raise KnobError(NO_SOLUTIONS if show.state.course is None else COURSE_NO_SOLUTION)
-            _solve(show, _find(show, task))
-        case RunJob():
-            _start_or_cancel(show)
-        case _:
-            assert_never(command)
-
-
-def _one_of(choice: int, options: tuple[str, ...]) -> int:
+def _one_of(index: object, options: tuple[str, ...]) -> int:
     """The choice, −1 to skip. Raises KnobError."""
+    choice = int(check_number(index))
     if not -1 <= choice < len(options):
         raise KnobError(text("There are {count} predictions.", count=len(options)))
     return choice
 
 
-def _predict(show: Presenter, choice: int) -> None:
-    choice = _one_of(choice, show.lesson.words[show.state.language].options)
+def reveal(show: Presenter) -> None:
+    """Show the answer to the prediction."""
+    if not warn_if_locked(show):
+        show.change(replace(show.state, revealed=True, left=show.state.tab))
+
+
+def predict(show: Presenter, index: object) -> None:
+    """Note the predicted option and play the run. Raises KnobError."""
+    choice = _one_of(index, show.lesson.words[show.state.language].options)
     runs = show.picture.horizon > 0
     show.change(replace(show.state, predicted=choice, revealed=show.state.revealed or not runs, left=show.state.tab,
                         playing=runs, loop=None, stopped=False, t=0.0))
 
 
-def _predict_again(show: Presenter, choice: int) -> None:
+def predict_again(show: Presenter, index: object) -> None:
+    """Note the option chosen in the second prediction. Raises KnobError."""
     asked = show.lesson.words[show.state.language].again
     if not warn_if_locked(show):
         runs = show.picture.horizon > 0 and not show.state.calm
-        show.change(replace(show.state, again=_one_of(choice, () if asked is None else asked.options), playing=runs, loop=None,
+        show.change(replace(show.state, again=_one_of(index, () if asked is None else asked.options), playing=runs, loop=None,
                             stopped=False, t=0.0))
 
 
-def _show_again(show: Presenter) -> None:
+def show_again(show: Presenter) -> None:
+    """Set the knobs so that the run shows the answer to the second prediction."""
     again = show.lesson.again
     if again is not None and show.state.again is not None:
         show.adopt_design(show.lesson.apply(show.lesson.start(), again.trial))
@@ -110,17 +79,18 @@ def _see(show: Presenter, task: Task, seen: TaskState) -> None:
     show.change(replace(show.state, tasks={**show.state.tasks, task.id: seen}))
 
 
-def check_task(show: Presenter, task_id: object, said: object) -> Verdict:
+def check_task(show: Presenter, task: object, said: object) -> Verdict:
     """Judge a task by the present design and by what was typed, and show the verdict. Raises KnobError where there is no such task."""
-    task = _find(show, task_id)
+    found = _find(show, task)
     words = said[:MAX_TYPED_CHARACTERS] if isinstance(said, str) else ""
-    verdict = task.judge(show.picture.outcome, words)
-    _see(show, task, replace(_seen(show, task), verdict=verdict, typed=words, judged=show.picture.design))
+    verdict = found.judge(show.picture.outcome, words)
+    _see(show, found, replace(_seen(show, found), verdict=verdict, typed=words, judged=show.picture.design))
     show.view.say(verdict.text, not verdict.solved)
     return verdict
 
 
-def _check_next(show: Presenter) -> None:
+def check_next_task(show: Presenter) -> None:
+    """Judge the first task that is not yet solved."""
     for task in show.lesson.tasks:
         seen = _seen(show, task)
         if seen.verdict is None or not seen.verdict.solved:
@@ -128,18 +98,25 @@ def _check_next(show: Presenter) -> None:
             return
 
 
-def _hint(show: Presenter, task: Task) -> None:
-    seen = _seen(show, task)
-    _see(show, task, replace(seen, hints=seen.hints + 1))
+def show_hint(show: Presenter, task: str) -> None:
+    """Show one more hint for a task. Raises KnobError."""
+    found = _find(show, task)
+    seen = _seen(show, found)
+    _see(show, found, replace(seen, hints=seen.hints + 1))
 
 
-def _solve(show: Presenter, task: Task) -> None:
-    show.adopt_design(show.lesson.apply(show.design, task.solution))
-    _see(show, task, replace(_seen(show, task), solution=True))
+def show_solution(show: Presenter, task: str) -> None:
+    """Set the knobs to a task's solution. Raises KnobError where no solutions are shown."""
+    if not show.state.offers_solution(show.lesson.id, task):
+        raise KnobError(NO_SOLUTIONS if show.state.course is None else COURSE_NO_SOLUTION)
+    found = _find(show, task)
+    show.adopt_design(show.lesson.apply(show.design, found.solution))
+    _see(show, found, replace(_seen(show, found), solution=True))
 
 
 # --- the long computation ------------------------------------------------------------------------------------------
-def _start_or_cancel(show: Presenter) -> None:
+def start_or_cancel_job(show: Presenter) -> None:
+    """Start the lesson's long computation, or cancel it."""
     job = show.lesson.job
     if job is None:
         return
@@ -147,11 +124,11 @@ def _start_or_cancel(show: Presenter) -> None:
         show.job.quiet = False
         show.view.progress(0.0, job.label)
     elif show.job.running:
-        show.desk.follows = False
+        show.lesson_state.follows = False
         show.cancel_job()
         show.view.say(CANCELLED, False)
     elif not show.job.ended_within(JUST_ENDED):
-        show.desk.follows = job.follows
+        show.lesson_state.follows = job.follows
         show.job.start(job.run(show.picture.outcome))
         show.view.progress(0.0, job.label)
 
@@ -159,7 +136,7 @@ def _start_or_cancel(show: Presenter) -> None:
 def follow(show: Presenter) -> None:
     """Start the long computation without a word where the knobs have come to rest, if it is wanted there and not done yet."""
     job = show.lesson.job
-    if job is not None and job.follows and show.desk.follows and not show.job.running and not show.job_ended:
+    if job is not None and job.follows and show.lesson_state.follows and not show.job.running and not show.job_ended:
         show.job.start(job.run(show.picture.outcome), quiet=True)
 
 

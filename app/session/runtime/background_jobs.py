@@ -8,11 +8,11 @@ from collections.abc import Callable
 
 from ..commands.commands import Edit
 
-MAX_QUEUED_JOBS = 8  # errands of a tab that wait at once
+MAX_QUEUED_JOBS = 8  # jobs of a tab that wait at once
 
 
 class BackgroundJobs:
-    """One thread a tab, while there is something to do; what an errand comes to is posted like any other edit."""
+    """One thread a tab, while there is something to do; what a job returns is posted like any other edit."""
 
     def __init__(self, post: Callable[[Edit], object]) -> None:
         self._post = post
@@ -20,15 +20,15 @@ class BackgroundJobs:
         self._lock = threading.Lock()
         self._busy = False
 
-    def send(self, errand: Callable[[], Edit]) -> bool:
-        """Have it done after those that wait; False if too many do. An errand must not raise."""
+    def send(self, job: Callable[[], Edit]) -> bool:
+        """Have it done after those that wait; False if too many do. A job must not raise."""
         with self._lock:
             if len(self._waiting) >= MAX_QUEUED_JOBS:
                 return False
-            self._waiting.append(errand)
+            self._waiting.append(job)
             idle, self._busy = not self._busy, True
         if idle:
-            threading.Thread(target=self._work, name="observer-lab errand", daemon=True).start()
+            threading.Thread(target=self._work, name="observer-lab job", daemon=True).start()
         return True
 
     def forget(self) -> None:
@@ -42,5 +42,5 @@ class BackgroundJobs:
                 if not self._waiting:
                     self._busy = False
                     return
-                errand = self._waiting.popleft()
-            self._post(errand())
+                job = self._waiting.popleft()
+            self._post(job())

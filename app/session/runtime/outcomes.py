@@ -1,16 +1,20 @@
-"""Compute designs, cache their outcomes, and run one long job at a time in slices."""
+"""Compute designs, those of scenes and pins too, cache outcomes, and run a long job in slices."""
 
 from __future__ import annotations
 
+import logging
 import time
 from collections import OrderedDict
-from collections.abc import Callable, Hashable, Iterator, Sequence
+from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
 from ...course.figures.records import Figure
+from ...course.guiding.questions import Asked, DrawnQuestion
 from ...course.lazy import FigureSet, complete_figures
 from ...course.lesson import Design, Lesson, Outcome
+from ...course.pinned_designs import Pin, Pinned
+from ...course.scenes import Scene
 
 CACHED_DESIGNS = 32  # designs whose drafts are remembered, and results of jobs
 SLICE_S = 0.015  # s of a long job between two looks at the mailbox
@@ -20,6 +24,7 @@ OutcomeAndFigures = tuple[Outcome, Sequence[Figure]]
 Key = tuple[str, str, Hashable]  # lesson, plant, what of a design the result of a job rests on
 K = TypeVar("K")
 V = TypeVar("V")
+log = logging.getLogger(__name__)
 # What a job finds is `Any` here: each lesson has a record of its own, and only its own functions look into it.
 
 
@@ -126,7 +131,7 @@ class LongJob:
         self._steps, self._last, self.quiet, self._told = steps, None, quiet, self._clock()
 
     def tells(self) -> bool:
-        """Whether a quiet one shows what it has found so far: where it has shown nothing for SILENT seconds."""
+        """Whether a quiet one shows what it has found so far: where it has shown nothing for MAX_PROGRESS_GAP_S seconds."""
         if self._last is None or self._clock() - self._told < MAX_PROGRESS_GAP_S:
             return False
         self._told = self._clock()
@@ -154,3 +159,72 @@ class LongJob:
             raise
         news, self._last = found is not self._last, found
         return fraction, found if news else None
+
+
+class SceneOutcomes:
+    """The outcome and the question's figure of the scene that is open, the latest ones kept."""
+
+    def __init__(self, drafts: OutcomeCache) -> None:
+        self._drafts = drafts
+        self._kept: Outcome | None = None
+        self._question: tuple[tuple[str, str, Design, Design], DrawnQuestion] | None = None  # and what it rests on
+
+    def of(self, lesson: Lesson, scene: Scene | None, done: Mapping[str, Design], began: Design | None, present: Outcome) -> tuple[
+            Outcome | None, Design | None, DrawnQuestion | None]:
+        """The outcome with which a scene was `done`, None where it is not; the design with which it `began`; its question's figure.
+
+        All are None where no scene is open.
+        """
+        if scene is None:
+            return None, None, None
+        began, kept = began or present.design, done.get(scene.id)
+        return self._outcome(lesson, kept, present), began, self._figure(lesson, scene, began, kept)
+
+    def _outcome(self, lesson: Lesson, done: Design | None, present: Outcome) -> Outcome | None:
+        if done is None or done == present.design:
+            return None if done is None else present
+        if self._kept is None or self._kept.design != done:
+            self._kept = self._drafts.draw(lesson, done)[0]
+        return self._kept
+
+    def _figure(self, lesson: Lesson, scene: Scene, began: Design, done: Design | None) -> DrawnQuestion | None:
+        draw = lesson.questions.get(scene.id)
+        if draw is None:
+            return None
+        after = done or lesson.apply(began, scene.play)
+        key = lesson.id, scene.id, began, after
+        if self._question is None or self._question[0] != key:
+            self._question = key, draw(Asked(lesson, *(self._drafts.draw(lesson, each)[0] for each in (began, after))))
+        return self._question[1]
+
+
+
+class PinOutcomes:
+    """The outcomes of the pins that are shown now."""
+
+    def __init__(self, drafts: OutcomeCache, lessons: Mapping[str, Lesson]) -> None:
+        self._drafts, self._lessons = drafts, lessons
+        self._pins: tuple[Pin, ...] = ()
+        self._drawn: tuple[Pinned, ...] = ()
+
+    def drawn(self, pins: tuple[Pin, ...]) -> tuple[Pinned, ...]:
+        """The pins with what they lead to: the same records as long as the pins are the same. One that cannot be computed is not
+        drawn."""
+        if pins != self._pins:
+            known = {each.pin.design: each for each in self._drawn}
+            self._pins = pins
+            self._drawn = tuple(found for place, pin in enumerate(pins) if (found := self._pinned(pin, place, known.get(pin.design))))
+        return self._drawn
+
+    def _pinned(self, pin: Pin, place: int, known: Pinned | None) -> Pinned | None:
+        if known is not None:
+            return Pinned(pin, place, known.outcome, known.figures)
+        try:
+            return Pinned(pin, place, *self.draw(pin.design))
+        except Exception:
+            log.exception("a pinned design of lesson %s cannot be computed", pin.design.lesson)
+            return None
+
+    def draw(self, design: Design):
+        """Outcome and figures of a design, with its own plant."""
+        return self._drafts.draw(self._lessons[design.lesson].fit(design.plant), design)

@@ -11,7 +11,7 @@ from .mailbox import Mailbox
 
 log = logging.getLogger(__name__)
 
-PAUSE_S, MAX_PAUSE_S = 0.05, 1.0  # s after a step that failed; more after several in a row, at most LONGEST
+PAUSE_S, MAX_PAUSE_S = 0.05, 1.0  # s after a step that failed; more after several in a row, at most MAX_PAUSE_S
 RETRY_S, MAX_RETRY_S = 1.0, 30.0  # the same after a beginning that failed
 
 

@@ -29,7 +29,7 @@ def lesson_to_open_first(lesson: Lesson, plant: str, say: Callable[[Text, bool],
 
 
 class LessonStates:
-    """The desks of one tab, by lesson."""
+    """The states of one tab's lessons."""
 
     def __init__(self, lessons: Mapping[str, Lesson]) -> None:
         self._lessons = lessons
@@ -37,7 +37,7 @@ class LessonStates:
         self._kept: dict[str, str] = {}
 
     def of(self, lesson: str, start: Callable[[], Design]) -> LessonState:
-        """The desk of a lesson: the one in use, the one that was kept, or a new one on `start()`."""
+        """The state of a lesson: the one in use, the one that was kept, or a new one on `start()`."""
         if lesson not in self._used:
             kept = self._kept.pop(lesson, None)
             found = None if kept is None else read_lesson_state(json.loads(kept), lesson, self._lessons)
@@ -45,22 +45,22 @@ class LessonStates:
         return self._used[lesson]
 
     def lay(self, lesson: str, design: Design, now: float) -> None:
-        """Put a design on a lesson's desk; what lay there is one step of undo away."""
+        """Make a design a lesson's present one; the one before is one step of undo away."""
         self.of(lesson, lambda: design).history.push(design, None, now)
 
     def reset_lesson(self, lesson: str, start: Design) -> None:
-        """Clear a desk away for a new one."""
+        """Begin the state of a lesson anew."""
         self._used[lesson] = LessonState(History(start))
 
     def forget(self) -> None:
-        """Clear all desks away."""
+        """Forget the states of all lessons."""
         self._used, self._kept = {}, {}
 
-    def take_back(self, desks: Mapping[str, object]) -> bool:
-        """Take kept desks in; what is in use stays, with what was kept one step of undo away. True if there was
+    def take_back(self, states: Mapping[str, object]) -> bool:
+        """Take kept states in; what is in use stays, with what was kept one step of undo away. True if there was
         such."""
         met = False
-        for lesson, data in desks.items():
+        for lesson, data in states.items():
             if lesson not in self._used:
                 self._kept[lesson] = json.dumps(data, ensure_ascii=False)
             elif (old := read_lesson_state(data, lesson, self._lessons)) is not None:
@@ -70,11 +70,11 @@ class LessonStates:
     def progress(self, present: str, state: State) -> dict[str, Progress]:
         """How far the person is in each lesson that lies here; what is open now stands in the tab's state."""
         found = {lesson: progress_in_saved_state(json.loads(kept)) for lesson, kept in self._kept.items()}
-        found |= {lesson: progress_of(desk.predicted, desk.tasks) for lesson, desk in self._used.items()}
+        found |= {lesson: progress_of(kept.predicted, kept.tasks) for lesson, kept in self._used.items()}
         return {**found, present: progress_of(state.predicted, state.tasks)}
 
     def written(self, latest: str) -> Iterator[tuple[str, str]]:
-        """Lesson and text of every desk, the one that is worked on now first, the one left longest ago last."""
+        """Lesson and text of every state, the one that is worked on now first, the one left longest ago last."""
         self._used[latest] = self._used.pop(latest)
-        yield from ((lesson, desk.text) for lesson, desk in reversed(self._used.items()) if desk.text)
+        yield from ((lesson, kept.text) for lesson, kept in reversed(self._used.items()) if kept.text)
         yield from self._kept.items()

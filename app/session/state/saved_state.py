@@ -13,7 +13,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 
-from ...course.knobs import KnobError
+from ...course.knobs import KnobError, Pull
 from ...course.lesson import Design, Lesson
 from ...course.scenes import MODES, Mode
 from ...engine import EngineError
@@ -24,11 +24,12 @@ from ...text import Text, error_words, languages, listed, read_outside_json, sam
 VERSION = 1
 MAX_STATE_CHARACTERS = 200_000  # characters of a written state that are read at all
 MAX_CAMERA_DISTANCE = 100.0  # stage units: no camera stands farther off
+MAX_OPTIONS = 8  # of a question
 LONGEST_NAME = 60  # characters of a figure tab's name
 FIELDS = frozenset({"version", "lesson", "knobs", "plant", "defaults", "language", "print", "tab", "step", "camera", "withheld",
-                    "mode", "scene"})
+                    "mode", "scene", "answered"})
 # what a tab keeps beside a design, read by `memory`
-LESSON_FIELDS = frozenset({"predicted", "revealed", "again", "tasks", "exam", "exams", "pins", "steps", "path"})
+LESSON_FIELDS = frozenset({"predicted", "revealed", "again", "tasks", "exam", "exams", "pins", "steps", "path", "sketches"})
 NO_STATE = text("This is not a design of Observer Lab; save one with the app and give that.")
 TOO_LARGE = text("The design holds a number or a nesting too large for a computer; simplify it.")
 OTHER_DEFAULTS = text("The lesson's defaults have changed since this was saved; what it does not name stands as it is today.")
@@ -52,6 +53,7 @@ class SavedState:
     withheld: bool = False
     mode: Mode | None = None
     scene: str = ""  # its id; "" where the state names none
+    answered: int | None = None  # that scene is done with this design: the option chosen, −1 without one
     notes: tuple[Text, ...] = ()
 
 
@@ -88,6 +90,7 @@ def check_state(data: object, lessons: Mapping[str, Lesson]) -> SavedState:
     try:
         fitted = _with_plant(lesson, data.get("plant"))
         design, notes = _designed(fitted, data["knobs"])
+        answered = _answered(data.get("answered"), _scene(data.get("scene"), lesson))
     except EngineError as problem:
         raise KnobError(error_words(problem)) from problem
     except (OverflowError, RecursionError) as problem:
@@ -101,7 +104,7 @@ def check_state(data: object, lessons: Mapping[str, Lesson]) -> SavedState:
                  tab if isinstance(tab, str) and len(tab) <= LONGEST_NAME else None,
                  step if _index(step, len(lesson.words["en"].steps)) else None, _camera(data.get("camera")),
                  data.get("withheld") is True,
-                 mode if (mode := data.get("mode")) in MODES else None, _scene(data.get("scene"), lesson), tuple(notes))
+                 mode if (mode := data.get("mode")) in MODES else None, _scene(data.get("scene"), lesson), answered, tuple(notes))
 
 
 def _designed(lesson: Lesson, knobs: Mapping[str, object]) -> tuple[Design, list[Text]]:
@@ -123,6 +126,11 @@ def _with_plant(lesson: Lesson, plant: object) -> Lesson:
 
 def _scene(name: object, lesson: Lesson) -> str:
     return name if isinstance(name, str) and any(scene.id == name for scene in lesson.path) else ""
+
+
+def _answered(option: object, scene: str) -> int | None:
+    """The option with which a scene was answered, −1 where it asks for something else; None where it is not done."""
+    return option if scene and type(option) is int and -1 <= option < MAX_OPTIONS else None
 
 
 def _index(value: object, count: int) -> bool:
@@ -149,13 +157,24 @@ def short(lesson: Lesson, saved: SavedState) -> dict[str, object]:
     """A state as plain data, without what is as it is anyway."""
     design = saved.design
     own = _own(lesson, design)
-    start, named = dict(_shown(own, own.start())), _example_of(design.plant)
-    record = {"lesson": lesson.id, "knobs": {name: words for name, words in _shown(own, design) if words != start[name]},
+    named = _example_of(design.plant)
+    record = {"lesson": lesson.id, "knobs": changed_knobs(own, design),
               "plant": None if not design.plant else named or json.loads(design.plant), "defaults": defaults_of(lesson),
               "language": saved.language, "print": saved.lecture or None, "tab": saved.tab, "step": saved.step,
               "camera": None if saved.camera is None else [_rounded(v) for v in saved.camera], "withheld": saved.withheld or None,
-              "mode": saved.mode, "scene": saved.scene or None}
+              "mode": saved.mode, "scene": saved.scene or None, "answered": saved.answered}
     return {key: value for key, value in record.items() if value is not None}
+
+
+def changed_knobs(lesson: Lesson, design: Design) -> dict[str, str]:
+    """The knobs of a design that do not stand at their defaults, as the texts that `--set` takes."""
+    start = dict(_shown(lesson, lesson.start()))
+    return {name: words for name, words in _shown(lesson, design) if words != start[name]}
+
+
+def design_with_knobs(lesson: Lesson, knobs: Mapping[str, object]) -> Design:
+    """The design that `changed_knobs` wrote. Raises KnobError."""
+    return _designed(lesson, knobs)[0]
 
 
 def defaults_of(lesson: Lesson) -> str:
@@ -165,7 +184,8 @@ def defaults_of(lesson: Lesson) -> str:
 
 @lru_cache(maxsize=64)
 def _letters(lesson: Lesson) -> str:
-    words = "".join(f"{name}={_coarse(value)};" for name, value in lesson.start().values)
+    hands = {knob.name for knob in lesson.knobs if isinstance(knob, Pull)}  # what nobody has pulled changes no run
+    words = "".join(f"{name}={_coarse(value)};" for name, value in lesson.start().values if name not in hands)
     return f"{zlib.crc32(words.encode()) & 0xFFFF:04x}"
 
 

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from ...classroom.room import RoomView
+from ...course.design import Design
 from ...course.handin.learner import Learner
 from ...course.handin.served_course import ServedCourse
 from ...course.lectures import Lecture, Stop
 from ...course.pinned_designs import Pin
-from ...course.scenes import Mode
+from ...course.scenes import Mode, Scene
 from .saved_designs import SavedDesign
 from .tab_records import USUAL, ExamState, ManySeeds, Performance, ReplayLoop, TaskState
 
@@ -42,6 +43,7 @@ class State:
     tasks: Mapping[str, TaskState] = field(default_factory=dict)
     exams: Mapping[str, ExamState] = field(default_factory=dict)
     key: str = ""  # the student's; the same numbers are drawn for it everywhere
+    word: str = field(default="", repr=False)  # that belongs to the key, as it was typed
     fresh: str = ""  # a random one for as long as there is none
     withheld: bool = False  # whether answers to exams are noted and nothing is told of them
     sealed: bool = False  # whether the server has settled that, so that no tab can practise
@@ -49,6 +51,7 @@ class State:
     learner: Learner | None = field(default=None, repr=False)  # whom a learning platform has sent
     hand_ins: Mapping[str, str] = field(default_factory=dict)  # the last token of each item, by the item's name
     landscape: bool = False
+    named: bool | None = None  # whether the plant's parts have their names beside them; None as the scene asks
     plant: str = ""  # the plant that the person brought last, shown now or not
     tab: str | None = None  # the English name of the figures' tab that is open, None for the first
     step: int | None = None  # which step of thought is open
@@ -61,8 +64,9 @@ class State:
     guided: bool = False  # whether the page leads along a path: not in the lab, nor on a plant of one's own, which has no path
     newcomer: bool = False  # whether nothing is known of the person: the page of lessons opens first
     scene: int = 0  # which scene of the lesson's path is open
-    done: frozenset[str] = frozenset()  # scenes whose action the person has done
+    done: Mapping[str, Design] = field(default_factory=dict)  # scenes whose action the person has done, by id, with the design of its run
     chosen: Mapping[str, int] = field(default_factory=dict)  # the option chosen in a scene, by its id; −1 where it was skipped
+    sketches: Mapping[str, tuple[float, ...]] = field(default_factory=dict)  # predictions that were drawn by hand, by scene
     performance: Performance | None = None  # what the page still does by itself
     talk: Lecture | None = None  # the lecture that is being given
     stop: int = 0  # which of its stops is open
@@ -83,6 +87,10 @@ class State:
     def offers_solution(self, lesson: str, task: str) -> bool:
         """Whether the page may show a task's solution."""
         return not self.sealed if self.course is None else self.course.practised("task", lesson, task)
+
+    def scene_of(self, path: Sequence[Scene]) -> Scene | None:
+        """The scene of a path that is open, None in the lab."""
+        return None if self.mode == "lab" or not path else path[min(self.scene, len(path) - 1)]
 
     @property
     def moving(self) -> bool:

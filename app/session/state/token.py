@@ -60,7 +60,7 @@ def packed(written: str) -> str:
 
 
 def unpacked(token: str) -> str:
-    """The text of a token; no more than LONGEST bytes of it are ever unpacked. Raises KnobError."""
+    """The text of a token; no more than MAX_STATE_CHARACTERS bytes of it are ever unpacked. Raises KnobError."""
     found = TOKEN.fullmatch(token) if len(token) <= LONGEST_TOKEN else None
     if found is None:
         raise KnobError(DAMAGED_LINK)

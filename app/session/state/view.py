@@ -12,6 +12,7 @@ from ...classroom.votes import Vote, votes_on, votes_on_typed
 from ...course.course_map import Progress
 from ...course.error_window import run_end
 from ...course.figures.records import Figure, TableFigure
+from ...course.guiding.questions import DrawnQuestion
 from ...course.lazy import FigureSet
 from ...course.lectures import words_in
 from ...course.lesson import Board, Design, Lesson, Outcome
@@ -38,7 +39,9 @@ class Picture:
     `steps` the designs that undo and redo walk along, `at` where they stand.
 
     `figures` and the outcome's boards are the lesson's own; `seen` and `boards` have the pinned designs laid in. One that is not
-    `whole` shows what is looked at, the open tab's figures, boards and stage, while a knob moves; the rest follows.
+    `whole` shows what is looked at, the open tab's figures, boards and stage, while a knob moves; the rest follows. `kept` is the
+    outcome of the run with which the open scene was done, None where it is not done; `began` the design with which the scene began;
+    `question` is the figure of its question.
     """
 
     lesson: Lesson
@@ -53,6 +56,9 @@ class Picture:
     steps: tuple[Design, ...] = ()
     at: int = 0
     whole: bool = True
+    kept: Outcome | None = None
+    began: Design | None = None
+    question: DrawnQuestion | None = None
 
     @cached_property
     def seen(self) -> Sequence[Figure]:
@@ -86,8 +92,13 @@ class Picture:
     @property
     def scene(self) -> Scene | None:
         """The scene that is open, None in the lab."""
-        path = self.lesson.path
-        return path[min(self.state.scene, len(path) - 1)] if self.guided else None
+        return self.state.scene_of(self.lesson.path)
+
+    @property
+    def named(self) -> bool:
+        """Whether the plant's parts have their names: in the first scene of a path until its action is done, or as the person chose."""
+        state, path = self.state, self.lesson.path
+        return state.named if state.named is not None else self.scene is not None and self.scene is path[0] and path[0].id not in state.done
 
     @property
     def scene_words(self) -> SceneWords:
@@ -139,6 +150,11 @@ class Picture:
         return many if many is not None and many.design == self.design else None
 
     @property
+    def undecided(self) -> bool:
+        """Whether the class is asked the question of that scene and its answer is not told yet."""
+        return bool(self.votes) and not self.votes[-1].revealed
+
+    @property
     def voting(self) -> bool:
         """Whether a vote on that question is open, so that nothing shows its answer."""
         return bool(self.votes) and self.votes[-1].open
@@ -151,8 +167,11 @@ class Picture:
     def saved(self, design: Design, eye: tuple[float, ...] | None) -> SavedState:
         """The state as a link carries it, with a design and a camera."""
         state, scene = self.state, self.scene
-        return SavedState(design, state.language, state.lecture, state.tab, state.step, eye, state.withheld,
-                          *((state.mode, scene.id) if scene else ()))
+        shown = SavedState(design, state.language, state.lecture, state.tab, state.step, eye, state.withheld)
+        if scene is None:
+            return shown
+        answered = state.chosen.get(scene.id, -1) if scene.answers and state.done.get(scene.id) == design else None
+        return replace(shown, mode=state.mode, scene=scene.id, answered=answered)
 
     @cached_property
     def ghosts(self) -> tuple[Ghost, ...]:
@@ -253,7 +272,7 @@ class View(Protocol):
         ...
 
     def recall(self, answer: Callable[..., object]) -> None:
-        """Ask for what a `Recalled` holds; the answer may come late, or never."""
+        """Ask for what a `MemoryRecalled` holds; the answer may come late, or never."""
 
     def remember(self, text: str) -> None:
         """Keep a text in the browser's tab, and for the tabs after it."""
