@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import time
 from collections.abc import Callable, Collection
 from http import HTTPStatus
 from typing import Any
@@ -18,12 +19,14 @@ from websockets.protocol import State
 
 from .access_policy import Refusal
 from .flood_guard import AddressBook, ConnectionMeter
-from .request_head import METHOD, METHODS, RequestStart, read_head, sender
+from .proxies import TrustedProxies, counted_address
+from .request_head import METHOD, METHODS, RequestStart, read_head
 
 SEND_TIMEOUT_S = 30.0  # s in which a connection must take something of what waits for it
 TAB_TIMEOUT_S = 120.0  # s in which a WebSocket must open a tab; a page in a hidden window does so once it is shown
 LINGER_S = 1.0  # s in which the last answer to a connection may go out
 MAX_UNSENT_PONG_BYTES = 64 * 1024  # bytes that wait for a connection, above which its pings are not answered
+SAID_GOODBYE = frozenset({1000, 1001, 1005})  # codes of a close by which a page says that it goes
 TOO_MANY, NO_TAB = "has too many connections without a tab", "opened no tab"
 
 log = logging.getLogger(__name__)
@@ -36,12 +39,15 @@ class Connection(ServerConnection):
     pieces.
     """
 
-    def __init__(self, addresses: AddressBook, protocol: Any, server: Any, forms: Collection[str] = (), **options: Any) -> None:
-        """A form may be posted to the paths of `forms`."""
+    def __init__(self, addresses: AddressBook, protocol: Any, server: Any, forms: Collection[str] = (),
+                 proxies: TrustedProxies | None = None, **options: Any) -> None:
+        """A form may be posted to the paths of `forms`; `proxies` may say for whom they ask."""
         super().__init__(protocol, server, **options)
+        self._proxies = proxies or TrustedProxies()
+        self.touched = time.monotonic()
         self.method, self.form, self._forms = "GET", b"", forms
         self.dropped = False
-        self._addresses, self._address, self._waits = addresses, "", False
+        self._addresses, self._peer, self._address, self._waits = addresses, "", "", False
         self._meter, self._head = ConnectionMeter(), bytearray()
         self._reads_head = True
         self._deadline: asyncio.TimerHandle | None = None
@@ -51,8 +57,17 @@ class Connection(ServerConnection):
     # --- whose it is -----------------------------------------------------------------------------------------------
     @property
     def address(self) -> str:
-        """Where it comes from, as a proxy on this machine says or as the system does."""
+        """Where it comes from, as a trusted proxy says or as the system does; one of IPv6 by its network."""
         return self._address
+
+    @property
+    def broke(self) -> bool:
+        """Whether it ended without a word from its page, which then comes back."""
+        return self.close_code not in SAID_GOODBYE
+
+    def touch(self) -> None:
+        """Somebody has done something on its page, or follows something there."""
+        self.touched = time.monotonic()
 
     def open_tab(self) -> None:
         """The connection has a tab now."""
@@ -96,7 +111,8 @@ class Connection(ServerConnection):
         """Count it, and turn it away where its address has too many."""
         super().connection_made(transport)
         peer = transport.get_extra_info("peername")
-        self._address, self._waits = str(peer[0]) if isinstance(peer, tuple) else "", True
+        self._peer = str(peer[0]) if isinstance(peer, tuple) else ""
+        self._address, self._waits = counted_address(self._peer), True
         if not self._addresses.arrive(self._address):
             self.drop(TOO_MANY)
 
@@ -121,7 +137,8 @@ class Connection(ServerConnection):
                 return
             assert isinstance(found, RequestStart)
             self.method, self.form, data = found.method, found.form, found.data
-            self._come_from(sender(self._address, found.fields))  # before a frame that came with the head is counted
+            sender = self._proxies.sender(self._peer, found.fields)
+            self._come_from(counted_address(sender))  # before a frame that came with the head is counted
         super().data_received(data)
 
     async def drain(self) -> None:

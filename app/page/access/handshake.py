@@ -18,6 +18,7 @@ from dataclasses import dataclass, field
 from functools import partial
 from http import HTTPStatus
 from typing import Any, Protocol
+from urllib.parse import parse_qs
 
 from websockets.asyncio.server import serve
 from websockets.datastructures import Headers
@@ -26,14 +27,17 @@ from websockets.http11 import Request, Response
 from .access_policy import AccessPolicy, Refusal, asks_for_websocket
 from .connection import Connection
 from .flood_guard import AddressBook
+from .metrics import KIND, metrics_text
 from .one_line_filter import OneLineFilter
 from .page_headers import PageHeaders
+from .places import PLACE_FIELD, Visitor
+from .proxies import TrustedProxies
 from .tokens import AccessToken
 
 UPLOAD_PART_BYTES = 512 * 1024  # bytes of one part of an upload, as viser's page cuts it
 MAX_MESSAGE_BYTES = UPLOAD_PART_BYTES + 64 * 1024  # bytes of one message
 WHERE = ("/", "/index.html")  # the page and its WebSocket; a proxy may show us its second name
-HEALTH = "/health"
+HEALTH, METRICS = "/health", "/metrics"
 RETRY_AFTER_S = 10  # s after which whoever found no place asks again
 READY_TIMEOUT_S = 5.0  # s in which a server that is starting stands
 VERSION_MISMATCH = 1002  # the close code that tells viser's page that its version differs
@@ -101,8 +105,8 @@ class Doors(Protocol):
         """Where they are; forms may be posted there."""
         ...
 
-    def answer(self, request: DoorRequest) -> Response:
-        """The answer; called on a thread of its own, it may ask other machines."""
+    async def answer(self, request: DoorRequest) -> Response:
+        """The answer; it keeps the loop from nothing."""
         ...
 
 
@@ -119,11 +123,19 @@ class AdmissionControl:
     access: AccessToken | None
     refused: Callable[[Refusal], None]
     health: Callable[[], Mapping[str, object]]
-    full: Callable[[], str]
+    full: Callable[[Visitor], str]
     stranger: str
     headers: PageHeaders = field(default_factory=PageHeaders)
     presenter: AccessToken | None = None
     doors: Doors | None = None
+    proxies: TrustedProxies = field(default_factory=TrustedProxies)
+    key_of: Callable[[str], int] = lambda ticket: 0  # the key in the ticket of a tab that comes back
+
+    def visitor(self, request: Request, address: str) -> Visitor:
+        """Who sends a request from an address, as far as places go."""
+        tickets = parse_qs(request.path.partition("?")[2]).get(PLACE_FIELD, [])
+        presents = self.presenter is not None and self.presenter.knows_token(request.headers, request.path)
+        return Visitor(address, self.key_of(tickets[0]) if tickets else 0, presents)
 
     @property
     def forms(self) -> frozenset[str]:
@@ -140,13 +152,13 @@ class AdmissionControl:
             answer = plain_answer(refusal or NO_PAGE)
         else:
             cookie = "" if self.access is None else self._cookie(self.access, head)
-            answer = await asyncio.to_thread(self.doors.answer, DoorRequest(request.path, head, form, cookie, self.headers.frames))
+            answer = await self.doors.answer(DoorRequest(request.path, head, form, cookie, self.headers.frames))
         self.headers.complete(answer, next(iter(head.get_all("Host")), ""))
         return answer
 
-    def answer(self, request: Request, page: PackedPage, ready: bool) -> Response | None:
-        """The answer to a request, None where it asks for a WebSocket and gets it."""
-        answer = self._answer(request, page, ready)
+    def answer(self, request: Request, page: PackedPage, ready: bool, address: str = "") -> Response | None:
+        """The answer to a request from an address, None where it asks for a WebSocket and gets it."""
+        answer = self._answer(request, page, ready, address)
         if answer is not None:
             self.headers.complete(answer, next(iter(request.headers.get_all("Host")), ""))
         return answer
@@ -157,7 +169,7 @@ class AdmissionControl:
         self.headers.complete(answer, "")
         return answer
 
-    def _answer(self, request: Request, page: PackedPage, ready: bool) -> Response | None:
+    def _answer(self, request: Request, page: PackedPage, ready: bool, address: str) -> Response | None:
         head, access, path = request.headers, self.access, request.path.partition("?")[0]
         refusal = self.gate.refusal(head, access is not None and access.has_token_header(head))
         if refusal is not None:
@@ -170,12 +182,14 @@ class AdmissionControl:
             return _with(plain_answer(STARTING), "Retry-After", str(RETRY_AFTER_S))
         if path == HEALTH and not asks_for_websocket(head):
             return text_answer(200, json.dumps(self.health()), "application/json")
+        if path == METRICS and not asks_for_websocket(head):
+            return text_answer(200, metrics_text(self.health()), KIND)
         if path not in WHERE:
             return plain_answer(NO_PAGE)
         for word in (access, self.presenter):
             if word is not None and word.shown(request.path) and not asks_for_websocket(head):
                 return self._exchange(word, request)
-        if busy := self.full():
+        if busy := self.full(self.visitor(request, address)):
             return _with(_html(503, busy), "Retry-After", str(RETRY_AFTER_S))
         return None if asks_for_websocket(head) else page.answer(request)
 
@@ -189,13 +203,13 @@ class AdmissionControl:
         return access.cookie_in_frames() if self.headers.frames else access.cookie(head)
 
 
-def serve_guarded(listener: socket.socket, page: PackedPage, reception: AdmissionControl, ready: Callable[[], bool],
+def serve_guarded(listener: socket.socket, page: PackedPage, admission: AdmissionControl, ready: Callable[[], bool],
                   protocol: str) -> Callable[..., Any]:
-    """`serve` on a socket that listens already; whom the reception does not let in gets an answer and no connection.
+    """`serve` on a socket that listens already; whom the admission does not let in gets an answer and no connection.
 
     A page of another version than `protocol` names is told so by the code of the close.
     """
-    addresses, forms = AddressBook(), reception.forms
+    addresses, forms = AddressBook(), admission.forms
 
     async def ask(connection: Connection, request: Request) -> Response | None:
         end = time.monotonic() + READY_TIMEOUT_S
@@ -205,11 +219,11 @@ def serve_guarded(listener: socket.socket, page: PackedPage, reception: Admissio
             raise asyncio.CancelledError
         held_back = asks_for_websocket(request.headers) and addresses.must_wait(connection.address)
         if connection.dropped or held_back:
-            answer: Response | None = reception.hold_back()
+            answer: Response | None = admission.hold_back()
         elif request.path.partition("?")[0] in forms and not asks_for_websocket(request.headers):
-            answer = await reception.answer_at_door(request, connection.form)
+            answer = await admission.answer_at_door(request, connection.form)
         else:
-            answer = reception.answer(request, page, ready())
+            answer = admission.answer(request, page, ready(), connection.address)
         if answer is not None:
             answer.headers["Connection"] = "close"
             answer.body = b"" if connection.method == "HEAD" else answer.body
@@ -224,8 +238,9 @@ def serve_guarded(listener: socket.socket, page: PackedPage, reception: Admissio
             connection.wait_for_tab()
             await handler(connection)
 
-        options |= {"max_size": MAX_MESSAGE_BYTES, "create_connection": partial(Connection, addresses, forms=forms), "process_request": ask,
-                    "logger": log, "server_header": None}
+        made = partial(Connection, addresses, forms=forms, proxies=admission.proxies)
+        options |= {"max_size": MAX_MESSAGE_BYTES, "create_connection": made, "process_request": ask, "logger": log,
+                    "server_header": None}
         return serve(enter, sock=listener, **options)
     return server
 

@@ -6,7 +6,6 @@ rewritten here into that; what it cannot is refused with a status. A form is rea
 
 from __future__ import annotations
 
-import ipaddress
 import re
 from collections.abc import Collection
 from dataclasses import dataclass
@@ -91,16 +90,6 @@ def _form_length(fields: bytes) -> int | Refusal:
         return LONG_FORM
     kinds = [value.partition(b";")[0].strip().lower() for name, value in found if name == b"content-type"]
     return int(lengths[0]) if kinds == [FORM_TYPE] else NO_FORM
-
-
-def sender(address: str, fields: Headers) -> str:
-    """Where a request comes from: what a proxy on this machine has added last to X-Forwarded-For, else the address itself."""
-    said = ",".join(fields.get_all("X-Forwarded-For")).rpartition(",")[2].strip()
-    try:
-        proxied = ipaddress.ip_address(address).is_loopback
-        return str(ipaddress.ip_address(said)) if proxied and said else address
-    except ValueError:
-        return address
 
 
 def _read(head: bytes) -> Request | Refusal:

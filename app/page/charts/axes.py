@@ -43,8 +43,8 @@ class Axes:
     """
 
     def __init__(self, x: tuple[float, float], y: tuple[float, float], equal: bool, names: tuple[str, str], powers: str = "",
-                 high: float = H) -> None:
-        self.high, self._foot, self._powers = high, high - BOTTOM_PX, powers
+                 high: float = H, places: tuple[tuple[float, str], ...] = ()) -> None:
+        self.high, self._foot, self._powers, self._places = high, high - BOTTOM_PX, powers, places
         self._upright = fold_lines(names[1], (self._foot - TOP_PX) / LARGE_PRINT_PX).split("\n")
         self.left = PLOT_FRAME.left
         self._fit(x, y, equal)
@@ -71,7 +71,9 @@ class Axes:
         return [found[k] for k in apart([(self.at(0, v)[1], LARGE_PRINT_PX) for v, _ in found], 1.0)]
 
     def _below(self) -> list[tuple[float, float, str]]:
-        """The numbers below the frame: the place on the axis, that of the middle of the number, which stays inside the drawing."""
+        """The numbers below the frame, or the names of places: where on the axis, and the middle of the words, inside the drawing."""
+        if self._places:
+            return [(px, px, name) for v, name in self._places for px in [self.at(v, 0)[0]]]
         for most in (6, 5, 4, 3, 2):
             found = []
             for v, name in _numbers(*self.x, most, "x" in self._powers):
@@ -107,7 +109,7 @@ class Axes:
         out = [f'<rect {self.area()} fill="none" stroke="{COLOURS["chart-frame"]}"/>']
         for px, x, name in self._below():
             out.append(f'<line x1="{px:.1f}" x2="{px:.1f}" y1="{TOP_PX}" y2="{foot}" stroke="{COLOURS["chart-grid"]}"/>'
-                       f'<text x="{x:.1f}" y="{self._foot + NUMBER_FOOT_GAP_PX:.1f}" text-anchor="middle">{name}</text>')
+                       f'<text x="{x:.1f}" y="{self._foot + NUMBER_FOOT_GAP_PX:.1f}" text-anchor="middle">{html.escape(name)}</text>')
         for v, name in self._levels():
             _, py = self.at(0, v)
             out.append(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType
 from typing import Any
 
@@ -11,10 +11,15 @@ import numpy as np
 import viser
 
 from ...colours import COLOURS
+from ...course.figures.curves import thin_samples
 from ...course.figures.decade_axes import decades
-from ...course.figures.records import LOG_AXIS_FLOOR, Curve, Figure, LineFigure, same_axis, same_key, steady_range, thin_samples
+from ...course.figures.ranges import LOG_AXIS_FLOOR, steady_range
+from ...course.figures.records import Curve, Figure, LineFigure, same_axis, same_key
+from ...session.commands.commands import Edit, SetKnobs
 from ...session.state.view import Picture
 from ...text import label_in_language, superscript
+from ..viser_private import viser_internals
+from ..viser_private.hidden_input import hidden_input
 from ..words.prose import with_minus
 from .axis_ticks import ticks
 from .print_sizes import FRAME_PX, Sizes
@@ -90,7 +95,7 @@ class Chart:
     """
 
     def __init__(self, gui: viser.GuiApi, figure: Figure, language: str, sizes: Sizes, horizon: float, under: Figure | None,
-                 mates: int = 3) -> None:
+                 mates: int = 3, post: Callable[[Edit], object] | None = None) -> None:
         self._language, self._figure = language, figure
         self._alone = sizes.state.lecture
         self._shared = what_is_shared(figure, self._under(under))
@@ -100,12 +105,15 @@ class Chart:
         self._aspect = self._wide(sizes)
         self._high, self._large = sizes.drawing(mates), sizes.large_words
         self._range: tuple[float, float] | None = None
+        self._hand = ""
         self._plot: viser.GuiUplotHandle | None = None
         self._html: viser.GuiHtmlHandle | None = None
         if isinstance(figure, LineFigure):
             self._range = steady_range(figure, None, True)
             self._plot = gui.add_uplot(data_of(figure, self._range), self._all_series(figure), **self._frame(figure))
         else:
+            if figure.has_presses and post is not None:
+                self._hand = viser_internals.node_id(hidden_input(gui, lambda part: post(SetKnobs(dict(self._figure.pressed(part))))))
             self._html = gui.add_html(self._drawing(figure))
         self._caption = gui.add_html(self._words(figure, under))
 
@@ -129,7 +137,7 @@ class Chart:
             self._html.content = self._drawing(self._figure)
 
     def _drawing(self, figure: Figure) -> str:
-        return draw(figure, self._language, self._large, self._high)
+        return draw(figure, self._language, self._large, self._high, self._hand)
 
     def _under(self, under: Figure | None) -> Figure | None:
         return None if self._alone else under

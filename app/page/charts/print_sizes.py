@@ -28,6 +28,7 @@ LEGIBLE = 10.0  # px of the words in a drawing
 BAR = 12.0  # px between the panel of the run and the columns
 GUIDE_SHARE = 0.32  # of the window's width: the guide's column
 FRAME_PX = 36.0  # px of a column of figures beside its charts and drawings
+QUESTION_HEIGHT = 300.0  # of a question's figure, whose width is `axes.W`
 LEAST_CHART, CHARTS = 180, MappingProxyType({1: 320, 2: 230})  # px of a chart's height, and where it stands alone or with one figure more
 FILLS, TALLEST = 0.72, 1.4  # of a lone drawing in large print: its share of the window's height, its height over its width
 LEAST_FILLED = 0.26  # of the window's height: a chart in large print is no lower; `fill.js` has it as a share of the column
@@ -102,6 +103,11 @@ class Sizes:
         if figures > 1 or self.sheet:
             return float(H)
         return min(FILLS * self.state.window[1] * W / self.right, TALLEST * W) if self.state.lecture else float(W)
+
+    @property
+    def question(self) -> float:
+        """The height of a question's figure: room is left for the verdict above it; `fill.js` makes it smaller where that is long."""
+        return self.drawing(1) if self.state.lecture or self.sheet else QUESTION_HEIGHT
 
     @property
     def large_words(self) -> bool:

@@ -10,10 +10,11 @@ from typing import assert_never
 import numpy as np
 
 from ...colours import COLOURS, rgb
-from ...course.figures.records import Figure, LineFigure, MapFigure, MatrixFigure, PlaneFigure, TableFigure, finite
+from ...course.figures.records import DiagramFigure, Figure, LineFigure, MapFigure, MatrixFigure, PlaneFigure, TableFigure, finite
 from ...text import label_in_language
 from ..words.prose import with_minus
 from .axes import ROW_HEIGHT_PX, Axes, H, W, clear_of_marks
+from .diagrams import diagram, equations
 from .matrices import matrix
 from .text_layout import (
     LARGE_PRINT_PX,
@@ -40,9 +41,9 @@ BARS = re.compile("▮+")  # the level of a number in a table: a bar as many par
 TIMES_TEN = "·10"  # a number parts before its power of ten as those of a cell do
 
 
-def draw(figure: Figure, language: str, large: bool = False, high: float = H) -> str:
+def draw(figure: Figure, language: str, large: bool = False, high: float = H, hand: str = "") -> str:
     """The HTML of a figure that is not a chart over time or frequency, in usual or large print; `high` is how high a plane is or a
-    map, beside the width `W` that all drawings have."""
+    map, beside the width `W` that all drawings have, `hand` the widget that hears presses on the figure."""
     match figure:
         case PlaneFigure():
             return _svg(_plane(figure, language, large, high), figure, language, large)
@@ -52,6 +53,9 @@ def draw(figure: Figure, language: str, large: bool = False, high: float = H) ->
             return _svg(_map(figure, language, large, high), figure, language, large)
         case TableFigure():
             return _table(figure, language)
+        case DiagramFigure():
+            drawn = _svg(diagram(figure, language), figure, language, large)
+            return f'<div class="ol-drawn">{drawn}{equations(figure, language, hand)}</div>'
         case LineFigure():
             raise TypeError(f"The figure {figure.id} runs over time or frequency; uPlot draws it.")
         case _:
@@ -77,16 +81,21 @@ def _svg(drawn: tuple[str, float], figure: Figure, language: str, large: bool) -
     )
 
 
-def _plane(figure: PlaneFigure, language: str, large: bool, high: float) -> tuple[str, float]:
-    axes = Axes(
+def axes_of_plane(figure: PlaneFigure, language: str, high: float) -> Axes:
+    """Where the points of a plane stand in its drawing."""
+    return Axes(
         clear_of_marks(figure.x_range, [p.x for p in figure.points], W),
         clear_of_marks(figure.y_range, [p.y for p in figure.points], high),
         figure.equal,
         (label_in_language(figure.x_label, language), label_in_language(figure.y_label, language)),
         figure.powers,
         high,
+        tuple((at, name(language)) for at, name in figure.names),
     )
-    out = []
+
+
+def _plane(figure: PlaneFigure, language: str, large: bool, high: float) -> tuple[str, float]:
+    axes, out = axes_of_plane(figure, language, high), []
     if figure.unstable and axes.x[1] > 0:
         left, _ = axes.at(max(0.0, axes.x[0]), 0)
         out.append(f'<rect {axes.area(left)} fill="{COLOURS["unstable"]}"/>')

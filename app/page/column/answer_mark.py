@@ -28,6 +28,11 @@ class AnsweredMark:
         async def _(event: viser.GuiEvent) -> None:
             post(Answer(event.target.value))
 
+    @property
+    def rests(self) -> bool:
+        """Whether the final picture stands and no long job works."""
+        return self._stands and self._rests and not self._works
+
     def answer(self, question: float) -> None:
         """Say that all that came before this question has been shown."""
         self._answer = question

@@ -12,8 +12,9 @@ from types import MappingProxyType
 import viser
 
 from ...course.design_differences import describe_difference, describe_step
+from ...course.figures.curves import PIN_DASHES
 from ...course.lesson import Design, Lesson
-from ...course.pinned_designs import PIN_DASHES, Pinned, has_same_body
+from ...course.pinned_designs import Pinned, has_same_body
 from ...session.commands.commands import Edit, RunOnTabThread
 from ...session.commands.files import (
     ClearBrowser,

@@ -1,19 +1,23 @@
-"""Keep the dialogs of a page, of which one is open at a time."""
+"""Keep the dialogs of a page, one open at a time; show the page of terms and the list of keys."""
 
 from __future__ import annotations
 
+import html
 from collections.abc import Callable, Mapping
 
 import viser
 
 from ...course.course_map import Progress
 from ...session.commands.commands import Edit
+from ...session.commands.shortcuts import SHORTCUTS
 from ...session.state.view import Picture
+from ..web.html_page import APP_NAME
+from ..words import phrases
+from ..words.prose import mathml
+from ..words.version import version
 from .course_page import CourseDialog
 from .dialog import Dialog
 from .download_dialog import DownloadDialog
-from .glossary_dialog import GlossaryDialog
-from .key_list import HelpDialog
 
 
 class Dialogs:
@@ -47,3 +51,36 @@ class Dialogs:
         for other in (self._help, self._terms, self._course, self._take):
             if other is not dialog:
                 other.close()
+
+
+class GlossaryDialog(Dialog):
+    """A dialog that opens and closes."""
+
+    def toggle(self, picture: Picture) -> None:
+        """Open it in the language of the page, or close it."""
+        lang = picture.state.language
+        glossary = picture.lesson.words[lang].glossary
+        if self.close() or glossary is None:
+            return
+        terms = "".join(f"<dt>{html.escape(entry.term)}</dt><dd>{html.escape(entry.text)}<div>{mathml(entry.formula, True)}</div></dd>"
+                        for entry in sorted(glossary.entries, key=lambda entry: entry.term.lower()))
+        with self.open(phrases.GLOSSARY(lang)):
+            self._client.gui.add_html(f'<dl class="ol-terms">{terms}</dl>')
+            self.closed_by(self._client.gui.add_button(phrases.CLOSE(lang), color="gray"))
+        self._client.flush()
+
+
+class HelpDialog(Dialog):
+    """A dialog that opens and closes."""
+
+    def toggle(self, language: str) -> None:
+        """Open it in a language, or close it."""
+        if self.close():
+            return
+        gui = self._client.gui
+        rows = "".join(f"<tr><td><kbd>{html.escape(c.key)}</kbd></td><td>{html.escape(c.label(language))}</td></tr>"
+                       for c in SHORTCUTS)
+        with self.open(phrases.KEYS_TITLE(language)):
+            gui.add_html(f'<table class="ol-table ol-keys">{rows}</table><p class="ol-note">{APP_NAME} {version()}</p>')
+            self.closed_by(gui.add_button(phrases.CLOSE(language)))
+        self._client.flush()

@@ -93,6 +93,11 @@ class DownloadDialog(Dialog):
         with parts.add_tab(phrases.PRINT_THEME(lang)):
             self._note(phrases.SHEET_HAS)
             self._button_each({phrases.LESSON_SHEET: DownloadFile("sheet")})
+        with parts.add_tab(phrases.DEVICE(lang)):
+            self._note(phrases.DEVICE_HAS)
+            self._button_each({phrases.DEVICE_C: DownloadFile("c"), phrases.DEVICE_ARDUINO: DownloadFile("arduino"),
+                               phrases.DEVICE_PYTHON: DownloadFile("micropython"), phrases.DEVICE_ST: DownloadFile("st"),
+                               phrases.DEVICE_SIMULINK: DownloadFile("simulink")})
 
     def _offer_figures(self) -> None:
         """A figure to choose, the one that is on top first, with its kinds of file; all of them; the stage."""

@@ -12,14 +12,14 @@ import viser
 from ...course.exercises.derivation import fill_placeholders
 from ...course.exercises.exam import Exam
 from ...session.commands.commands import Edit
-from ...session.commands.exams import AnotherVariant, AnswerExam, SetKey, WithholdResults
+from ...session.commands.exams import AnotherVariant, AnswerExam, SetKey, SetWord, WithholdResults
 from ...session.handlers.exams import is_withheld, last_answer, present_item, present_verdict
 from ...session.state.view import Picture
 from ...text import joined, same
 from ..viser_private.widget_values import ReadBack
 from ..words import phrases
 from ..words.prose import equation_html, judged_html, render_markdown, with_minus
-from .hand_in_box import HandInBox
+from .hand_in_box import HandInBox, is_listed
 
 EQUATION = re.compile(r"\$\$(.+?)\$\$", re.S)
 
@@ -31,11 +31,15 @@ class ExamPanel:
         self._lang, self._lesson, self._post = picture.state.language, picture.lesson, post
         self._modes = {phrases.PRACTICE(self._lang): False, phrases.WITHHELD(self._lang): True}
         self._forms: dict[str, _Form] = {}
-        if not self._lesson.exams:
+        listed = [exam for exam in self._lesson.exams if is_listed(picture, "exam", exam.id)]
+        if not listed:
             return
-        with gui.add_folder(phrases.EXAM(self._lang), expand_by_default=False):
+        launched = picture.state.learner is not None
+        with gui.add_folder(phrases.EXAM(self._lang), expand_by_default=launched):
             course, learner = picture.state.course, picture.state.learner
             key = gui.add_text(phrases.KEY(self._lang), picture.state.key, hint=phrases.KEY_HINT(self._lang), visible=learner is None)
+            word = gui.add_text(phrases.WORD(self._lang), picture.state.word, hint=phrases.WORD_HINT(self._lang),
+                                visible=learner is None and course is not None and course.course.words)
             if course is not None:
                 note = phrases.COURSE_NOTE if learner is None else phrases.LEARNER_NOTE
                 told = note.format(title=course.course.title)(self._lang)
@@ -44,11 +48,12 @@ class ExamPanel:
                 gui.add_html(f'<p class="ol-note">{phrases.NOTES_ALONE(self._lang)}</p>')
             mode = gui.add_dropdown(phrases.MODE(self._lang), tuple(self._modes), initial_value=self._mode(picture),
                                     visible=not picture.state.sealed, hint=phrases.MODE_HINT(self._lang))
-            for count, exam in enumerate(self._lesson.exams, 1):
+            for count, exam in enumerate(listed, 1):
                 title = self._lesson.words[self._lang].exams[exam.id].title
-                with gui.add_folder(f"{count} {title}", expand_by_default=False):
+                with gui.add_folder(f"{count} {title}", expand_by_default=launched and len(listed) == 1):
                     self._forms[exam.id] = _Form(gui, picture, exam, post)
         self._key = ReadBack(key, lambda words: post(SetKey(words)))
+        self._word = ReadBack(word, lambda words: post(SetWord(words)))
         self._choice = ReadBack(mode, lambda words: post(WithholdResults(self._modes.get(words, False))))
 
     def _mode(self, picture: Picture) -> str:
@@ -59,6 +64,7 @@ class ExamPanel:
         if not self._forms:
             return
         self._key.show(picture.state.key, picture)
+        self._word.show(picture.state.word, picture)
         self._choice.show(self._mode(picture), picture)
         for form in self._forms.values():
             form.show(picture)

@@ -7,11 +7,23 @@ from collections.abc import Callable
 
 import viser
 
-from ...course.handin.course_file import CourseItem, Kind
+from ...course.handin.course_file import CourseItem, Kind, item_name
 from ...session.commands.commands import Edit
 from ...session.commands.exams import HandIn, SaveHandIn
 from ...session.state.view import Picture
 from ..words import phrases
+
+
+def is_listed(picture: Picture, kind: Kind, id: str) -> bool:
+    """Whether an exam or a task has a place in the column.
+
+    Of a lesson's exams those that the course file names, and beside what a launch opens nothing else of its lesson.
+    """
+    course, learner, lesson = picture.state.course, picture.state.learner, picture.lesson.id
+    opened = "" if course is None or learner is None else learner.item
+    if course is not None and opened and course.course.items[opened].lesson == lesson:
+        return opened == item_name(kind, lesson, id)
+    return course is None or kind == "task" or course.course.item(kind, lesson, id) is not None
 
 
 class HandInBox:

@@ -14,6 +14,7 @@ from ...session.commands.commands import CheckTask, Edit, OpenLesson, SetLanguag
 from ...session.commands.guide import SetMode
 from ...session.state.view import Picture, TaskState
 from ...text import languages, name_of
+from ..replay.pull_sliders import PullSliders
 from ..viser_private import viser_internals
 from ..viser_private.hidden_input import hidden_input
 from ..viser_private.widget_values import ReadBack
@@ -25,11 +26,10 @@ from .compare_panel import ComparePanel
 from .course_page import CourseGuide
 from .derivation_panel import DerivationPanel
 from .exam_panel import ExamPanel
-from .hand_in_box import HandInBox
+from .hand_in_box import HandInBox, is_listed
 from .knob_rows import KnobRows
 from .plant_picker import PlantRow
-from .prediction_panel import PredictionPanel
-from .second_prediction import SecondPredictionPanel
+from .prediction_panel import PredictionPanel, SecondPredictionPanel
 
 Post = Callable[[Edit], int]
 
@@ -54,6 +54,7 @@ class Panel:
         self._prediction = PredictionPanel(gui, picture, post)
         self._part("knobs")
         self._rows = KnobRows(gui, picture, post)
+        self._pulls = PullSliders(client, picture, post)
         self._again = SecondPredictionPanel(gui, picture, post)
         if self._lesson.adapt is not None:
             self._plants = PlantRow(gui, picture, post)
@@ -141,11 +142,12 @@ class Panel:
                 self._gui.add_markdown(explained_html(self._words, render_markdown(text)))
 
     def _make_tasks(self, picture: Picture) -> None:
-        if not self._lesson.tasks:
+        listed = [task for task in self._lesson.tasks if is_listed(picture, "task", task.id)]
+        if not listed:
             return
-        lang = self._lang
-        with self._gui.add_folder(phrases.TASKS(lang), expand_by_default=False):
-            for task in self._lesson.tasks:
+        lang, launched = self._lang, picture.state.learner is not None and bool(picture.state.learner.item)
+        with self._gui.add_folder(phrases.TASKS(lang), expand_by_default=launched):
+            for task in listed:
                 text = self._gui.add_markdown("")
                 typed = picture.state.tasks.get(task.id, TaskState()).typed
                 field = None if task.typed is None else self._gui.add_text(phrases.RESULT(lang), typed)
@@ -174,6 +176,7 @@ class Panel:
         self._guide.show(picture)
         self._room.show(picture)
         self._rows.show(picture)
+        self._pulls.show(picture)
         if self._plants is not None:
             self._plants.show(picture)
         self._beside.show(picture)

@@ -1,4 +1,4 @@
-"""Show the prediction in the left column: options, then why an option is wrong and what is true."""
+"""Show the two predictions in the left column: options, then why one is wrong and what is true."""
 
 from __future__ import annotations
 
@@ -6,108 +6,128 @@ from collections.abc import Callable
 
 import viser
 
-from ...session.commands.commands import Edit, Predict, Reveal
+from ...course.guiding.predictions import LETTERS, Prediction, first_prediction, second_prediction
+from ...session.commands.commands import Edit, Predict, PredictAgain, Reveal, ShowAgain
 from ...session.state.view import Picture
 from ...text import Text, joined
 from ..viser_private import viser_internals
+from ..viser_private.write_once import write_content
 from ..words import phrases
-from ..words.prose import judged_html, render_markdown
+from ..words.prediction import answer_markdown, chosen_words, options_html, other_refutations_html
+from ..words.prose import render_markdown
 
 Post = Callable[[Edit], int]
-LETTERS = "ABCDEFGH"
 
 
-class PredictionPanel:
-    """A folder with the question and its options as sentences to press, and with the answer below."""
+class PredictionFolder:
+    """A question, its options as sentences to press, what is said to the choice, and a button."""
 
-    def __init__(self, gui: viser.GuiApi, picture: Picture, post: Post) -> None:
-        lang = picture.state.language
-        self._words = picture.lesson.words[lang]
-        with gui.add_folder(phrases.PREDICTION(lang), visible=bool(self._words.options)):
-            gui.add_markdown(render_markdown(self._words.predict))
-            letters = tuple(LETTERS[: len(self._words.options)])
-            self._letters = gui.add_button_group("", (*letters, phrases.SKIP(lang)), visible=False)
+    def __init__(self, gui: viser.GuiApi, asked: Prediction, lang: str, post: Post, *, head: Text, lead: str, visible: bool,
+                 choose: Callable[[int], Edit], button: Text, press: Callable[[], Edit], button_first: bool) -> None:
+        self._asked, self._lang = asked, lang
+        letters, skip = tuple(LETTERS[: len(asked.options)]), phrases.SKIP(lang)
+        with gui.add_folder(head(lang), visible=visible) as self._folder:
+            gui.add_markdown(f"{lead}{render_markdown(asked.question)}")
+            self._letters = gui.add_button_group("", (*letters, skip), visible=False)
             self._options = gui.add_html("")
-            self._unveil = gui.add_button(phrases.REVEAL(lang), visible=False)
+            if button_first:
+                self._button = gui.add_button(button(lang), visible=False)
             self._answer = gui.add_markdown("")
             self._others = gui.add_html("")
+            if not button_first:
+                self._button = gui.add_button(button(lang), visible=False)
 
         @self._letters.on_click
         async def _(event: viser.GuiEvent) -> None:
             word = event.target.value
-            post(Predict(letters.index(word) if word in letters else -1))
+            post(choose(letters.index(word) if word in letters else -1))
 
-        @self._unveil.on_click
+        @self._button.on_click
         async def _(_: viser.GuiEvent) -> None:
-            post(Reveal())
+            post(press())
+
+    def show(self, visible: bool, chosen: int | None, answer: str, others: str, button: bool, frame: str = "") -> None:
+        """What may be pressed now, and what is said to the choice; `frame` is the class around options that wait."""
+        for handle, now in ((self._folder, visible), (self._button, button)):
+            if handle.visible != now:
+                handle.visible = now
+        options = self._pressable(chosen)
+        write_content(self._options, f'<div class="{frame}">{options}</div>' if frame and chosen is None else options)
+        write_content(self._answer, answer)
+        write_content(self._others, others)
+
+    def _pressable(self, chosen: int | None) -> str:
+        """The options as sentences to press; afterwards the chosen one is marked and none can be pressed."""
+        hand, skip = viser_internals.node_id(self._letters), phrases.SKIP(self._lang)
+        options = options_html([render_markdown(words) for words in self._asked.options],
+                               None if chosen is not None else lambda k: f'data-value="{LETTERS[k]}" data-to="{hand}"',
+                               lambda k: " ol-chosen" if k == chosen else "")
+        if chosen is None:
+            options += f'<button type="button" class="ol-option" data-value="{skip}" data-to="{hand}">{skip}</button>'
+        return options
+
+
+class PredictionPanel:
+    """The first prediction."""
+
+    def __init__(self, gui: viser.GuiApi, picture: Picture, post: Post) -> None:
+        lang = picture.state.language
+        asked = first_prediction(picture.lesson, lang)
+        self._stands = bool(asked.options)
+        self._folder = PredictionFolder(gui, asked, lang, post, head=phrases.PREDICTION, lead="", visible=self._stands, choose=Predict,
+                                        button=phrases.REVEAL, press=Reveal, button_first=True)
 
     def show(self, picture: Picture) -> None:
         """What may be pressed now, and what has been answered."""
         state = picture.state
-        waiting = state.predicted is not None and not state.revealed
-        if self._unveil.visible != waiting:
-            self._unveil.visible = waiting
-        for handle, content in ((self._options, self._sentences(picture)), (self._answer, answer_words(picture)),
-                                (self._others, other_refutations(picture))):
-            if handle.content != content:
-                handle.content = content
-
-    def _sentences(self, picture: Picture) -> str:
-        """The options as sentences to press; afterwards the chosen one is marked and none can be pressed."""
-        return sentences(self._words.options, picture.state.predicted, viser_internals.node_id(self._letters), picture.state.language)
+        self._folder.show(self._stands, state.predicted, answer_words(picture), other_refutations(picture),
+                          state.predicted is not None and not state.revealed)
 
 
-def sentences(options: tuple[str, ...], chosen: int | None, hand: str, lang: str) -> str:
-    """Options as sentences to press for the buttons `hand`; once one is chosen it is marked and none can be pressed."""
-    skip = phrases.SKIP(lang)
-    said = [(letter, f"<b>{letter}</b> {render_markdown(words)}") for letter, words in zip(LETTERS, options, strict=False)]
-    said += [(skip, skip)] if chosen is None else []
-    return "".join(
-        f'<button type="button" class="ol-option{" ol-chosen" if i == chosen else ""}" data-value="{value}" '
-        f'data-to="{hand}"{"" if chosen is None else " disabled"}>{words}</button>' for i, (value, words) in enumerate(said))
+class SecondPredictionPanel:
+    """The second prediction: there while the question waits, once its knob has been moved, and after it is answered."""
+
+    def __init__(self, gui: viser.GuiApi, picture: Picture, post: Post) -> None:
+        lang = picture.state.language
+        self._asked, self._lang, self._shown = second_prediction(picture.lesson, lang), lang, _second_stands(picture)
+        if self._asked is not None:
+            self._folder = PredictionFolder(gui, self._asked, lang, post, head=phrases.PREDICT_AGAIN, lead=f"*{phrases.AS_OPENED(lang)}* ",
+                                            visible=self._shown, choose=PredictAgain, button=phrases.TRY_IT, press=ShowAgain,
+                                            button_first=False)
+
+    def show(self, picture: Picture) -> None:
+        """The question while it waits, what is said to the choice after it."""
+        stands, chosen = _second_stands(picture), picture.state.again
+        if self._asked is None or not (stands or self._shown):
+            return
+        self._shown = stands
+        others = "" if chosen is None else other_refutations_html(self._asked, chosen, self._lang)
+        self._folder.show(stands, chosen, second_answer(picture), others, chosen is not None, "ol-again")
+
+
+def _second_stands(picture: Picture) -> bool:
+    return picture.asks_second_prediction or picture.state.again is not None
 
 
 def answer_words(picture: Picture) -> str:
-    """What is said to a prediction: to a wrong one first what refutes it, then what is so."""
+    """What is said to the first prediction, once the run has been seen or is revealed."""
     state, lang = picture.state, picture.state.language
     if state.predicted is None:
         return f'<div class="ol-veil">{phrases.VEILED(lang)}</div>'
-    said = phrases.SKIPPED if state.predicted < 0 else phrases.YOU_PREDICTED.format(letter=LETTERS[state.predicted])
     if not state.revealed:
-        return joined(said, phrases.WATCH_FIRST)(lang)
-    words = picture.lesson.words[lang]
-    refuted = words.refutations[state.predicted] if state.predicted >= 0 else ""
-    told = _told(said, state.predicted, picture.lesson.answer, lang)
-    return "\n\n".join(part for part in (told, render_markdown(refuted), render_markdown(words.reveal)) if part)
+        return joined(chosen_words(state.predicted), phrases.WATCH_FIRST)(lang)
+    return answer_markdown(first_prediction(picture.lesson, lang), state.predicted, lang)
 
 
 def other_refutations(picture: Picture) -> str:
-    """What refutes the wrong options that were not chosen, folded; nothing before the answer is revealed."""
+    """What refutes the wrong options that were not chosen; nothing before the answer is revealed."""
     state, lang = picture.state, picture.state.language
     shown = state.predicted is not None and state.revealed
-    return folded_refutations(picture.lesson.words[lang].refutations, state.predicted, lang) if shown else ""
-
-
-def folded_refutations(refutations: tuple[str, ...], chosen: int | None, lang: str) -> str:
-    """What refutes the wrong options but the chosen one, folded."""
-    told = [f"<p><b>{letter}</b> {render_markdown(words)}</p>" for i, (letter, words)
-            in enumerate(zip(LETTERS, refutations, strict=False)) if words and i != chosen]
-    return f'<details class="ol-note ol-others"><summary>{phrases.WHY_NOT(lang)}</summary>{"".join(told)}</details>' if told else ""
+    return other_refutations_html(first_prediction(picture.lesson, lang), state.predicted, lang) if shown else ""
 
 
 def second_answer(picture: Picture) -> str:
     """What is said to the second prediction, once an option is chosen or the question skipped."""
-    state, lang, asked = picture.state, picture.state.language, picture.lesson.words[picture.state.language].again
-    if state.again is None or asked is None or picture.lesson.again is None:
-        return ""
-    said = phrases.SKIPPED if state.again < 0 else phrases.YOU_PREDICTED.format(letter=LETTERS[state.again])
-    refuted = asked.refutations[state.again] if state.again >= 0 else ""
-    told = _told(said, state.again, picture.lesson.again.answer, lang)
-    return "\n\n".join(part for part in (told, render_markdown(refuted), render_markdown(asked.reveal)) if part)
-
-
-def _told(said: Text, chosen: int, answer: int, lang: str) -> str:
-    """What was predicted and what the run says, with a sign and a colour where something was predicted."""
-    says = phrases.WAS_RIGHT if chosen == answer else phrases.WAS_WRONG.format(letter=LETTERS[answer])
-    words = joined(said, says)(lang)
-    return words if chosen < 0 else judged_html(chosen == answer, words)
+    chosen, lang = picture.state.again, picture.state.language
+    asked = second_prediction(picture.lesson, lang)
+    return "" if chosen is None or asked is None else answer_markdown(asked, chosen, lang)

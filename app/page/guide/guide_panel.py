@@ -19,20 +19,33 @@ from ...session.commands.commands import (
     ToggleHelp,
     ToggleTheme,
 )
-from ...session.commands.guide import ChooseOption, EndLecture, GoToScene, RecordStop, SaveLecture, SetMode, ToggleGlossary, TurnScene
+from ...session.commands.guide import (
+    AnswerByHand,
+    ChooseOption,
+    EndLecture,
+    GoToScene,
+    RecordStop,
+    RestartScene,
+    SaveLecture,
+    SetMode,
+    ShowKeptRun,
+    ToggleGlossary,
+    TurnScene,
+)
 from ...session.commands.room import RunSeeds
 from ...session.state.view import Picture
 from ..charts.charts import Chart
 from ..charts.print_sizes import Sizes
 from ..charts.seed_cloud import RUN_SEEDS, seeds_html
 from ..column.knob_widgets import NumberWidget, Widget, make_widget
+from ..replay.pull_sliders import PullSliders
 from ..viser_private import viser_internals
 from ..viser_private.hidden_input import hidden_input
 from ..viser_private.write_once import write_content
 from ..votes.room_panel import RoomPanel, room_command
 from ..words import phrases
 from .pointing_hand import hand_target
-from .scene_card import card_html, formulas_html, mode_row, verdict_html
+from .scene_card import card_html, formulas_html, mode_row, question_html, verdict_html
 
 Post = Callable[[Edit], int]
 
@@ -43,7 +56,7 @@ class GuidePanel:
     def __init__(self, client: viser.ClientHandle, picture: Picture, post: Post) -> None:
         gui, self._client, self._told = client.gui, client, dict[str, object]()
         self._pointed: Mapping[str, str] = {}
-        self._post, self._stop = post, picture.place[0]
+        self._post, self._sizes = post, Sizes(picture.state)
         self._hand = viser_internals.node_id(hidden_input(gui, self._heard))
         self._head = gui.add_html(mode_row(picture, self._hand))
         self._card = gui.add_html("")
@@ -54,12 +67,15 @@ class GuidePanel:
                 self._widgets[knob.name] = knob, make_widget(
                     gui, knob, picture.state.language, lambda name, value: post(SetKnobs({name: value})),
                     lambda name, value: post(DrawByHand(name, value)))
+        self._pulls = PullSliders(client, picture, post)
         self._formulas = gui.add_html("")
         self._verdict = gui.add_html("")
+        self._question = gui.add_html("")
+        viser_internals.run_script(client, "sketch")
         self._room = RoomPanel(client, picture, self._hand)
         self._seeds = gui.add_html("") if picture.state.room is not None else None
         shown = {name for scene in picture.lesson.path for name in scene.figures}
-        self.charts = {figure.id: Chart(gui, figure, picture.state.language, Sizes(picture.state), picture.horizon, None, 2)
+        self.charts = {figure.id: Chart(gui, figure, picture.state.language, Sizes(picture.state), picture.horizon, None, 2, post)
                        for figure in picture.seen if figure.id in shown}
 
     @property
@@ -74,7 +90,8 @@ class GuidePanel:
         edits: dict[str, Callable[[], Edit]] = {
             "mode": lambda: SetMode(value), "scene": lambda: GoToScene(_whole(value)), "turn": lambda: TurnScene(_whole(value)),
             "option": lambda: ChooseOption(_whole(value)), "course": ToggleCourse, "language": SetLanguage, "theme": ToggleTheme,
-            "take": ToggleDownloads, "help": ToggleHelp, "terms": ToggleGlossary, "reset": lambda: GoToScene(self._stop),
+            "take": ToggleDownloads, "help": ToggleHelp, "terms": ToggleGlossary, "reset": RestartScene,
+            "sketch": lambda: AnswerByHand(value), "kept": ShowKeptRun,
             "end": EndLecture, "record": RecordStop, "save": SaveLecture, "lesson": lambda: OpenLesson(value),
             RUN_SEEDS: RunSeeds}
         edit = edits[kind]() if kind in edits else room_command(kind, value)
@@ -86,14 +103,15 @@ class GuidePanel:
         scene = picture.scene
         if scene is None:
             return
-        self._stop = picture.place[0]
         write_content(self._head, mode_row(picture, self._hand))
         write_content(self._card, card_html(picture, self._hand))
         for name, (_, widget) in self._widgets.items():
             widget.show(picture.design[name], name in scene.knobs, picture)
+        self._pulls.show(picture)
         if picture.resting:
             write_content(self._formulas, formulas_html(picture))
         write_content(self._verdict, verdict_html(picture, self._hand))
+        write_content(self._question, question_html(picture, self._sizes, self._hand))
         self._room.show(picture)
         if self._seeds is not None and (picture.resting or picture.many is None):
             write_content(self._seeds, seeds_html(picture, self._hand))

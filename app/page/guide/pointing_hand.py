@@ -20,6 +20,8 @@ def hand_target(picture: Picture, widgets: Mapping[str, Widget]) -> Mapping[str,
     if scene is None or scene.id in picture.state.done or picture.state.performance is not None or not picture.resting:
         return NOWHERE
     said = {**NOWHERE, "scene": f"{picture.lesson.id}/{scene.id}"}
+    if isinstance(scene.do, Press) and scene.do.button == "pull":
+        return {**said, "node": _grip(picture)} if _grip(picture) else NOWHERE
     if isinstance(scene.do, Press):
         return {**said, "button": BUTTONS[scene.do.button](picture.state.language)}
     knobs = scene.do.knobs if isinstance(scene.do, Move) else scene.knobs if isinstance(scene.do, Solve) else ()
@@ -29,6 +31,12 @@ def hand_target(picture: Picture, widgets: Mapping[str, Widget]) -> Mapping[str,
         if knob in widgets and knob in scene.knobs:
             return {**said, "widget": widgets[knob].node}
     return NOWHERE
+
+
+def _grip(picture: Picture) -> str:
+    """The part of the plant that can be taken hold of first, by the name of its node; "" where there is none."""
+    stage = picture.outcome.stage
+    return f"/plant/{stage.held[0][0].parts[0]}" if stage is not None and stage.held else ""
 
 
 def _cross(picture: Picture, scene: Scene, knob: str) -> str:

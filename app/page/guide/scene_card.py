@@ -3,40 +3,51 @@
 from __future__ import annotations
 
 import html
+import json
 from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
+from ...course.design_differences import describe_step
+from ...course.figures.records import PlaneFigure
+from ...course.guiding.goals import judge_move
+from ...course.guiding.predictions import LETTERS, prediction_of
 from ...course.lectures import words_in
-from ...course.scenes import Choose, Read, Scene, fill_numbers
-from ...session.handlers.guide import options_of
+from ...course.lesson import Outcome
+from ...course.scenes import Choose, Move, Scene, Solve, fill_numbers
 from ...session.state.view import Picture
 from ...text import format_number, languages, name_of
-from ..words import phrases
+from ..charts.print_sizes import Sizes
+from ..charts.svg import axes_of_plane, draw
+from ..words import phrases, prediction
 from ..words.mode_switch import mode_switch
-from ..words.prose import explained_html, formula_html, judged_html, render_markdown, with_minus
+from ..words.prediction import options_html
+from ..words.prose import explained_html, formula_html, render_markdown, with_minus
+from .moving_lines import moving_lines
 
-LETTERS = "ABCDEFGH"
 
+def live_numbers(picture: Picture, words: str, outcome: Outcome | None = None) -> str:
+    """Words with the numbers of an outcome, else the picture's, in their places; a dash where one is not known.
 
-def live_numbers(picture: Picture, words: str) -> str:
-    """Words with the picture's numbers in their places; a dash where one is not known or not finite."""
-    numbers: Mapping[str, Any] = {**picture.outcome.metrics}
+    What never happens is infinite: "never" stands there, without the unit that a place may name after its format.
+    """
+    run = outcome or picture.outcome
+    numbers: Mapping[str, Any] = {**dict(run.design.values), **run.metrics}
 
     def number(name: str, spec: str) -> str:
-        value = numbers.get(name)
-        if value is None:
-            value = dict(picture.design.values).get(name)
-        if isinstance(value, (bool, str)) or value is None or not np.isfinite(value):
+        value, (form, _, unit) = numbers.get(name), spec.partition(" ")
+        if isinstance(value, (bool, str)) or value is None or np.isnan(value):
             return "–"
-        return format_number(float(value), spec, picture.state.language)
+        if np.isinf(value) and unit:
+            return phrases.NEVER(picture.state.language)
+        return format_number(float(value), form, picture.state.language) + (f" {unit}" if unit else "") if np.isfinite(value) else "–"
     return fill_numbers(words, number)
 
 
-def paragraphs(picture: Picture, words: str) -> str:
-    """Text of a scene as HTML: Markdown's emphasis, equations, and the live numbers."""
-    text = "".join(f"<p>{_emphasised(render_markdown(with_minus(live_numbers(picture, part))))}</p>"
+def paragraphs(picture: Picture, words: str, outcome: Outcome | None = None) -> str:
+    """Text of a scene as HTML: Markdown's emphasis, equations, and the numbers of an outcome, else the picture's."""
+    text = "".join(f"<p>{_emphasised(render_markdown(with_minus(live_numbers(picture, part, outcome))))}</p>"
                    for part in words.split("\n\n") if part.strip())
     return explained_html(picture.lesson.words[picture.state.language], text)
 
@@ -86,36 +97,37 @@ def card_html(picture: Picture, hand: str) -> str:
              f'<h2 class="ol-scene">{html.escape(words.title)}</h2>', f'<div class="ol-text">{paragraphs(picture, words.text)}</div>']
     if isinstance(scene.do, Choose):
         parts.append(_options(picture, scene, hand))
-    if words.do and scene.id not in picture.state.done:
-        parts.append(f'<p class="ol-todo">{_emphasised(render_markdown(with_minus(live_numbers(picture, words.do))))}</p>')
+    if words.do:
+        done = " data-done" if scene.id in picture.state.done else ""
+        parts.append(f'<p class="ol-todo"{done}>{_emphasised(render_markdown(with_minus(live_numbers(picture, words.do))))}</p>')
     return f'<section class="ol-card" data-scene="{scene.id}">{"".join(parts)}</section>'
 
 
 def _options(picture: Picture, scene: Scene, hand: str) -> str:
-    options, _, answer = options_of(picture.lesson, scene, picture.state.language)
-    chosen = picture.state.chosen.get(scene.id)
-    told = answer if scene.id in picture.state.done and not picture.voting else None
+    asked, chosen = prediction_of(picture.lesson, scene, picture.state.language), picture.state.chosen.get(scene.id)
+    told = asked.answer if scene.id in picture.state.done and not picture.undecided else None
     lit = told if picture.votes else None  # the class has voted
-    marks = [(" ol-chosen" if k == chosen else "") + (" ol-true" if k == told else "") + (" ol-right" if k == lit else "")
-             for k in range(len(options))]
-    buttons = [f'<button type="button" class="ol-option{marks[k]}" data-to="{hand}" data-value="option:{k}"'
-               f'{"" if chosen is None else " disabled"}><b>{LETTERS[k]}</b> {render_markdown(option)}</button>'
-               for k, option in enumerate(options)]
-    return f'<div class="ol-choice">{"".join(buttons)}</div>'
+    buttons = options_html([render_markdown(words) for words in asked.options],
+                           None if chosen is not None else lambda k: f'data-to="{hand}" data-value="option:{k}"',
+                           lambda k: (" ol-chosen" if k == chosen else "") + (" ol-true" if k == told else "")
+                           + (" ol-right" if k == lit else ""))
+    return f'<div class="ol-choice">{buttons}</div>'
 
 
 def verdict_html(picture: Picture, hand: str) -> str:
-    """What is said once the scene's action is done, and the buttons back and next."""
+    """What is said once the scene's action is done, with the numbers of the run that did it, and the buttons back and next."""
     scene, words, lang = picture.scene, picture.scene_words, picture.state.language
     assert scene is not None
     done, (at, count) = scene.id in picture.state.done, picture.place
     said = ""
-    if picture.voting:
+    if picture.undecided:
         done = False  # once more: nothing shows the answer
     elif isinstance(scene.do, Choose) and scene.id in picture.state.chosen:
         said = _verdict(picture, scene) if done else f'<p class="ol-note">{html.escape(phrases.WATCH(lang))}</p>'
-    if (done and words.say and not isinstance(scene.do, Read)) or (done and words.say and scene.play):
-        said += f'<div class="ol-say">{paragraphs(picture, words.say)}</div>'
+    if done and words.say and scene.answers:
+        said += f'<div class="ol-say">{paragraphs(picture, words.say, picture.kept)}</div>' + _changed_since(picture, scene, hand)
+    elif remark := _remark(picture, scene):
+        said += f'<div class="ol-say"><p>{_emphasised(render_markdown(with_minus(remark)))}</p></div>'
     skip = not done
     back = "" if at == 0 else (f'<button type="button" class="ol-do" data-to="{hand}" data-value="turn:-1">'
                                f"{html.escape(phrases.BACK_SCENE(lang))}</button>")
@@ -125,24 +137,84 @@ def verdict_html(picture: Picture, hand: str) -> str:
         words_on, value = phrases.END_LECTURE, "end"
     else:
         words_on, value = phrases.TO_LAB, "mode:lab"
-    on = (f'<button type="button" class="{"ol-do" if skip else "ol-next"}" data-to="{hand}" data-value="{value}">'
+    on = (f'<button type="button" class="{"ol-do ol-skip" if skip else "ol-next"}" data-to="{hand}" data-value="{value}">'
           f"{html.escape(words_on(lang))}</button>")
     return (f'<div class="ol-answer" role="status" aria-live="polite">{said}</div><div class="ol-way">{back}{on}</div>')
 
 
+def _remark(picture: Picture, scene: Scene) -> str:
+    """What a hand has done that the scene did not ask for, "" where there is nothing to say."""
+    if not isinstance(scene.do, Move) or picture.began is None or not picture.resting:
+        return ""
+    return judge_move(picture.lesson, scene.do, picture.began, picture.design)[1](picture.state.language)
+
+
+def _changed_since(picture: Picture, scene: Scene, hand: str) -> str:
+    """That the knobs have been moved since the run of the verdict, what holds of them, and the way back to that run."""
+    if picture.kept is None or picture.kept.design == picture.design or picture.state.performance is not None or not picture.resting:
+        return ""
+    lang = picture.state.language
+    step = describe_step(picture.lesson, picture.kept.design, picture.design)(lang)
+    now = phrases.CHANGED_SINCE.format(step=step)(lang)
+    if isinstance(scene.do, Solve):
+        task = next(each for each in picture.lesson.tasks if each.id == scene.do.task)
+        now += " " + task.judge(picture.outcome).text(lang)
+    elif remark := _remark(picture, scene):
+        now += " " + remark.replace("*", "")
+    return (f'<p class="ol-note">{html.escape(with_minus(now))} <button type="button" class="ol-do" data-to="{hand}" data-value="kept">'
+            f"{html.escape(phrases.SHOW_KEPT(lang))}</button></p>")
+
+
 def _verdict(picture: Picture, scene: Scene) -> str:
     lang, chosen = picture.state.language, picture.state.chosen[scene.id]
-    _, refutations, answer = options_of(picture.lesson, scene, lang)
     if chosen < 0:
         return ""
-    told = phrases.YOU_CHOSE_RIGHT if chosen == answer else phrases.YOU_CHOSE.format(letter=LETTERS[chosen], answer=LETTERS[answer])
-    refuted = refutations[chosen] if chosen < len(refutations) and chosen != answer else ""
-    return judged_html(chosen == answer, told(lang)) + (f'<div class="ol-say">{paragraphs(picture, refuted)}</div>' if refuted else "")
+    asked = prediction_of(picture.lesson, scene, lang)
+    refuted = asked.refutation(chosen)
+    why = f'<div class="ol-say">{paragraphs(picture, refuted, picture.kept)}</div>' if refuted else ""
+    return prediction.verdict_html(asked, chosen, lang, in_guide=True) + _measure(picture, scene, chosen) + why
+
+
+def _measure(picture: Picture, scene: Scene, chosen: int) -> str:
+    """How near a prediction that was drawn by hand is to the run; nothing where none was."""
+    sketch, drawn, lang = picture.state.sketches.get(scene.id), picture.question, picture.state.language
+    if sketch is None or drawn is None or len(sketch) != len(drawn.columns):
+        return ""
+    far = 100 * drawn.distance(sketch, drawn.run)
+    return f'<p class="ol-note">{html.escape(phrases.SKETCH_MEASURE.format(letter=LETTERS[chosen], far=far)(lang))}</p>'
+
+
+def question_html(picture: Picture, sizes: Sizes, hand: str) -> str:
+    """The figure of the scene's question: what is known, then what was predicted, then what the run gives."""
+    scene, state = picture.scene, picture.state
+    if scene is None or picture.question is None:
+        return ""
+    answered, chosen = scene.id in state.done and not picture.undecided, state.chosen.get(scene.id)
+    figure = picture.question.drawn(chosen, answered, state.sketches.get(scene.id))
+    drawn = draw(figure, state.language, sizes.large_words, sizes.question)
+    return drawn if chosen is not None or answered or not picture.question.columns else sketch_html(picture, figure, drawn, sizes, hand)
+
+
+def sketch_html(picture: Picture, figure: PlaneFigure, drawn: str, sizes: Sizes, hand: str) -> str:
+    """A question's figure into which a hand draws its prediction, and the button that sends it."""
+    question, lang = picture.question, picture.state.language
+    assert question is not None and picture.scene is not None
+    axes = axes_of_plane(figure, lang, sizes.question)
+    columns = [round(axes.at(x, 0.0)[0], 1) for x in question.columns]
+    told = {"question": f"{picture.lesson.id}/{picture.scene.id}", "columns": columns, "top": axes.frame.top, "foot": axes.frame.bottom,
+            "bars": question.bars}
+    name = html.escape(phrases.SKETCH(lang), quote=True)
+    inside = ('<path class="ol-sketched" fill="none" d=""/><circle class="ol-caret" r="5"/></svg>')
+    drawn = drawn.replace("</svg>", inside, 1).replace('role="img"', f'role="application" tabindex="0" aria-description="{name}"', 1)
+    return (f'<div class="ol-sketch" data-sketch="{html.escape(json.dumps(told), quote=True)}">{drawn}<p class="ol-number">'
+            f'<span class="ol-note">{name}</span><button type="button" class="ol-do" data-to="{hand}" disabled>'
+            f"{html.escape(phrases.PREDICT_THIS(lang))}</button></p></div>")
 
 
 def formulas_html(picture: Picture) -> str:
-    """The live equations that the scene shows."""
+    """The algebra and the live equations that the scene shows."""
     scene = picture.scene
     assert scene is not None
     shown = [f for f in picture.outcome.formulas if f.id in scene.formulas] if scene.formulas else []
-    return "".join(formula_html(f.latex) for f in shown)
+    lines = [live_numbers(picture, line) for line in scene.lines]
+    return moving_lines(lines) + "".join(formula_html(f.latex) for f in shown)

@@ -9,7 +9,7 @@ import html
 import secrets
 from collections.abc import Iterator, Mapping
 from typing import Any
-from urllib.parse import urlsplit
+from urllib.parse import urlencode, urlsplit
 
 from ...course.handin.course_file import Course
 from ...course.lesson import Lesson
@@ -32,8 +32,8 @@ def choice_page(launch: Launch, lessons: Mapping[str, Lesson], course: Course | 
                 now: int) -> str:
     """A form with one button a lesson; each holds its answer, signed, so that nothing is kept meanwhile."""
     buttons = "".join(
-        f'<p><button name="JWT" value="{_answer(launch, lesson, title, points_of(course, lesson), address, keys, now)}">'
-        f"{html.escape(title)}</button></p>" for lesson, title in _choices(lessons, course, language))
+        f'<p><button name="JWT" value="{_answer(launch, place, title, points, address, keys, now)}">'
+        f"{html.escape(title)}</button></p>" for place, title, points in _choices(lessons, course, language))
     code = web_code(language)
     return (f'<!doctype html><html lang="{code}"><head><meta charset="utf-8"><title>{APP_NAME}</title>'
             f'<meta name="viewport" content="width=device-width"><style>{web.coloured_text("link.css")}</style></head>'
@@ -47,18 +47,24 @@ def form_origin(address: str) -> str:
     return f"{parts.scheme}://{parts.netloc}"
 
 
-def _choices(lessons: Mapping[str, Lesson], course: Course | None, language: str) -> Iterator[tuple[str, str]]:
-    yield "", phrases.ALL_LESSONS(language) if course is None else course.title
+def _choices(lessons: Mapping[str, Lesson], course: Course | None, language: str) -> Iterator[tuple[dict[str, str], str, float]]:
+    """What a launch may open: fields of its address, title and points. After each lesson stand its exams and tasks that are handed in."""
+    yield {}, phrases.ALL_LESSONS(language) if course is None else course.title, points_of(course, "")
     for lesson in lessons.values():
-        yield lesson.id, lesson.words[language].title
+        words = lesson.words[language]
+        yield {"lesson": lesson.id}, words.title, points_of(course, lesson.id)
+        for item in () if course is None else course.items.values():
+            if item.lesson == lesson.id and not item.practice:
+                title = words.exams[item.id].title if item.kind == "exam" else words.tasks[item.id].title
+                yield {"lesson": lesson.id, item.kind: item.id}, f"{words.title}: {title}", item.points
 
 
-def _answer(launch: Launch, lesson: str, title: str, points: float, address: str, keys: ToolKeys, now: int) -> str:
+def _answer(launch: Launch, place: Mapping[str, str], title: str, points: float, address: str, keys: ToolKeys, now: int) -> str:
     item: dict[str, Any] = {"type": LINK_TYPE, "title": title, "url": address.rstrip("/") + "/lti/launch"}
-    if lesson:
-        item |= {"url": f"{item['url']}?lesson={lesson}", "custom": {"lesson": lesson}}
+    if place:
+        item |= {"url": f"{item['url']}?{urlencode(place)}", "custom": dict(place)}
     if points:
-        item["lineItem"] = {"scoreMaximum": points, "label": title, "resourceId": lesson or "course"}
+        item["lineItem"] = {"scoreMaximum": points, "label": title, "resourceId": " ".join(place.values()) or "course"}
     platform = launch.platform
     claims = {"iss": platform.client_id, "aud": platform.issuer, "iat": now, "exp": now + CHOICE_S, "nonce": secrets.token_urlsafe(16),
               f"{CLAIM}deployment_id": launch.deployment, f"{CLAIM}message_type": "LtiDeepLinkingResponse", f"{CLAIM}version": "1.3.0",

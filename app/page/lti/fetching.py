@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import http.client
 import json
+import time
 import urllib.error
 import urllib.request
 from collections.abc import Mapping
@@ -42,12 +43,23 @@ def post_json(url: str, content: Mapping[str, object], kind: str, bearer: str) -
 def _opened(request: urllib.request.Request) -> bytes:
     try:
         with urllib.request.build_opener(_NoRedirect).open(request, timeout=TIMEOUT_S) as answer:
-            return answer.read(MAX_ANSWER_BYTES + 1)
+            return _read(answer)
     except urllib.error.HTTPError as problem:
         problem.close()
         raise LtiRefused(f"The learning platform answered {problem.code}; try again later.", BAD_GATEWAY) from problem
     except (OSError, http.client.HTTPException, ValueError) as problem:
         raise LtiRefused("The learning platform does not answer; try again later.", BAD_GATEWAY) from problem
+
+
+def _read(answer: http.client.HTTPResponse) -> bytes:
+    """What is read of an answer, in bounded time also where it comes byte by byte."""
+    end, parts, size = time.monotonic() + TIMEOUT_S, list[bytes](), 0
+    while size <= MAX_ANSWER_BYTES and (part := answer.read1(MAX_ANSWER_BYTES)):
+        parts.append(part)
+        size += len(part)
+        if time.monotonic() > end:
+            raise TimeoutError
+    return b"".join(parts)
 
 
 def _object(answer: bytes) -> dict[str, Any]:

@@ -39,7 +39,7 @@ SAID = (
 
 @dataclass(frozen=True)
 class Launch:
-    """What a verified launch asks for. `lesson` and `scene` are as they were said, "" where none was.
+    """What a verified launch asks for. `lesson`, `scene`, `exam` and `task` are as they were said, "" where none was.
 
     `user` is the platform's number of a person; it goes back with points and is kept nowhere. `lineitem` is where the points of a learner
     go, "" where there is no such place. `returns` is where a choice goes, "" where none is asked for, `data` what goes back with it.
@@ -54,6 +54,8 @@ class Launch:
     lineitem: str = ""
     returns: str = ""
     data: str | None = None
+    exam: str = ""
+    task: str = ""
 
 
 def verified_claims(token: str, platform: Platform, keys: KeySets, nonce: str) -> dict[str, Any]:
@@ -95,21 +97,20 @@ def read_launch(platform: Platform, claims: Mapping[str, Any]) -> Launch:
     link = claims.get(f"{CLAIM}resource_link")
     target = _text(claims, f"{CLAIM}target_link_uri", "target", 2 * MAX_DATA_CHARACTERS)
     custom = claims.get(f"{CLAIM}custom")
-    lesson, scene = _place(target, custom if isinstance(custom, dict) else {})
+    lesson, scene, exam, task = _place(target, custom if isinstance(custom, dict) else {})
     learns = any(isinstance(role, str) and role.rpartition("#")[2] == "Learner" for role in roles)
     return Launch(platform, deployment, user, lesson, scene, _text(link if isinstance(link, dict) else {}, "id", "resource link"),
-                  _lineitem(claims.get(SERVICES)) if learns else "")
+                  _lineitem(claims.get(SERVICES)) if learns else "", exam=exam, task=task)
 
 
-def _place(target: str, custom: Mapping[str, object]) -> tuple[str, str]:
-    """Lesson and scene by custom parameters, as deep linking sets them, or by the link's own question."""
+def _place(target: str, custom: Mapping[str, object]) -> list[str]:
+    """Lesson, scene, exam and task by custom parameters, as deep linking sets them, or by the link's own question."""
     try:
         asked = parse_qs(urlsplit(target).query, max_num_fields=20)
     except ValueError:
         asked = {}
-    said = [custom.get(name) or next(iter(asked.get(name, [])), "") for name in ("lesson", "scene")]
-    lesson, scene = (words if isinstance(words, str) else "" for words in said)
-    return lesson, scene
+    said = [custom.get(name) or next(iter(asked.get(name, [])), "") for name in ("lesson", "scene", "exam", "task")]
+    return [words if isinstance(words, str) else "" for words in said]
 
 
 def _lineitem(services: object) -> str:

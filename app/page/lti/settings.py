@@ -17,20 +17,51 @@ given. Source: IMS Global, "Learning Tools Interoperability Core Specification 1
 
 from __future__ import annotations
 
-import json
 import re
 import tomllib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any, NoReturn
+from typing import Annotated, Any, NoReturn
 from urllib.parse import urlsplit
 
-HEAD_KEYS = ("address", "key-file", "platforms")
-PLATFORM_KEYS = ("issuer", "client-id", "login", "token", "key-set", "key-set-file", "deployments", "audience")
+import msgspec
+
+from ...text import read_outside_json, read_outside_toml
+from ...text.schema import Checked, Misfit, fitting, judge, says
+
 LOOPBACK = ("localhost", "127.0.0.1", "::1")
 MAX_NAME_CHARACTERS = 255  # of an issuer, a client and a deployment, as the specification has it
 MAX_ADDRESS_CHARACTERS = 500
 ADDRESS = re.compile(r"https?://[\w.\[\]:-]+(?:/[^\s\"'<>;,]*)?(?:\?[^\s\"'<>;,]*)?", re.ASCII)
+
+
+DEPLOYMENTS = 'must be a list of texts, as in ["1"]'
+ADDRESS_NEEDED = "must be an address that begins with https://, or one of this machine"
+PRINTABLE = rf"^[^\x00-\x1f\x7f-\xa0\u2028\u2029]{{1,{MAX_NAME_CHARACTERS}}}\Z"
+Name = Annotated[str, says(f"must be a text of 1 to {MAX_NAME_CHARACTERS} characters", pattern=PRINTABLE)]
+Address = Annotated[str, says(ADDRESS_NEEDED)]
+
+
+class _Platform(Checked, frozen=True, kw_only=True):
+    issuer: Name
+    client_id: Name
+    login: Address
+    token: Address
+    key_set: Address | None = None
+    key_set_file: Name | None = None
+    deployments: Annotated[list[Annotated[str, says(DEPLOYMENTS, pattern=PRINTABLE)]], says(DEPLOYMENTS, min_length=1)]
+    audience: Name | None = None
+
+
+class _Head(Checked, frozen=True):
+    address: Address
+    key_file: Name
+    platforms: Annotated[list[Annotated[_Platform, says("must be tables, each under [[platforms]]")]],
+                         says("is missing; write each platform under [[platforms]]", min_length=1)]
+
+
+class _KeySet(msgspec.Struct):
+    keys: Annotated[list[Any], msgspec.Meta(min_length=1)]
 
 
 class LtiFileError(ValueError):
@@ -82,68 +113,40 @@ def is_web_address(words: object) -> bool:
 def read_settings(words: str, read_file: Callable[[str], str]) -> LtiSettings:
     """The settings of a TOML text; `read_file` reads a file that it names. Raises LtiFileError."""
     try:
-        data = tomllib.loads(words)
+        head = judge(read_outside_toml(words), _Head, "is no key of this file; use {keys}")
     except tomllib.TOMLDecodeError as problem:
         raise LtiFileError(f"it is not valid TOML: {str(problem)[:120]}") from problem
-    _check_keys(data, HEAD_KEYS, "")
-    tables = data.get("platforms")
-    if not isinstance(tables, list) or not tables:
-        _refuse("", "platforms", "is missing; write each platform under [[platforms]]")
-    platforms = tuple(_platform(table, f"platform {number}, ", read_file) for number, table in enumerate(tables, 1))
-    names = [(each.issuer, each.client_id) for each in platforms]
-    if len(set(names)) < len(names):
+    except Misfit as problem:
+        _refuse(f"platform {problem.place[1] + 1}, " if problem.place[1:] else "", problem.key, problem.words)  # type: ignore[operator]
+    platforms = tuple(_platform(table, f"platform {number}, ", read_file) for number, table in enumerate(head.platforms, 1))
+    if len({(each.issuer, each.client_id) for each in platforms}) < len(platforms):
         _refuse("", "platforms", "names the same issuer and client-id twice")
-    return LtiSettings(_address(data, "address", ""), read_file(_text(data, "key-file", "")), platforms)
+    return LtiSettings(_address(head.address, "address", ""), read_file(head.key_file), platforms)
 
 
-def _platform(table: object, where: str, read_file: Callable[[str], str]) -> Platform:
-    if not isinstance(table, dict):
-        _refuse("", "platforms", "must be tables, each under [[platforms]]")
-    _check_keys(table, PLATFORM_KEYS, where)
-    if ("key-set" in table) == ("key-set-file" in table):
+def _platform(given: _Platform, where: str, read_file: Callable[[str], str]) -> Platform:
+    if (given.key_set is None) == (given.key_set_file is None):
         _refuse(where, "key-set", "or key-set-file must be given, one of the two")
-    keys = _key_set(read_file(_text(table, "key-set-file", where)), where) if "key-set-file" in table else None
-    deployments = table.get("deployments")
-    if not isinstance(deployments, list) or not deployments or not all(_is_name(each) for each in deployments):
-        _refuse(where, "deployments", 'must be a list of texts, as in ["1"]')
-    token = _address(table, "token", where)
-    return Platform(_text(table, "issuer", where), _text(table, "client-id", where), _address(table, "login", where), token,
-                    "" if keys is not None else _address(table, "key-set", where), keys, frozenset(deployments),
-                    _text(table, "audience", where) if "audience" in table else token)
+    keys = None if given.key_set_file is None else _key_set(read_file(given.key_set_file), where)
+    login, token = _address(given.login, "login", where), _address(given.token, "token", where)
+    return Platform(given.issuer, given.client_id, login, token, "" if keys is not None else _address(given.key_set, "key-set", where),
+                    keys, frozenset(given.deployments), given.audience or token)
 
 
 def _key_set(words: str, where: str) -> Mapping[str, Any]:
     try:
-        data = json.loads(words)
-    except (ValueError, RecursionError):
+        data = read_outside_json(words)
+    except ValueError:
         data = None
-    if not isinstance(data, dict) or not isinstance(data.get("keys"), list) or not data["keys"]:
+    if fitting(data, _KeySet) is None or not isinstance(data, dict):
         _refuse(where, "key-set-file", 'must hold a key set, {"keys": [...]}')
     return data
 
 
-def _text(table: Mapping[str, object], key: str, where: str) -> str:
-    value = table.get(key)
-    if not isinstance(value, str) or not _is_name(value):
-        _refuse(where, key, f"must be a text of 1 to {MAX_NAME_CHARACTERS} characters")
-    return value
-
-
-def _is_name(value: object) -> bool:
-    return isinstance(value, str) and 0 < len(value) <= MAX_NAME_CHARACTERS and value.isprintable()
-
-
-def _address(table: Mapping[str, object], key: str, where: str) -> str:
-    value = table.get(key)
+def _address(value: object, key: str, where: str) -> str:
     if not isinstance(value, str) or not is_web_address(value):
-        _refuse(where, key, "must be an address that begins with https://, or one of this machine")
+        _refuse(where, key, ADDRESS_NEEDED)
     return value
-
-
-def _check_keys(table: Mapping[str, object], known: tuple[str, ...], where: str) -> None:
-    for key in table:
-        if key not in known:
-            _refuse(where, str(key)[:40], f"is no key of this file; use {', '.join(known)}")
 
 
 def _refuse(where: str, key: str, what: str) -> NoReturn:

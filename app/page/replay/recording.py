@@ -17,6 +17,7 @@ from ..stage.pole_boards import BoardView
 from ..stage.stage import StageView
 from ..stage.viewpoint import BOARDS_BEHIND, CAMERAS, NARROW, SIGHT, away, letters
 from ..viser_private import viser_internals
+from ..viser_private.scene_tape import Tape
 
 MAX_RECORDED_MOMENTS = 1200  # moments of a run that are kept: the page shows no more than thirty a second
 LARGER = tuple(1.12 ** k for k in range(8))  # how many times larger than on a laptop letters may be wanted on a small stage
@@ -43,7 +44,7 @@ def record_run(picture: Picture, camera: tuple[float, ...] | None, words: dict[s
     """
     state, stage = picture.state, picture.outcome.stage
     assert stage is not None
-    tape = viser_internals.Tape(LaptopWindow())
+    tape = Tape(LaptopWindow())
     client = cast(viser.ClientHandle, tape)
     em = letters(client.camera, False)
     view = StageView(client)
@@ -106,7 +107,7 @@ def _fit(lettered: Sequence[StageView | BoardView | MapBoard], em: float) -> Non
         part.fit(em)
 
 
-def channels(tape: viser_internals.Tape, steps: Sequence[Callable[[], object]]) -> list[dict[str, Any]]:
+def channels(tape: Tape, steps: Sequence[Callable[[], object]]) -> list[dict[str, Any]]:
     """Each property that the steps change, with the numbers of the steps from which on it has another value, and these values.
 
     The scene stands as after the first step, and stands so again afterwards.

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import html
 
+from ...course.guiding.predictions import prediction_of
 from ...course.scenes import Choose, Scene
-from ...session.handlers.guide import options_of
 from ...session.state.view import Picture
 from ...text import format_number
 from ..guide.scene_card import paragraphs
-from ..votes.histogram import LETTERS, bars_html, question_words
+from ..votes.histogram import question_words, results_html, vote_attributes
 from ..votes.pole_plane import placing_html
 from ..words import phrases
+from ..words.prediction import options_html
 from ..words.prose import render_markdown
 
 OWN = "?own=1"  # after which the page of one's own stands
@@ -38,14 +39,12 @@ def card_html(picture: Picture) -> str:
 
 def _options(picture: Picture, scene: Scene) -> str:
     """The options, which can be pressed while the vote is open; the right one is lit once its action is done."""
-    options, _, answer = options_of(picture.lesson, scene, picture.state.language)
-    open_now, done, out = picture.voting, scene.id in picture.state.done, []
-    for k, option in enumerate(options):
-        lit = " ol-right" if done and not open_now and k == answer else ""
-        press = f' data-room="vote:{picture.votes[-1].number}:{k}"' if open_now else " disabled"
-        out.append(f'<button type="button" class="ol-option{lit}"{press}><b>{LETTERS[k]}</b> {render_markdown(option)}</button>')
+    asked, open_now = prediction_of(picture.lesson, scene, picture.state.language), picture.voting
+    lit = asked.answer if scene.id in picture.state.done and not picture.undecided else None
+    press = vote_attributes(picture.votes[-1].number) if open_now else None
+    buttons = options_html([render_markdown(words) for words in asked.options], press, lambda k: " ol-right" if k == lit else "")
     lead = f'<p class="ol-todo">{html.escape(phrases.VOTE_NOW(picture.state.language))}</p>' if open_now else ""
-    return f'{lead}<div class="ol-choice">{"".join(out)}</div>'
+    return f'{lead}<div class="ol-choice">{buttons}</div>'
 
 
 def typed_html(picture: Picture) -> str:
@@ -56,7 +55,7 @@ def typed_html(picture: Picture) -> str:
     assert vote.asked is not None
     head = f'<h3 class="ol-asked">{html.escape(question_words(vote.asked, lang))}</h3>'
     if not vote.open:
-        return f'<section class="ol-typed">{head}{bars_html(picture.typed, lang)}</section>'
+        return f'<section class="ol-typed">{head}{results_html(picture.typed, lang)}</section>'
     if (grid := vote.asked.grid) is not None:
         body = placing_html(vote, grid, next((board.title for board in picture.boards if board.id == grid.board), None), lang)
     elif vote.kind == "number":
@@ -64,8 +63,7 @@ def typed_html(picture: Picture) -> str:
         body = (f'<p class="ol-number"><input type="number" step="any" aria-label="{name}" placeholder="{name}">'
                 f'<button type="button" class="ol-do" data-room="number:{vote.number}">{send}</button></p>')
     else:
-        body = "".join(f'<button type="button" class="ol-option" data-room="vote:{vote.number}:{k}"><b>{LETTERS[k]}</b> '
-                       f"{html.escape(option)}</button>" for k, option in enumerate(vote.asked.options))
+        body = options_html([html.escape(option) for option in vote.asked.options], vote_attributes(vote.number))
     return f'<section class="ol-typed">{head}{body}</section>'
 
 
@@ -76,9 +74,9 @@ def answer_html(picture: Picture) -> str:
         return ""
     said = ""
     if not picture.voting:
-        said += bars_html(picture.votes, picture.state.language) if picture.votes else ""
-        if scene.id in picture.state.done and picture.scene_words.say:
-            said += f'<div class="ol-say">{paragraphs(picture, picture.scene_words.say)}</div>'
+        said += results_html(picture.votes, picture.state.language)
+        if scene.id in picture.state.done and not picture.undecided and picture.scene_words.say:
+            said += f'<div class="ol-say">{paragraphs(picture, picture.scene_words.say, picture.kept)}</div>'
     return f'<div class="ol-answer" role="status" aria-live="polite">{said}</div>'
 
 

@@ -27,7 +27,7 @@ from ..web.html_page import APP_NAME
 from . import audience_card
 
 MAX_FIGURES = 2
-SCRIPTS = ("frames", "folders", "keys", "reading", "names", "cursor", "floor")  # of a page, what one that is only watched needs
+SCRIPTS = ("frames", "folders", "keys", "reading", "names", "cursor", "floor", "countdown")  # what a page needs that is watched
 
 
 class AudiencePanel:

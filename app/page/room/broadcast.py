@@ -122,6 +122,8 @@ class Broadcast:
                 self._round(waiting)
             except Exception:
                 log.exception("the page of the room could not be brought up to date")
+                for kind in self._kinds.values():  # half of a picture may stand there
+                    kind.built = False
             if waiting.picture is not None and not waiting.picture.resting:
                 time.sleep(MIN_BATCH_GAP_S)
 

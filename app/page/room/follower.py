@@ -11,7 +11,7 @@ import viser
 
 from ...classroom.votes import MAX_OPTIONS, Kind, is_ballot
 from ...text import Text
-from ..viser_private import viser_internals
+from ..viser_private import page_scripts, viser_internals
 from ..viser_private.hidden_input import hidden_input
 from ..votes.histogram import answer_words
 from ..words import phrases
@@ -71,6 +71,7 @@ class Follower:
         self._hand = viser_internals.node_id(hidden_input(client.gui, self.hear))
         self._waits: viser.GuiHtmlHandle | None = client.gui.add_html(
             f'<h2 class="ol-scene">{phrases.NOT_BEGUN(language)}</h2>')  # until there is a page
+        viser_internals.hear_beats(client, self._acknowledge)
         viser_internals.run_script(client, "plane")
         viser_internals.run_script(client, "room", hand=self._hand)
         client.flush()
@@ -89,6 +90,11 @@ class Follower:
             self._run = None
         if content:
             self._run = self._client.gui.add_html(content, order=ABOVE_ALL)
+        self._client.flush()
+
+    def _acknowledge(self, said: int) -> None:
+        """What a follower says is taken as it comes."""
+        page_scripts.acknowledge(self._client, said)
         self._client.flush()
 
     def hear(self, said: str) -> None:

@@ -17,7 +17,7 @@ from ...classroom.class_runs import ClassRuns, seeds_of
 from ...classroom.kept_room import Place, open_pages, open_room
 from ...classroom.room import LECTURE, UNSOLVED, RoomView, overview
 from ...classroom.vote_writer import VoteWriter
-from ...classroom.votes import Asked
+from ...classroom.votes import Asked, Vote
 from ...session.commands.commands import RunOnTabThread
 from ...session.commands.room import RoomChanged
 from ...session.session import Session
@@ -57,7 +57,7 @@ class LectureRoom:
         self._shows_runs = True  # whether the pages may show runs of which the presenter's page knows
         self._reported: tuple[Mapping[str, int], int] | None = None
         self._report_due = 0.0
-        self._hands = self._store.hands
+        self._hands, self._failing = self._store.hands, False
 
     def start(self, loop: asyncio.AbstractEventLoop) -> None:
         """Begin; followers come on this event loop."""
@@ -82,6 +82,11 @@ class LectureRoom:
     def audience(self) -> str:
         """The address of those who follow."""
         return self._audience
+
+    @property
+    def failing(self) -> bool:
+        """Whether the room's store cannot be read or written."""
+        return self._failing or self._writer.failing
 
     # --- tabs ------------------------------------------------------------------------------------------------------
     @property
@@ -168,6 +173,22 @@ class LectureRoom:
         self._store.close_vote()
         return self._view()
 
+    def show_counts(self, vote: Vote, shown: bool) -> RoomView:
+        """Show the counts of a closed vote to everybody, or hide them."""
+        return self._mark(replace(vote, counts_out=shown))
+
+    def discuss(self, vote: Vote) -> RoomView:
+        """Let the class discuss a closed vote for a while."""
+        return self._mark(replace(vote, talks=vote.talks + 1))
+
+    def reveal(self, vote: Vote) -> RoomView:
+        """Tell the answer to a closed vote, with its counts."""
+        return self._mark(replace(vote, counts_out=True, revealed=True, talks=0))
+
+    def _mark(self, vote: Vote) -> RoomView:
+        self._store.mark_vote(vote)
+        return self._view()
+
     def lower_hands(self) -> RoomView:
         """Every raised hand is lowered."""
         self._store.lower_hands()
@@ -193,9 +214,13 @@ class LectureRoom:
         while not self._ended.wait(COUNT_S):
             try:
                 self._report()
-                self._tell()
+                self._tell(replace(self._view(), failing=self._writer.failing) if self._presenting else None)
+                self._failing = False
             except Exception:
-                log.exception("the room could not be counted")
+                if not self._failing:
+                    log.exception("the room's store cannot be used")
+                self._failing = True
+                self._tell(replace(self._told or RoomView(), failing=True))
 
     def _report(self) -> None:
         if (hands := self._store.hands) != self._hands:
@@ -218,11 +243,8 @@ class LectureRoom:
             self._reported, self._report_due = now, time.monotonic() + REPORT_S
             self._store.report(self._worker, *now)
 
-    def _tell(self) -> None:
-        if not self._presenting:
-            return
-        view = self._view()
-        if view != self._told:
+    def _tell(self, view: RoomView | None) -> None:
+        if view is not None and view != self._told:
             self._told = view
             for session, _ in list(self._presenting.values()):
                 session.post(RoomChanged(view))

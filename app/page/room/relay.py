@@ -28,6 +28,9 @@ class FollowerConnection(Protocol):
     async def close(self, code: int = 1000, reason: str = "") -> None:
         """End it; its page comes back."""
 
+    def touch(self) -> None:
+        """Its page is used."""
+
 
 class Feed:
     """The batches of one kind of page as far as this worker has read them. All but `read` runs on the event loop."""
@@ -100,6 +103,7 @@ class Relay:
         while (lacking := feed.after(series, batch)) is not None:
             for number, data in lacking:
                 await connection.send(data)
+                connection.touch()
                 batch = number
             if not lacking:
                 await feed.wait()

@@ -11,11 +11,12 @@ import viser
 from ...session.state.tab_memory import MAX_MEMORY_BYTES
 from ...session.state.token import LONGEST_LINK
 from ...session.state.view import Picture
+from ..column.answer_mark import AnsweredMark
 from ..stage.viewpoint import Viewpoint
 from ..viser_private import page_scripts, viser_internals
 
 ADDRESS_PATTERN = re.compile(r"https?://[\w.:\[\]-]{1,200}(?:/[\w.~/%-]{0,200})?", re.ASCII)
-STORAGE, SHELF = "observer-lab", "observer-lab-designs"  # the keys of what tabs keep, and of the designs under names
+STORAGE, DESIGNS = "observer-lab", "observer-lab-designs"  # the keys of what tabs keep, and of the designs under names
 
 
 class Browser:
@@ -24,6 +25,8 @@ class Browser:
     def __init__(self, client: viser.ClientHandle) -> None:
         self._client = client
         self._viewpoint = Viewpoint(client)
+        self._mark: AnsweredMark | None = None
+        self._pressed = 0  # the number of the press that was done last
         self._home = ""  # where the browser found the page, as its address bar says
 
     def camera(self, preset: str) -> None:
@@ -59,16 +62,32 @@ class Browser:
         def heard(kept: str | None, token: str, known: bool, home: str, *others: Any) -> None:
             self._home = home if ADDRESS_PATTERN.fullmatch(home) else ""
             answer(kept, token, known, *others)
-        viser_internals.ask_storage(self._client, STORAGE, SHELF, heard)
+        viser_internals.ask_storage(self._client, STORAGE, DESIGNS, heard)
 
     def remember(self, text: str) -> None:
         """Keep a text in this tab's own storage, which survives a reload, and beside that of other tabs for those to come."""
-        viser_internals.run_script(self._client, "remember", key=STORAGE, text=text, most=MAX_MEMORY_BYTES)
+        viser_internals.run_script(self._client, "remember", key=STORAGE, text=text, most=MAX_MEMORY_BYTES, answered=self._pressed)
 
     def save_design(self, name: str, words: str) -> None:
         """Keep words in the browser under a name, or nothing any more for ""."""
-        viser_internals.run_script(self._client, "shelve", key=SHELF, under=name, words=words)
+        viser_internals.run_script(self._client, "shelve", key=DESIGNS, under=name, words=words)
 
     def clear_storage(self) -> None:
         """Let the browser forget all that it keeps."""
-        viser_internals.run_script(self._client, "wipe", keys=[STORAGE, SHELF])
+        viser_internals.run_script(self._client, "wipe", keys=[STORAGE, DESIGNS])
+
+    def answer(self, question: float) -> None:
+        """Say on the page's mark that all that was done before a question is shown."""
+        if self._mark is not None:
+            self._mark.answer(question)
+            self._client.flush()
+
+    def expect(self, edit: int) -> None:
+        """The press of this number comes next: what the page keeps from then on holds what it did, and the page does it no more."""
+        self._pressed = edit
+
+    def acknowledge(self, edit: int) -> None:
+        """Tell the page that its edits up to this one are shown and kept, once they are."""
+        if self._mark is not None and self._mark.rests:
+            page_scripts.acknowledge(self._client, edit)
+            self._client.flush()

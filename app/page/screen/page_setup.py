@@ -28,7 +28,9 @@ PAGE_SCRIPTS = (
     "reading",  # say what the curves of a chart are where the pointer is; viser hands no function to its charts that could
     "names",  # write the names of a chart's curves beside them; viser has a key below the chart and nothing else
     "cursor",  # put the cursor of every chart over time where the clock stands
+    "diagram",  # light a block of a diagram with its equation
     "snapshot",  # let the dialog keep the stage as a picture, drawn with all its pixels on the ground that the page gives it
+    "countdown",  # count down how long the class discusses
     "parts",  # let a phone show one part of the lesson at a time
     "floor",  # keep the camera from turning or sliding under the floor, from where nothing can be seen
 )

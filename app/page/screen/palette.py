@@ -8,6 +8,7 @@ from functools import partial
 import viser
 
 from ...course.knobs import Knob, Poles
+from ...course.search.questions import AskedQuestion, questions
 from ...session.commands.commands import Edit, OpenLesson, RunOnTabThread
 from ...session.commands.guide import GoToScene, SetMode
 from ...session.state.view import Picture
@@ -27,6 +28,20 @@ def fill_palette(client: viser.ClientHandle, picture: Picture, post: Post, open_
         others = " · ".join(dict.fromkeys(name(code) for code in languages() if code != language))
         handle = client.gui.add_command(f"{kind(language)}: {name(language)}", description=others or None)
         _bind(handle, edits, post)
+    lessons = {lesson.id for lesson in picture.catalogue}
+    for question in questions()[language].entries:
+        if question.lesson in lessons:
+            label = f"{phrases.QUESTION_KIND(language)}: {question.title}"
+            handle = client.gui.add_command(label, description=" · ".join(question.phrases))
+            _bind(handle, opening(question, picture), post)
+
+
+def opening(question: AskedQuestion, picture: Picture) -> tuple[Edit, ...]:
+    """The edits that open the scene which answers a question."""
+    lesson = next(lesson for lesson in picture.catalogue if lesson.id == question.lesson)
+    scene = [scene.id for scene in lesson.path].index(question.scene)
+    there = () if lesson.id == picture.lesson.id else (OpenLesson(lesson.id),)
+    return *there, *(() if picture.guided else (SetMode("guide"),)), GoToScene(scene)
 
 
 def entries(client: viser.ClientHandle, picture: Picture, open_figure: Callable[[str], object]) -> Iterator[Entry]:

@@ -47,13 +47,12 @@ class Screen(Browser):
     def __init__(self, client: viser.ClientHandle) -> None:
         super().__init__(client)
         self._post: Post = lambda edit: 0
-        self._stage = StageView(client, trails=True)
+        self._stage = StageView(client, trails=True, pulled=lambda knob, hand, grip: self._post(SetKnobs({knob: hand}, grip)))
         self._boards: dict[str, BoardView] = {}
         self._charts: dict[str, Chart] = {}
         self._map: MapBoard | None = None
         self._panel: Panel | GuidePanel | None = None
         self._transport: PlaybackControls | None = None
-        self._mark: AnsweredMark | None = None
         self._style: viser.GuiHtmlHandle | None = None
         self._picture: Picture | None = None
         self._notes: list[Any] = []
@@ -103,7 +102,10 @@ class Screen(Browser):
             self._player = Player(self._client, self._stage, self._transport)
             if not self._looked:
                 run_page_scripts(self._client)
-                self._viewpoint.look(picture.state.camera)
+                if picture.state.camera is None and picture.scene is not None:
+                    self._viewpoint.camera(picture.scene.view)
+                else:
+                    self._viewpoint.look(picture.state.camera)
                 follow_camera(self._client, self._post, self._viewpoint.heard, self._em, self._fitted)
                 self._looked = True
             watch_page_visibility(self._client, self._post)
@@ -169,6 +171,7 @@ class Screen(Browser):
             self._show_map(picture)
             self._compose(picture)
             self._stage.calm(picture.state.calm)
+            self._stage.name_parts(picture.named, picture.state.language)
             self._stage.show_pin_ghosts(picture.ghosts)
             self._stage.pose(picture.state.t)
         self._client.flush()
@@ -214,12 +217,6 @@ class Screen(Browser):
             self._notes.pop(0).remove()
         self._client.flush()
 
-    def answer(self, question: float) -> None:
-        """Say on the page's mark that all that was done before a question is shown."""
-        if self._mark is not None:
-            self._mark.answer(question)
-            self._client.flush()
-
     def open_figure(self, figure: str) -> None:
         """Bring the tab of a figure to the front."""
         picture = self._picture
@@ -264,7 +261,8 @@ class Screen(Browser):
                 for figure in picture.seen:
                     if figure.tab == tab:
                         self._charts[figure.id] = Chart(self._client.gui, figure, language, Sizes(picture.state), picture.horizon,
-                                                       figure_below(picture.seen, figure), sum(f.tab == tab for f in picture.seen))
+                                                       figure_below(picture.seen, figure), sum(f.tab == tab for f in picture.seen),
+                                                       self._post)
 
     def _show_style(self, picture: Picture) -> None:
         content = sheet_of(picture)

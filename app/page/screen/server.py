@@ -7,11 +7,10 @@ import socket
 import sys
 import threading
 import time
-from asyncio import AbstractEventLoop
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
+from functools import partial
 from importlib import import_module
-from typing import Any, Protocol
 from urllib.parse import parse_qs
 
 import viser
@@ -23,15 +22,17 @@ from ...course.handin.served_course import ServedCourse
 from ...course.lectures import Lecture
 from ...course.lesson import Lesson
 from ...course.scenes import Mode
-from ...session.commands.commands import Refuse
+from ...session.commands.commands import Refuse, RunOnTabThread
 from ...session.commands.files import LessonsChanged
 from ...session.session import WATCHDOG, Session
-from ..access.access_policy import AccessPolicy, Refusal, RequestHead
+from ..access.access_policy import AccessPolicy, Refusal
 from ..access.addresses import is_public, listen, url
 from ..access.connection import Connection
-from ..access.handshake import RETRY_AFTER_S, AdmissionControl, Doors
-from ..access.memory_arena import share_one_arena
+from ..access.handshake import RETRY_AFTER_S, AdmissionControl
+from ..access.memory_arena import resident_bytes, share_one_arena
 from ..access.page_headers import PageHeaders
+from ..access.places import Visitor
+from ..access.proxies import TrustedProxies
 from ..access.shared_counters import SharedCounters, WorkerSlot
 from ..access.tokens import AccessToken
 from ..column.plant_picker import MOST_BYTES
@@ -40,6 +41,8 @@ from ..web.html_page import server_full_page, token_required_page
 from ..words import phrases
 from ..words.version import version
 from .screen import Screen
+from .server_parts import LaunchDoors, Room
+from .tab_places import TabPlaces
 
 log = logging.getLogger(__name__)
 
@@ -52,61 +55,16 @@ END_POLL_S = 0.1  # s within which it hears of its end
 HEALTH_INTERVAL_S = 5.0  # s between two times that other workers are told how this one is
 
 
-class Room(VoteDesk, Protocol):
-    """A lecture room, as far as the server uses it. Its presenter's screens are of a kind of their own, hence `Any`."""
-
-    @property
-    def state(self) -> str:
-        """The token of what the lecture showed last."""
-        ...
-
-    def start(self, loop: AbstractEventLoop) -> None:
-        """Begin, with followers on this loop."""
-
-    def close(self) -> None:
-        """End."""
-
-    def presenter_screen(self, client: viser.ClientHandle) -> Any:
-        """The screen of a tab that presents."""
-
-    def own_screen(self, client: viser.ClientHandle) -> Any:
-        """The screen of a tab that works on its own."""
-
-    def present(self, client_id: int, session: Session, screen: Any) -> None:
-        """A tab presents."""
-
-    def work_alone(self, client_id: int, session: Session) -> None:
-        """A tab works on its own."""
-
-    def follow(self, client: viser.ClientHandle, connection: Connection) -> None:
-        """A tab follows."""
-
-    def leave(self, client_id: int) -> bool:
-        """A tab has left; whether it followed."""
-        ...
-
-
-class LaunchDoors(Doors, Protocol):
-    """The doors for learning platforms, which know whom they sent."""
-
-    def asked(self, path: str) -> bool:
-        """Whether a tab says that it was launched."""
-        ...
-
-    def learner(self, path: str, head: RequestHead) -> Learner | None:
-        """Whom a tab belongs to."""
-        ...
-
-
 class LabServer:
     """Observer Lab on a port: every tab that connects gets a session, every tab that leaves takes it away."""
 
     def __init__(self, lessons: Mapping[str, Lesson], host: str = "127.0.0.1", port: int = 8080,
                  lesson: str = "separation", language: str = "en", max_sessions: int = 200, plant: str = "",
                  names: Iterable[str] = (), state: str = "", insists: bool = False, sealed: bool = False, access: AccessToken | None = None,
-                 frames: Iterable[str] = (), listener: socket.socket | None = None, seat: WorkerSlot | None = None,
+                 frames: Iterable[str] = (), listener: socket.socket | None = None, slot: WorkerSlot | None = None,
                  mode: Mode = "lab", talk: Lecture | None = None, course: ServedCourse | None = None,
-                 room: Room | None = None, presenter: AccessToken | None = None, doors: LaunchDoors | None = None) -> None:
+                 room: Room | None = None, presenter: AccessToken | None = None, doors: LaunchDoors | None = None,
+                 proxies: TrustedProxies | None = None, idle: float = float("inf")) -> None:
         """`state` is what a tab opens with that brings none, as a token or the words of a file. A new tab goes on where the last one
         of its browser was, unless the server `insists` on its lesson or has a state. `sealed` offers no practice of exams.
         `frames` are the sites that may show the page inside theirs.
@@ -115,12 +73,14 @@ class LabServer:
 
         `course` draws the numbers of exams and signs hand-ins.
 
-        `listener` stands in the place of host and port where one listens already, `seat` in that of `max_sessions` where several
+        `listener` stands in the place of host and port where one listens already, `slot` in that of `max_sessions` where several
         processes count together.
 
         In a `room` a tab follows unless it knows the word of `presenter` or asks to work on its own.
 
-        `doors` let learning platforms open lessons.
+        `doors` let learning platforms open lessons. `proxies` may say for whom they ask.
+
+        A tab gives its place back after `idle` seconds in which nobody has touched it; who presents keeps theirs.
 
         Raises OSError where it cannot listen, ValueError at a name that is none.
         """
@@ -130,13 +90,16 @@ class LabServer:
         self._lesson, self._language, self._plant, self._state = lesson, language, plant, state
         self._insists, self._sealed, self._talk, self._course = insists, sealed, talk, course
         self._mode: Mode = mode
+        self._lag = 0.0  # s that the event loop took to answer when it was asked last
         self._sessions: dict[int, Session] = {}
         self._screens: dict[int, Screen] = {}
-        self._seat = seat or WorkerSlot(SharedCounters(), 0, max_sessions)
+        self._slot = slot or WorkerSlot(SharedCounters(1, max_sessions), 0)
         self._host, self._room, self._presenter, self._doors = host, room, presenter, doors
-        reception = AdmissionControl(AccessPolicy.of(host, is_public(host), names), access, self._write_down, self.health, self._full,
-                                     token_required_page(language), PageHeaders(tuple(frames)), presenter, doors)
-        self._server = viser_internals.open_server(listener or listen(host, port), reception, language)
+        admission = AdmissionControl(AccessPolicy.of(host, is_public(host), names), access, self._write_down, self.health, self._full,
+                                     token_required_page(language), PageHeaders(tuple(frames)), presenter, doors,
+                                     proxies or TrustedProxies(), self._slot.tally.places.key_of)
+        self._server = viser_internals.open_server(listener or listen(host, port), admission, language)
+        self._places = TabPlaces(self._slot, self._server, admission.visitor, idle)
         if room is not None:
             room.start(self._server.get_event_loop())
         self._server.on_client_connect(self._enter)
@@ -160,30 +123,34 @@ class LabServer:
 
     def health(self) -> Mapping[str, object]:
         """What `GET /health` answers: nothing of any person."""
-        self._seat.note(WATCHDOG.stuck)
-        return {"status": "ok", "version": version(), **self._seat.health()}
+        self._note()
+        store = {} if self._room is None else {"store": "failing" if self._room.failing else "ok"}
+        status = "degraded" if "failing" in store.values() else "ok"
+        return {"status": status, "version": version(), **self._slot.health(), **store}
 
-    def _full(self) -> str:
-        """The page for whoever comes while all places are taken, else nothing."""
-        return server_full_page(self._language, self._seat.most, RETRY_AFTER_S) if self._seat.full else ""
+    def _note(self) -> None:
+        self._slot.note(WATCHDOG.stuck, resident_bytes(), self._lag)
+
+    def _full(self, visitor: Visitor) -> str:
+        """The page for whoever comes while there is no place for them, else nothing."""
+        return server_full_page(self._language, self._slot.most, RETRY_AFTER_S) if self._slot.full(visitor) else ""
 
     @staticmethod
     def _write_down(refusal: Refusal) -> None:
         log.warning("refused: %s", refusal.words)
 
     async def _enter(self, client: viser.ClientHandle) -> None:
-        if not self._seat.enter():
-            client.add_notification("Observer Lab", f"This server is full ({self._seat.most} tabs). Close one and reload.",
+        if not self._places.enter(client):
+            client.add_notification("Observer Lab", f"This server is full ({self._slot.most} tabs). Close one and reload.",
                                     color="red")
             return
         try:
             self._open(client)
         except BaseException:
-            self._seat.leave()
+            self._places.leave(client.client_id)
             raise
 
     def _open(self, client: viser.ClientHandle) -> None:
-        viser_internals.may_leave(client)
         connection, room, number = viser_internals.open_tab(self._server, client.client_id), self._room, client.client_id
         if room is None or connection is None:
             self._begin_launched(client, connection)
@@ -230,6 +197,8 @@ class LabServer:
         screen.attach(session.post)
         viser_internals.accept_values_only(client, lambda: session.post(Refuse(phrases.NONSENSE)))
         viser_internals.accept_small_files_only(client, MOST_BYTES, lambda: session.post(Refuse(phrases.TOO_LARGE)))
+        viser_internals.hear_beats(client, lambda edit: session.post(RunOnTabThread(partial(screen.acknowledge, edit))),
+                                   lambda edit: session.post(RunOnTabThread(partial(screen.expect, edit))))
         self._sessions[client.client_id], self._screens[client.client_id] = session, screen
         session.start(lambda: viser_internals.hang_up(self._server, client.client_id))
         return session
@@ -237,9 +206,9 @@ class LabServer:
     async def _leave(self, client: viser.ClientHandle) -> None:
         self._screens.pop(client.client_id, None)
         session = self._sessions.pop(client.client_id, None)
-        followed = self._room is not None and self._room.leave(client.client_id)
-        if session is not None or followed:
-            self._seat.leave()
+        if self._room is not None:
+            self._room.leave(client.client_id)
+        self._places.leave(client.client_id)
         if session is not None:
             session.close()
 
@@ -258,13 +227,19 @@ class LabServer:
         loop, due = self._server.get_event_loop(), 0.0
         while not ended():
             if time.monotonic() >= due:
-                self._seat.note(WATCHDOG.stuck)
-                loop.call_soon_threadsafe(self._seat.beat)
+                self._note()
+                loop.call_soon_threadsafe(self._beat, time.monotonic())
+                loop.call_soon_threadsafe(self._places.look)
                 due = time.monotonic() + period
             time.sleep(min(END_POLL_S, period))
 
+    def _beat(self, asked: float) -> None:
+        """The loop lives; it has answered so long after it was asked."""
+        self._lag = time.monotonic() - asked
+        self._slot.beat()
+
     def stop(self) -> None:
-        """Tell the tabs, close every session and the server; at most STOPPING seconds."""
+        """Tell the tabs, close every session and the server; at most STOP_TIMEOUT_S seconds."""
         ending = threading.Thread(target=self._end, name="observer-lab end", daemon=True)
         ending.start()
         ending.join(STOP_TIMEOUT_S)
@@ -278,4 +253,4 @@ class LabServer:
             screen.say(phrases.STOPPED, True)
         if self._screens:
             time.sleep(LAST_MESSAGE_S)
-        viser_internals.close_server(self._server)
+        self._server.stop()

@@ -49,6 +49,11 @@ class Solids:
             if pose.colour is not None and self._coloured:
                 frame[node, "color"] = pose.colour
 
+    @property
+    def nodes(self) -> Mapping[str, viser.SceneNodeHandle]:
+        """The nodes of the parts by their names."""
+        return self._nodes
+
     def remove(self) -> None:
         """Take all parts out of the scene."""
         for node in self._nodes.values():

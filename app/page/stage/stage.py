@@ -20,7 +20,9 @@ from ..viser_private.stage_frames import Frame, Value, changed_values, flatten_s
 from ..words import phrases
 from .body_extent import reach
 from .floor import floor_lines, floor_shadow
+from .part_names import PartNames
 from .pinned_ghosts import PinGhosts
+from .pulling_hand import Pulled, PullingHand
 from .scene_labels import SceneLabels, colour_labels, stagger_names
 from .solids import Solids
 from .trails import ErrorLines
@@ -54,8 +56,10 @@ def factors_at(stage: Stage, charted: bool) -> Vector:
 class StageView:
     """One tab's stage. Sends only what changed since the last pose. With `trails` its ghost leaves some while the tab is not `calm`."""
 
-    def __init__(self, client: viser.ClientHandle, trails: bool = False) -> None:
-        self._client, self._trails = client, trails
+    def __init__(self, client: viser.ClientHandle, trails: bool = False, pulled: Pulled | None = None) -> None:
+        """`pulled` hears of a hand that pulls the plant; without it none can."""
+        self._client, self._trails, self._pulled = client, trails, pulled
+        self._hand: PullingHand | None = None
         self._calm, self._dark = False, False
         self._scene = client.scene
         self._body: Body | None = None
@@ -64,7 +68,7 @@ class StageView:
         self._names: list[viser.LabelHandle] = []
         self._note, self._called = list[viser.LabelHandle](), list[tuple[str, Vector]]()
         self._letters = SceneLabels(self._scene, 1.0)
-        self._pins = PinGhosts(self._scene, self._letters)
+        self._pins, self._part_names = PinGhosts(self._scene, self._letters), PartNames(self._scene, self._letters)
         self._errors: ErrorLines | None = None
         self._stage: Stage | None = None
         self._frame: Frame = {}  # where everything was sent to last
@@ -95,9 +99,10 @@ class StageView:
         self.built = object()
         self._solid, self._ghost = self._parts()
         self._clouds, self._names, self._note, self._called = [], [], [], []
+        self._hand = None
         self._stage, self._body = stage, stage.body if stage is not None else None
         self._letters = SceneLabels(self._scene, em)
-        self._pins = PinGhosts(self._scene, self._letters)
+        self._pins, self._part_names = PinGhosts(self._scene, self._letters), PartNames(self._scene, self._letters)
         if stage is None:
             return
         body = stage.body
@@ -105,6 +110,10 @@ class StageView:
             self._solid.add(part, part.colour, part.opacity)
             if part.twin and stage.xhat is not None:
                 self._ghost.add(part, GHOST_COLOUR, 0.55 if self._dark else 0.42)
+        self._hand = PullingHand(self._scene, body.gain)
+        if self._pulled is not None:
+            self._hand.listen([grip for grip, _ in stage.held], self._solid.nodes, self._pulled)
+        self._hand.take(stage.held)
         none = np.array(_segments([]), np.float32).reshape(-1, 2, 3)
         self._scene.add_arrows("/forces", none, rgb(COLOURS["force"]), shaft_radius=0.035,
                                head_radius=0.09, head_length=0.16)
@@ -144,13 +153,16 @@ class StageView:
     def show(self, stage: Stage | None, language: str, em: float) -> None:
         """Take a new run; another plant is put on the stage in place of the last one."""
         if (stage.body if stage is not None else None) is not self._body:
-            for part in (self._solid, self._ghost, *self._clouds, *self._names, *self._note):
+            for part in (self._solid, self._ghost, *self._clouds, *self._names, *self._note, *filter(None, (self._hand,))):
                 part.remove()
             self._pins.clear()
+            self._part_names.clear()
             self.build(stage, language, em)
         elif stage is not None and self._errors is not None and stage is not self._stage:
             self._errors.take(stage)
             self._say(stage, language)
+        if self._hand is not None and stage is not None and stage is not self._stage:
+            self._hand.take(stage.held)
         self._stage, self.built = stage, object()
 
     def calm(self, calm: bool) -> None:
@@ -166,6 +178,14 @@ class StageView:
             self.forget()
         if changed_pins or ghosts:  # the same pins may run otherwise
             self.built = object()
+
+    def name_parts(self, named: bool, language: str) -> None:
+        """Whether the plant's parts have their names beside them."""
+        stage = self._stage
+        if self._part_names.show(self._body if named else None, stage is not None and stage.xhat is not None, language, self._dark,
+                                 1.0 if stage is None or not named else body_scale(reach(stage))):
+            self.built = object()
+            self.forget()
 
     def forget(self) -> None:
         """Send the next pose whole: what the browser shows is not known."""
@@ -190,10 +210,14 @@ class StageView:
             return frame
         index, samples = place
         x = stage.x[index].tolist()
-        self._solid.place(body.pose(x, body.gain), frame)
+        poses = ghost = body.pose(x, body.gain)
+        self._solid.place(poses, frame)
+        if self._hand is not None:
+            self._hand.place(float(stage.t[index]), x, frame)
         if stage.xhat is not None and self._ghost:
             xhat = stage.xhat[index].tolist()
-            self._ghost.place(body.pose(xhat, body.gain), frame)
+            ghost = body.pose(xhat, body.gain)
+            self._ghost.place(ghost, frame)
             believed = body.anchors(xhat, body.gain)
             if self._errors is not None:
                 self._errors.place(index, body.anchors(x, body.gain), believed, self._calm, frame)
@@ -203,6 +227,7 @@ class StageView:
             arrows = body.arrows(x, stage.u[index].tolist(), body.gain)
             frame["/forces", "points"] = _segments([(a.tail, a.head) for a in arrows if math.dist(a.tail, a.head) > MIN_ARROW_LENGTH])
         self._pins.place(samples, frame)
+        self._part_names.place(poses, ghost, frame)
         return frame
 
     def _cloud(self, believed: Sequence[Vector], radius: float, frame: Frame) -> None:

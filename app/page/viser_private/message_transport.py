@@ -6,12 +6,18 @@ viser's own loops stop at the first message that they cannot decode or encode, a
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable
-from types import TracebackType
+import time
+from collections.abc import Callable, Sequence
 from typing import Any
 
-from ...text import replace_surrogates
+import msgspec
+import zstandard
 
+from ...text import replace_surrogates
+from ..access.connection import Connection
+
+QUIET = frozenset({"LocalStorageGetItemResponseMessage"})  # what a page sends by itself
+ALIGNMENT = 8  # bytes to which viser's page wants each array to begin
 log = logging.getLogger(__name__)
 
 
@@ -24,6 +30,8 @@ async def read_messages(connection: Any, handle: Callable[[Any], None], kinds: A
         except Exception as problem:
             log.warning("left out a message that cannot be read (%s)", type(problem).__name__)
             continue
+        if isinstance(connection, Connection) and type(message).__name__ not in QUIET:
+            connection.touch()
         handle(message)
 
 
@@ -33,21 +41,39 @@ def pack_any_text(encode: Callable[[Any], bytes]) -> Callable[[Any], bytes]:
         try:
             return encode(content)
         except UnicodeEncodeError:
-            return encode(_sendable(content))
+            return encode(sendable(content))
     return pack
 
 
-def log_failed_callback(kind: type[BaseException], problem: BaseException, trace: TracebackType | None) -> None:
+def pack(messages: Sequence[Any]) -> bytes:
+    """Messages as viser's own server packs a batch: two lengths, the messages compressed, then the arrays at multiples of eight."""
+    arrays: list[memoryview] = []
+    written = [message.as_serializable_dict(arrays) for message in messages]
+    inner = ENCODE({"messages": written, "timestampSec": time.perf_counter(),
+                    "binaryBufferLengths": [array.nbytes for array in arrays]})
+    pressed = zstandard.ZstdCompressor(level=1).compress(inner)
+    out = bytearray(len(inner).to_bytes(8, "little") + len(pressed).to_bytes(8, "little") + pressed)
+    for array in arrays:
+        out += bytes(-len(out) % ALIGNMENT)
+        out += array
+    return bytes(out)
+
+
+def log_failed_callback(problem: BaseException) -> None:
     """Write to the log what viser would print of a callback that failed."""
-    log.error("a callback failed", exc_info=(kind, problem, trace))
+    log.error("a callback failed", exc_info=problem)
 
 
-def _sendable(content: Any) -> Any:
+def sendable(content: Any) -> Any:
+    """Plain data with characters that UTF-8 cannot hold replaced."""
     match content:
         case str():
             return replace_surrogates(content)
         case dict():
-            return {_sendable(key): _sendable(value) for key, value in content.items()}
+            return {sendable(key): sendable(value) for key, value in content.items()}
         case list() | tuple():
-            return [_sendable(value) for value in content]
+            return [sendable(value) for value in content]
     return content
+
+
+ENCODE = pack_any_text(msgspec.msgpack.encode)

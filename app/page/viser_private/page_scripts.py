@@ -63,3 +63,13 @@ def show_address(client: viser.ClientHandle, token: str, lesson: str, asked: int
 def tell_places(client: viser.ClientHandle, widget: Any, tabs: Sequence[str], steps: Sequence[str], tab: str | None) -> None:
     """Let a widget hear what is opened by hand, from the address bar and among tabs and folders, and open a tab."""
     run_script(client, "places", widget=node_id(widget), tabs=tabs, steps=steps, tab=tab)
+
+
+def acknowledge(client: viser.ClientHandle, edit: int) -> None:
+    """Let the page forget what a hand has done up to here: all of it was answered."""
+    run_script(client, "beat", answered=edit)
+
+
+def give_ticket(client: viser.ClientHandle, ticket: str) -> None:
+    """Let a page keep the ticket by which it finds its place again."""
+    run_script(client, "ticket", ticket=ticket)

@@ -3,23 +3,18 @@
 from __future__ import annotations
 
 import threading
-import time
-from collections.abc import Callable, Generator, Sequence
+from collections.abc import Callable, Generator
 from contextlib import contextmanager
-from typing import Any, cast
+from typing import Any
 
-import msgspec
-import viser
-import zstandard
 from viser import infra
 
-from .message_transport import pack_any_text
+from .adapter import LabGui, LabScene
+from .message_transport import pack
 from .viser_internals import fixed_camera
 
-ALIGNMENT = 8  # bytes to which viser's page wants each array to begin
 PASSING = frozenset({"play"})  # scripts of which somebody who comes later needs nothing
 REPEATED = frozenset({"flat"})  # scripts that are called for one node after another
-encode = pack_any_text(msgspec.msgpack.encode)
 
 
 class SharedPage(infra.WebsockMessageHandler):
@@ -35,10 +30,10 @@ class SharedPage(infra.WebsockMessageHandler):
         self._scene_lifecycle_lock = threading.RLock()
         self._new: dict[str, Any] = {}  # messages since the last flush, by what replaces them
         self._standing: dict[str, Any] = {}
-        nobody: Any = None  # answers, so that no callback is ever called
-        self.scene = viser.SceneApi(cast(Any, self), nobody, nobody)
-        self.gui = viser.GuiApi(cast(Any, self), nobody, nobody)
-        self.camera = fixed_camera(cast(Any, self), width, height)
+        owner: Any = self
+        self.scene = LabScene(owner, None, None)  # nobody answers, so that no callback is ever called
+        self.gui = LabGui(owner, None, None)
+        self.camera = fixed_camera(owner, width, height)
 
     def get_message_buffer(self) -> Any:
         """Where viser puts a message."""
@@ -46,7 +41,7 @@ class SharedPage(infra.WebsockMessageHandler):
 
     def push(self, message: Any) -> None:
         """Keep a message until the next flush; a newer one takes the place of those that it makes idle."""
-        script = _script_name(message)
+        script = script_name(message)
         key = message.redundancy_key() if script in ("", *PASSING) else f"script {message.source if script in REPEATED else script}"
         for kept in (self._new, self._standing):
             kept.pop(key, None)
@@ -63,6 +58,12 @@ class SharedPage(infra.WebsockMessageHandler):
             about = message.entity_state_key()
             if about == (kind, name) or str(getattr(message, "name", "")).startswith(below):
                 del self._standing[key]
+
+    def remove_entity_state_from_buffer(self, kind: str, name: str) -> None:
+        """Another node takes the place of one with this name: nothing that was said of the old one is true of it."""
+        for kept in (self._new, self._standing):
+            for key in [key for key, message in kept.items() if message.entity_state_key() == (kind, name)]:
+                del kept[key]
 
     @contextmanager
     def atomic(self) -> Generator[None, None, None]:
@@ -82,20 +83,7 @@ class SharedPage(infra.WebsockMessageHandler):
         return pack(list(self._standing.values()))
 
 
-def _script_name(message: Any) -> str:
+def script_name(message: Any) -> str:
+    """The name of the script of ours that a message runs, "" where it runs none."""
     source = getattr(message, "source", None)
     return source.partition("\n")[0].removeprefix("// ").removesuffix(".js") if isinstance(source, str) else ""
-
-
-def pack(messages: Sequence[Any]) -> bytes:
-    """Messages as viser's own server packs a batch: two lengths, the messages compressed, then the arrays at multiples of eight."""
-    arrays: list[memoryview] = []
-    written = [message.as_serializable_dict(arrays) for message in messages]
-    inner = encode({"messages": written, "timestampSec": time.perf_counter(),
-                    "binaryBufferLengths": [array.nbytes for array in arrays]})
-    pressed = zstandard.ZstdCompressor(level=1).compress(inner)
-    out = bytearray(len(inner).to_bytes(8, "little") + len(pressed).to_bytes(8, "little") + pressed)
-    for array in arrays:
-        out += bytes(-len(out) % ALIGNMENT)
-        out += array
-    return bytes(out)

@@ -1,4 +1,4 @@
-"""Collect all code that touches private parts of viser 1.1, so that an upgrade checks one file."""
+"""Collect our calls of what is private in viser 1.1; `adapter.py` has classes in place of its own."""
 
 from __future__ import annotations
 
@@ -6,77 +6,57 @@ import asyncio
 import secrets
 import socket
 import threading
-from collections.abc import Callable, Generator, Iterator
-from contextlib import contextmanager
-from functools import cache
-from types import MappingProxyType, SimpleNamespace
-from typing import Any, cast, get_type_hints
-from unittest import mock
+from collections.abc import Callable
+from contextlib import suppress
+from typing import Any
 
-import msgspec
 import viser
-import websockets.asyncio.server
-from viser import _assignable_props_api, _messages, _scene_api, _threadpool_exceptions, infra
-from viser.infra import _infra
+from viser import _messages, infra
+from websockets.exceptions import ConnectionClosed
 
 from .. import web
 from ..access.connection import Connection
 from ..access.handshake import MAX_MESSAGE_BYTES, AdmissionControl, PackedPage, serve_guarded
 from ..web.html_page import APP_NAME, app_page
+from .adapter import LabViser
 from .browser_storage import check_browser_memory
-from .message_transport import log_failed_callback, pack_any_text, read_messages
-from .packed_images import pack_cached
+from .heartbeat import beat, press
+from .message_transport import pack
 from .stage_frames import Frame, viser_value
-from .thread_event import LoopEvent
 
 SPARE = 10_000  # bytes of a message beside what it carries
-OPENING = threading.Lock()  # two servers opened at once would take each other's socket
 OWN_DOORS = frozenset({"ViewerCameraMessage", "GuiUpdateMessage", "CommandTriggerMessage", "SceneNodeDragMessage",
                        "SceneNodeClickMessage", "FileTransferStartUpload", "FileTransferPart"})
-HINTS = cache(get_type_hints)  # of a class, which viser finds out anew for each handle: a third of the price of a tab
-_assignable_props_api.AssignablePropsBase._prop_hints = property(lambda handle: HINTS(type(handle._impl.props)))  # type: ignore
-_scene_api._encode_image_binary = pack_cached(_scene_api._encode_image_binary)
-_infra._message_consumer = read_messages
-_infra.msgspec = SimpleNamespace(msgpack=SimpleNamespace(encode=pack_any_text(msgspec.msgpack.encode)))  # type: ignore[assignment]
-_threadpool_exceptions.print = lambda *_, **__: None  # type: ignore[attr-defined]
-_threadpool_exceptions.traceback = SimpleNamespace(print_exception=log_failed_callback)  # type: ignore[assignment]
-MOVES = MappingProxyType({"SetPositionMessage": "position", "SetOrientationMessage": "wxyz", "SetSceneNodeVisibilityMessage": "visible"})
 
 
-def open_server(listener: socket.socket, reception: AdmissionControl, language: str = "en") -> viser.ViserServer:
-    """viser's server on a socket that listens, behind a reception, with our own page.
-
-    viser itself opens a port of its own, asks nobody who comes, takes messages of 50 MB, serves the page that it is
-    shipped with and prints a table. Here nobody is let in until every door that all tabs share is closed.
-    """
+def open_server(listener: socket.socket, admission: AdmissionControl, language: str = "en") -> LabViser:
+    """viser's server on a socket that listens, behind admission control, with our own page. Nobody is let in before all stands."""
     ready = threading.Event()
     host, port = listener.getsockname()[:2]
-    serve = serve_guarded(listener, PackedPage.of(app_page(language)), reception, ready.is_set, f"viser-v{viser.__version__}")
-    with OPENING, mock.patch.object(websockets.asyncio.server, "serve", serve), mock.patch("rich.print"):
-        server = viser.ViserServer(host=host, port=port, label=APP_NAME, verbose=False)
-    close_shared_doors(server)
+    serve = serve_guarded(listener, PackedPage.of(app_page(language)), admission, ready.is_set, f"viser-v{viser.__version__}")
+    server = LabViser(host, port, APP_NAME, serve)
 
     @server._websock_server.on_client_connect
     def _(connection: infra.WebsockClientConnection) -> None:
         keep_own_doors(connection)
+        answer_beats(server, connection)
 
     ready.set()
     return server
 
 
-def close_server(server: viser.ViserServer) -> None:
-    """Stop the server, without the line that viser prints."""
-    with OPENING, mock.patch("rich.print"):
-        server.stop()
-
-
 def open_tab(server: viser.ViserServer, client_id: int) -> Connection | None:
     """Tell the connection that its tab stands: from now on it may send what a page in use sends. None where it has left."""
-    connection = server._websock_server._live_connections.get(infra.ClientId(client_id))
-    if not isinstance(connection, Connection):
-        return None
-    connection.open_tab()
+    connection = connection_of(server, client_id)
+    if connection is not None:
+        connection.open_tab()
     return connection
+
+
+def connection_of(server: viser.ViserServer, client_id: int) -> Connection | None:
+    """The connection of a tab; None where it has left."""
+    connection = server._websock_server._live_connections.get(infra.ClientId(client_id))
+    return connection if isinstance(connection, Connection) else None
 
 
 def fixed_camera(client: viser.ClientHandle, width: int, height: int) -> viser.CameraHandle:
@@ -86,18 +66,6 @@ def fixed_camera(client: viser.ClientHandle, width: int, height: int) -> viser.C
     state.image_width, state.image_height, state.update_timestamp = width, height, 1.0
     state.position[1] = -1.0  # none stands where it looks at
     return camera
-
-
-def close_shared_doors(server: viser.ViserServer) -> frozenset[str]:
-    """Take away every handler by which a message of one tab acts on the server or on all tabs; their names.
-
-    Among them are one that hands a message on to everybody and keeps it for those who come later, and one that opens a
-    public tunnel. All that we show belongs to one tab, so none is needed.
-    """
-    handlers = server._websock_server._incoming_handlers
-    names = frozenset(message.__name__ for message in handlers)
-    handlers.clear()
-    return names
 
 
 def keep_own_doors(connection: infra.WebsockClientConnection) -> frozenset[str]:
@@ -130,28 +98,11 @@ def accept_values_only(client: viser.ClientHandle, refused: Callable[[], object]
     connection.register_handler(_messages.GuiUpdateMessage, guarded)
 
 
-def may_leave(client: viser.ClientHandle) -> None:
-    """Let a tab leave in the middle of an answer: what is written to it after that is dropped.
-
-    viser keeps it in a queue that nobody reads any more, and warns of the first message. No order of ending things could
-    avoid that: a browser goes without asking, and its answer is written on another thread.
-    """
-    buffer = client._websock_connection.get_message_buffer()
-    buffer.message_event.__class__ = LoopEvent  # the tab's own thread rings it
-    push, buffer._warned_push_after_done = buffer.push, True
-
-    def push_to_who_is_there(message: _messages.Message) -> None:
-        if not buffer.done:
-            push(message)
-
-    buffer.push = push_to_who_is_there  # type: ignore[method-assign]
-
-
-def hang_up(server: viser.ViserServer, client_id: int) -> None:
-    """Close the connection of a tab from any thread; viser has no call for it. Its page comes back by itself."""
+def hang_up(server: viser.ViserServer, client_id: int, reason: str = "") -> None:
+    """Close the connection of a tab from any thread; viser has no call for it. Its page comes back by itself, or does as `reason` says."""
     connection = server._websock_server._live_connections.get(infra.ClientId(client_id))
     if connection is not None:
-        asyncio.run_coroutine_threadsafe(connection.close(1011), connection.loop)
+        asyncio.run_coroutine_threadsafe(connection.close(1011, reason), connection.loop)
 
 
 def accept_small_files_only(client: viser.ClientHandle, most_bytes: int, refused: Callable[[], object]) -> None:
@@ -247,46 +198,22 @@ def ask_storage(client: viser.ClientHandle, key: str, shelf: str,
     client.flush()
 
 
-class Tape(infra.WebsockMessageHandler):
-    """Where a scene is put that no browser looks at: `viser.ClientHandle` as far as the stage and its boards use one.
+def answer_beats(server: viser.ViserServer, connection: infra.WebsockClientConnection) -> None:
+    """Answer each question of a page whether its connection is alive with an empty batch, whether it has a tab yet or not."""
+    socket: Any = server._websock_server._live_connections[infra.ClientId(connection.client_id)]
 
-    viser makes its recording of all that is put there but for what happens in `changes`.
-    """
+    async def heard(_: Any, message: _messages.LocalStorageGetItemResponseMessage) -> None:
+        if beat(message) is not None and not socket.transport.get_write_buffer_size():  # else it gets something as it is
+            with suppress(ConnectionClosed):  # the page has left meanwhile
+                await socket.send(pack([]))
+    connection.register_handler(_messages.LocalStorageGetItemResponseMessage, heard)
 
-    def __init__(self, camera: Any) -> None:
-        super().__init__()
-        self.client_id, self.camera = 0, camera
-        self._websock_connection = self._viser_server = self
-        self._scene_lifecycle_lock = threading.RLock()
-        self._sent: list[Any] | None = None  # while changes are watched
-        self._recorder = self.get_message_serializer(lambda message: message.include_in_scene_serialization and self._sent is None)
-        nobody: Any = None  # looks, so no callback is ever called
-        self.scene = viser.SceneApi(cast(Any, self), nobody, nobody)
 
-    def get_message_buffer(self) -> Any:
-        """Where viser puts a message."""
-        return self
-
-    def push(self, message: infra.Message) -> None:
-        """Keep a message while changes are watched."""
-        if self._sent is not None:
-            self._sent.append(message)
-
-    @contextmanager
-    def atomic(self) -> Generator[None, None, None]:
-        """Nobody looks, so nothing is seen half done."""
-        yield
-
-    def changes(self, step: Callable[[], object]) -> Iterator[tuple[str, str, Any]]:
-        """What a step changes: the name of the node, the property and its value."""
-        self._sent = sent = []
-        step()
-        self._sent = None
-        for message in sent:
-            kind, name = type(message).__name__, message.name
-            changed = {MOVES[kind]: getattr(message, MOVES[kind])} if kind in MOVES else message.updates
-            yield from ((name, prop, value) for prop, value in changed.items())
-
-    def recording(self) -> bytes:
-        """viser's recording, with the scripts that were run; once."""
-        return self._recorder.serialize()
+def hear_beats(client: viser.ClientHandle, asked: Callable[[int], object], pressed: Callable[[int], object] = id) -> None:
+    """Hand on the number of the last edit that a page waits for, each time that it asks, and that of each press before it comes."""
+    def heard(_: Any, message: _messages.LocalStorageGetItemResponseMessage) -> None:
+        if number := beat(message):
+            asked(int(number))
+        elif count := press(message):
+            pressed(count)
+    client._websock_connection.register_handler(_messages.LocalStorageGetItemResponseMessage, heard)

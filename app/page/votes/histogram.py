@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import html
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from itertools import pairwise
 from typing import assert_never
 
-from ...classroom.votes import HIDDEN_BELOW, Asked, Kind, Vote, histogram
+from ...classroom.votes import DISCUSS_S, HIDDEN_BELOW, Asked, Kind, Vote, histogram
+from ...course.guiding.predictions import LETTERS
 from ...text import format_number
 from ..words import phrases
 from .pole_plane import cloud_svg, pole_words
-
-LETTERS = "ABCDEFGH"
 
 
 def question_words(asked: Asked, language: str) -> str:
@@ -33,14 +32,39 @@ def answer_words(kind: Kind, answer: complex, language: str) -> str:
             assert_never(kind)
 
 
+def vote_attributes(number: int) -> Callable[[int], str]:
+    """The attributes of the button that votes for an option."""
+    return lambda k: f'data-room="vote:{number}:{k}"'
+
+
 def bars_html(votes: Sequence[Vote], language: str) -> str:
-    """A histogram for each vote, from left to right in the order of their rounds."""
-    return f'<div class="ol-polls">{"".join(_histogram(vote, language, len(votes)) for vote in votes)}</div>'
+    """A histogram for each vote, from left to right in the order of their rounds; where none is shown, how many have voted."""
+    return f'<div class="ol-polls">{"".join(_histogram(vote, language, len(votes)) for vote in votes)}</div>' if votes else ""
+
+
+def results_html(votes: Sequence[Vote], language: str) -> str:
+    """The histograms that are shown to everybody, and how long the class discusses."""
+    return bars_html([vote for vote in votes if vote.visible], language) + discussion_html(votes, language)
+
+
+def discussion_html(votes: Sequence[Vote], language: str) -> str:
+    """That the class discusses, with the time that is left; the page counts it down."""
+    if not votes or votes[-1].open or not votes[-1].talks:
+        return ""
+    left = f'<b class="ol-countdown" role="timer" data-talk="{votes[-1].number}.{votes[-1].talks}" data-most="{DISCUSS_S:.0f}"></b>'
+    return f'<p class="ol-discuss">{html.escape(phrases.DISCUSS_NOW(language))} {left}</p>'
+
+
+def _told(vote: Vote, language: str) -> str:
+    """How many have voted, and what that means for the counts."""
+    if not vote.open and vote.total < HIDDEN_BELOW:
+        return phrases.FEW_VOTES.format(count=vote.total, least=HIDDEN_BELOW)(language)
+    return (phrases.VOTES if vote.open or vote.visible else phrases.HIDDEN_VOTES).format(count=vote.total)(language)
 
 
 def _histogram(vote: Vote, language: str, beside: int) -> str:
     shown = vote.shown
-    told = html.escape((phrases.VOTES.format(count=vote.total) if shown else phrases.FEW_VOTES.format(count=HIDDEN_BELOW))(language))
+    told = html.escape(_told(vote, language))
     name = html.escape(phrases.VOTE_ROUND.format(number=vote.round)(language))
     rows = "" if shown is None else _rows(vote, shown, language, beside)
     return f'<figure class="ol-poll" data-vote="{vote.number}"><figcaption>{name} · {told}</figcaption>{rows}</figure>'

@@ -8,7 +8,7 @@ import math
 
 from ...classroom.pole_grid import PoleGrid, with_conjugate
 from ...classroom.votes import Vote
-from ...text import Text
+from ...text import Text, format_number
 from ..charts.axis_ticks import ticks
 from ..words import phrases
 
@@ -71,11 +71,11 @@ def _plane(grid: PoleGrid, marks: str, given: str, letter: float) -> str:
     for re in ticks(grid.re_low, grid.re_high):
         x, _ = _at(grid, complex(re))
         out.append(f'<path class="ol-rule" d="M{x:.1f},0V{HEIGHT:g}"/>'
-                   f'<text x="{x:.1f}" y="{HEIGHT + 1.3 * letter:g}" text-anchor="middle">{_number(re)}</text>')
+                   f'<text x="{x:.1f}" y="{HEIGHT + 1.3 * letter:g}" text-anchor="middle">{format_number(re, "g")}</text>')
     for im in ticks(-grid.im_high, grid.im_high, 4):
         _, y = _at(grid, complex(0, im))
         out.append(f'<path class="ol-rule" d="M0,{y:.1f}H{WIDTH:g}"/>')
-        out.append(f'<text x="{WIDTH + 0.3 * letter:g}" y="{y + 0.35 * letter:.1f}">{_number(im)}j</text>' if im else "")
+        out.append(f'<text x="{WIDTH + 0.3 * letter:g}" y="{y + 0.35 * letter:.1f}">{format_number(im, "g")}j</text>' if im else "")
     out.append(f'<path class="ol-axis" d="M0,{zero_y:.1f}H{WIDTH:g}"/>')
     if grid.re_low < 0 < grid.re_high:
         out.append(f'<path class="ol-axis" d="M{zero_x:.1f},0V{HEIGHT:g}"/>')
@@ -91,7 +91,3 @@ def _unstable(grid: PoleGrid) -> str:
     (left, top), (right, bottom) = _at(grid, complex(-1, 1)), _at(grid, complex(1, -1))
     return (f'<rect class="ol-unstable" width="{WIDTH:g}" height="{HEIGHT:g}"/><ellipse class="ol-glass" '
             f'cx="{(left + right) / 2:.1f}" cy="{(top + bottom) / 2:.1f}" rx="{(right - left) / 2:.1f}" ry="{(bottom - top) / 2:.1f}"/>')
-
-
-def _number(value: float) -> str:
-    return f"{value:g}".replace("-", "−")

@@ -5,12 +5,13 @@ from __future__ import annotations
 import html
 
 from ...classroom.room import RoomView
+from ...classroom.votes import DISCUSS_S, Vote
 from ...course.scenes import Choose, Move
 from ...session.state.view import Picture
 from ...text import Text
 from ..words import phrases
 from ..words.link_code import qr_code
-from .histogram import bars_html, question_words
+from .histogram import bars_html, discussion_html, question_words, results_html
 
 
 def room_html(picture: Picture, hand: str) -> str:
@@ -47,9 +48,9 @@ def _typed(picture: Picture, hand: str) -> str:
     vote, lang = picture.typed[-1], picture.state.language
     assert vote.asked is not None
     options = "".join(f"<li>{html.escape(option)}</li>" for option in vote.asked.options)
-    button = _button(hand, "vote:close", phrases.CLOSE_VOTE, lang) if vote.open else _button(hand, "vote:typed", phrases.VOTE_AGAIN, lang)
+    button = _stage(vote, hand, "vote:typed", lang)
     return (f'<h3 class="ol-asked">{html.escape(question_words(vote.asked, lang))}</h3><ol class="ol-letters">{options}</ol>'
-            f"{button}{bars_html(picture.typed, lang)}")
+            f"{button}{bars_html(picture.typed, lang)}{discussion_html(picture.typed, lang)}")
 
 
 def way_back(language: str) -> str:
@@ -69,7 +70,8 @@ def _counts(picture: Picture, room: RoomView, hand: str) -> str:
     lines = html.escape(" · ".join(words(lang) for words in said))
     slower = "" if not room.slower else (f'<p class="ol-note ol-slower">{html.escape(phrases.ASK_SLOWER.format(count=room.slower)(lang))} '
                                          f"{_button(hand, 'hands', phrases.LOWER_HANDS, lang)}</p>")
-    return f'<p class="ol-note ol-here">{lines}</p>{slower}'
+    failing = f'<p class="ol-note ol-failing">{html.escape(phrases.STORE_FAILS(lang))}</p>' if room.failing else ""
+    return f'{failing}<p class="ol-note ol-here">{lines}</p>{slower}'
 
 
 def _place(picture: Picture, place: str) -> str:
@@ -90,5 +92,31 @@ def _vote(picture: Picture, hand: str) -> str:
         return _button(hand, "pole:", phrases.ASK_POLE, lang)
     if scene is None or not isinstance(scene.do, Choose):
         return ""
-    word = phrases.CLOSE_VOTE if picture.voting else phrases.VOTE_AGAIN if votes else phrases.OPEN_VOTE
-    return _button(hand, "vote:close" if picture.voting else "vote:open", word, lang) + (bars_html(votes, lang) if votes else "")
+    if not votes:
+        return _button(hand, "vote:open", phrases.OPEN_VOTE, lang)
+    return _stage(votes[-1], hand, "vote:open", lang) + bars_html(votes, lang) + discussion_html(votes, lang)
+
+
+def _stage(vote: Vote, hand: str, again: str, language: str) -> str:
+    """The buttons of what may come next: close the vote, show its counts, discuss, ask again, tell the answer."""
+    if vote.open:
+        return _button(hand, "vote:close", phrases.CLOSE_VOTE, language)
+    shows = ("hide", phrases.HIDE_COUNTS) if vote.counts_out else ("show", phrases.SHOW_COUNTS)
+    steps = [(f"vote:{shows[0]}:{vote.number}", shows[1])]
+    if not vote.revealed:
+        steps.append((f"vote:discuss:{vote.number}", phrases.DISCUSS.format(minutes=round(DISCUSS_S / 60))))
+    steps.append((again, phrases.VOTE_AGAIN))
+    if vote.asked is None and not vote.revealed:
+        steps.append((f"vote:reveal:{vote.number}", phrases.REVEAL_ANSWER))
+    return " ".join(_button(hand, value, words, language) for value, words in steps)
+
+
+def hall_html(picture: Picture) -> str:
+    """What the hall sees in large print over a stage at rest: results of the latest vote that are shown, or the time to discuss."""
+    if picture.state.performance is not None or picture.state.playing:
+        return ""
+    votes = max((picture.votes, picture.typed), key=lambda found: found[-1].number if found else 0)
+    said = results_html(votes, picture.state.language) if picture.state.mode == "present" else ""
+    asked = votes[-1].asked if votes and said else None
+    head = "" if asked is None else f'<h3 class="ol-asked">{html.escape(question_words(asked, picture.state.language))}</h3>'
+    return head + said

@@ -6,20 +6,34 @@ from types import MappingProxyType
 
 import viser
 
-from ...session.commands.room import AskPole, AskTyped, AskTypedAgain, CloseVote, Lecturing, LowerHands, OpenVote
+from ...session.commands.base import Command
+from ...session.commands.room import (
+    AskPole,
+    AskTyped,
+    AskTypedAgain,
+    CloseVote,
+    Discuss,
+    HideCounts,
+    LowerHands,
+    OpenVote,
+    Reveal,
+    ShowCounts,
+)
 from ...session.state.view import Picture
 from ..viser_private import viser_internals
 from ..viser_private.write_once import write_content
-from .room_card import ask_html, audience_html, room_html
+from .room_card import ask_html, audience_html, hall_html, room_html
 
 VOTES = MappingProxyType({"close": CloseVote, "typed": AskTypedAgain})
+STAGES = MappingProxyType({"show": ShowCounts, "hide": HideCounts, "discuss": Discuss, "reveal": Reveal})
 
 
-def room_command(kind: str, value: str) -> Lecturing | None:
+def room_command(kind: str, value: str) -> Command | None:
     """What a button of the panel asks for; None where the words are of another part of the page."""
     match kind:
         case "vote":
-            return VOTES.get(value, OpenVote)()
+            step, _, number = value.partition(":")
+            return STAGES[step](number) if step in STAGES else VOTES.get(value, OpenVote)()
         case "ask":
             return AskTyped(value)
         case "pole":
@@ -34,7 +48,8 @@ class RoomPanel:
 
     def __init__(self, client: viser.ClientHandle, picture: Picture, hand: str) -> None:
         """`hand` is the widget for which the buttons answer."""
-        self._hand = hand
+        self._hand, self._client = hand, client
+        self._hall: str | None = None  # what this page shows over the stage, None where that is not known
         self._room = client.gui.add_html("") if picture.state.room is not None else None
         if self._room is not None:
             client.gui.add_html(ask_html(hand, picture.state.language) + audience_html(picture))
@@ -44,3 +59,7 @@ class RoomPanel:
         """The counts as they are now."""
         if self._room is not None:
             write_content(self._room, room_html(picture, self._hand))
+            hall = hall_html(picture)
+            if hall != self._hall:
+                self._hall = hall
+                viser_internals.run_script(self._client, "hall", html=hall)

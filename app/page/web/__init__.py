@@ -5,6 +5,7 @@ A script is one function; what it must know from here goes into its only argumen
 
 from __future__ import annotations
 
+import base64
 import json
 from functools import cache
 from pathlib import Path
@@ -13,6 +14,7 @@ from string import Template
 from ...colours import COLOURS, DARK_COLOURS
 
 FOLDER = Path(__file__).parent
+MATH_FONT = "Observer Lab Math"  # as `math.css` names it
 BREAKS = (("<", "\\u003c"), ("\u2028", "\\u2028"), ("\u2029", "\\u2029"))  # what would end an element or a line of a script
 
 
@@ -34,6 +36,13 @@ def file_text(name: str) -> str:
 def coloured_text(name: str) -> str:
     """The text of a file with the colour by day for each $role in it."""
     return Template(file_text(name)).substitute(COLOURS)
+
+
+@cache
+def font_rules() -> str:
+    """The style sheet of the font of our formulas, with the font in it: a page asks no other host for one."""
+    font = base64.b64encode(path_of("math.woff2").read_bytes()).decode("ascii")
+    return f'@font-face{{font-family:"{MATH_FONT}";src:url(data:font/woff2;base64,{font}) format("woff2")}}{file_text("math.css")}'
 
 
 @cache

@@ -12,10 +12,15 @@ import viser
 
 from ...text import Text, languages
 from .. import web
+from ..access.places import PLACE_FIELD
 from ..words import phrases
+from ..words.version import version
 
 APP_NAME = "Observer Lab"
 ADDRESS = "observer-lab-address"  # the key of the token that a tab has put into its address bar
+HELD, RELOADED = "observer-lab-held", "observer-lab-reloaded"  # the keys of what the server has not answered, and of the last resort
+TICKET = "observer-lab-place"  # the key of the ticket by which a tab finds its place again
+REST = "rest"  # the reason of a close after which a page waits for a hand
 SPOKEN = "observer-lab-language"  # the key of the language that a tab spoke last
 
 
@@ -25,21 +30,27 @@ def app_page(language: str) -> str:
     Until a lesson stands it shows our name in `language`, or in the one that the tab spoke before, instead of viser's form
     for an address; while the server does not answer, a sentence stands above what was last shown.
 
-    Without a graphics card the view is drawn without multisampling; a scene at rest is finer instead (`manners`).
+    Without a graphics card the view is drawn without multisampling; a scene at rest is finer instead.
     """
     words = {web_code(code): {"name": APP_NAME, "loading": phrases.LOADING(code), "lost": phrases.SERVER_LOST(code),
+                              "rests": phrases.PAGE_RESTS(code), "token": phrases.OTHER_TOKEN(code),
                               "stranger": phrases.STRANGER(code)} for code in languages()}
-    link = web.script_call("link", words=words, language=web_code(language), kept=SPOKEN)
-    return _their_page(APP_NAME, f"<style>{web.coloured_text('link.css')}</style><script>{web.script_call('viser_dom')}</script>"
+    connection = (web.script_call("lifeline", version=version(), reloads=RELOADED, rest=REST), web.script_call("held", kept=HELD),
+                  web.script_call("link", words=words, language=web_code(language), kept=SPOKEN))
+    return viser_page(APP_NAME, f"<style>{web.coloured_text('link.css')}{web.font_rules()}</style>"
+                             f"<script>{web.script_call('viser_dom')}</script>"
                              f"<script>{web.script_call('software')}</script>"
-                             f"<script>{web.script_call('folded')}</script><script>{web.script_call('breadth')}</script><script>{link}</script>"
-                             f"<script>{web.script_call('address', kept=ADDRESS)}</script>")
+                             f"<script>{web.script_call('folded')}</script><script>{web.script_call('breadth')}</script>"
+                             f"{''.join(f'<script>{script}</script>' for script in connection)}"
+                             f"<script>{web.script_call('address', kept=ADDRESS)}</script>"
+                             f"<script>{web.script_call('place', kept=TICKET, field=PLACE_FIELD)}</script>")
 
 
 def server_full_page(language: str, places: int, seconds: int) -> str:
     """What a browser gets while a server has no place for it: one sentence in every language, its own first; it asks again by itself."""
     return _page_that_says(phrases.FULL.format(places=places, seconds=seconds), language,
-                           f'<meta http-equiv="refresh" content="{seconds}">')
+                           f'<meta http-equiv="refresh" content="{seconds}">'
+                           f"<script>{web.script_call('queue', kept=TICKET, field=PLACE_FIELD)}</script>")
 
 
 def token_required_page(language: str) -> str:
@@ -62,14 +73,15 @@ def _page_that_says(words: Text, language: str, head: str) -> str:
 def recording_page(recording: bytes, language: str, title: str, head: str, body: str, dark: bool) -> str:
     """viser's page with a recording in it, which it plays without a server, and what of ours stands in its head and beside it."""
     embedded = web.script_call("embed", recording=base64.b64encode(recording).decode("ascii"), dark=dark)
-    text = _their_page(title, f"{head}<script>{web.script_call('viser_dom')}</script><script>{web.script_call('software')}</script>"
+    text = viser_page(title, f"{head}<style>{web.font_rules()}</style>"
+                                f"<script>{web.script_call('viser_dom')}</script><script>{web.script_call('software')}</script>"
                                 f"<script>{embedded}</script>")
     text = re.sub("<noscript>.*?</noscript>", "", text, count=1, flags=re.DOTALL)  # the figures are read without scripts
     text = text.replace('<html lang="en">', f'<html lang="{web_code(language)}">', 1)
     return text.replace("</body>", f"{body}</body>", 1)
 
 
-def _their_page(title: str, head: str) -> str:
+def viser_page(title: str, head: str) -> str:
     theirs = Path(viser.__file__).parent / "client" / "build" / "index.html"
     text = re.sub(r'<link\s+rel="icon".*?/>', "", theirs.read_text(encoding="utf-8"), count=1, flags=re.DOTALL)
     icon = "data:image/svg+xml," + quote(web.coloured_text("icon.svg"))

@@ -1,9 +1,28 @@
-// Gives each slider and number field the name of its row, and the stage one of its own, for whoever hears the page.
+// Gives each slider and number field the name of its row, and the stage one of its own, for whoever hears the page: one main part, one
+// first heading. After an answer the focus goes to its verdict, since the pressed button is gone.
 ({stage}) => {
   const lab = window.observerLabAria ??= {};
   lab.stage = stage;
+  if (!lab.hears) {
+    lab.hears = true;
+    document.addEventListener('click', event => { lab.answers ||= !!event.target?.closest?.('.ol-card .ol-option'); }, true);
+  }
+  const toVerdict = () => {
+    const told = document.querySelector('.ol-answer:has(.ol-right,.ol-wrong)'), at = document.activeElement;
+    if (!lab.answers || !told) return;
+    lab.answers = false;
+    if (at && at !== document.body && !at.matches(':disabled')) return;  // a hand is elsewhere by now
+    told.tabIndex = -1;
+    told.focus({preventScroll: true});
+  };
   lab.write ??= () => {
     lab.waits = false;
+    document.getElementById('root')?.setAttribute('role', 'main');
+    for (const head of document.querySelectorAll('.ol-scene,.ol-question')) {
+      head.setAttribute('role', 'heading');
+      head.setAttribute('aria-level', 1);
+    }
+    toVerdict();
     for (const each of document.querySelectorAll('[role=slider]:not([data-named]),input:not([data-named],[type=hidden])')) {
       if (each.labels?.length || each.getAttribute('aria-label')) continue;
       let row = each.parentElement;

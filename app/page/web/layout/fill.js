@@ -4,8 +4,8 @@
 ({large}) => {
   const viser = window.observerLabViser, {chart: CHART, column: COLUMN, view: VIEW} = viser.parts;
   const lab = window.observerLabFill ??= {}, LEAST = .3, MUCH = .35, HALF = .5, TALLEST = 1.5;  // shares; height over width
-  const CLEAR = 6, AIR = .7;  // px; letters
-  const DRAWN = `${CHART},.ol-table,:has(${CHART},.ol-table)`;
+  const CLEAR = 6, ASKED = 170, AIR = .7;  // px; px that a question's figure has at least; letters
+  const DRAWN = `${CHART},.ol-table,.ol-figure,:has(${CHART},.ol-table,.ol-figure)`;
   const [SPARE, SLACK] = [26, 66];  // px left below grown charts, so that a caption may take a line more; px from which they grow again
   lab.large = large;
   lab.heights ??= new WeakMap();  // of charts in usual print: as the lab made them, and as `share` left them
@@ -38,7 +38,17 @@
     }
   };
 
+  // The figure of a question takes what the card leaves of the column, so that the verdict and it are seen together.
+  const fit = () => {
+    const drawn = column()?.querySelector('.ol-figure[data-figure=question]>svg'), view = drawn?.closest(VIEW);
+    if (!view?.clientHeight) return;
+    const below = drawn.closest('.ol-sketch')?.lastElementChild.offsetHeight ?? 0;  // the words and the button under it
+    const left = `${Math.round(Math.max(ASKED, view.clientHeight - (rect(drawn).top - rect(view.firstElementChild).top) - below - 2 * CLEAR))}px`;
+    if (drawn.style.maxHeight !== left) drawn.style.maxHeight = left;
+  };
+
   const fill = () => {
+    fit();
     const all = [...column()?.querySelectorAll('.ol-caption[data-figure]') ?? []];
     const captions = all.filter(each => each.checkVisibility());
     const view = captions[0]?.closest(VIEW), room = view?.clientHeight;

@@ -16,6 +16,7 @@
     if (gaps.length > COUNT) gaps.shift();
     slow = gaps.length === COUNT && [...gaps].sort((a, b) => a - b)[COUNT >> 1] > SLOW;
   });
+  viser.onSize(() => viser.drawNow());  // a canvas that gets another size after the browser's frame began would be shown empty
   viser.onRedraw(ask => {
     viser.hideEmptyBackground();
     viser.takeUp(true);

@@ -6,18 +6,20 @@
   const store = () => { try { return sessionStorage.getItem(own(kept)) ?? ''; } catch (error) { return ''; } };
   const viser = window.observerLabViser;
   const LINK = own(kept + '-link');  // what was opened and not yet taken: a page that is loaded again meanwhile opens it again
+  let here = '';  // where the browser refuses storage, as in frames of other sites
   const held = value => {
+    here = value ?? here;
     try {
       if (value !== undefined) sessionStorage.setItem(LINK, value);
       return sessionStorage.getItem(LINK) ?? '';
-    } catch (error) { return ''; }
+    } catch (error) { return here; }
   };
   const anew = performance.getEntriesByType('navigation')[0]?.type === 'reload';
   const carried = held(location.hash || (anew ? held() : ''));
   const lab = window.observerLabAddress = {own, shown: store(), asked: 0, widget: '', carried};
   const plain = () => {
     const asked = new URLSearchParams(location.search);
-    for (const name of ['token', 'present', 'again', 'websocket']) asked.delete(name);
+    for (const name of ['token', 'present', 'again', 'place', 'websocket']) asked.delete(name);
     return location.pathname + (asked.size ? '?' + asked : '');
   };
   const asked = new URLSearchParams(location.search), role = ['own', 'follow'].find(name => asked.has(name));  // in a lecture room

@@ -1,9 +1,12 @@
 // Keeps what a tab wrote: for this tab alone, through a reload; and for every later tab, beside what others have done meanwhile.
 // A browser without storage, or with a full one, keeps nothing.
-({key, text, most}) => {
+({key, text, most, answered}) => {
   const lab = window.observerLabKept ??= {}, own = window.observerLabAddress?.own(key) ?? key;
   const desk = written => JSON.stringify(written);
-  try { sessionStorage.setItem(own, text); } catch (error) { console.warn('not kept', error); }
+  try {
+    sessionStorage.setItem(own, text);
+    window.observerLabLine?.answered(answered);  // what is kept holds these presses: after an outage they are not done again
+  } catch (error) { console.warn('not kept', error); }
   try {
     const mine = JSON.parse(text), all = JSON.parse(localStorage.getItem(own) ?? '{}').desks ?? {};
     const changed = Object.entries(mine.desks).filter(([name, written]) => !(name in all) || lab[name] !== desk(written));

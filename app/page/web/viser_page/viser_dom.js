@@ -1,4 +1,4 @@
-// Runs before viser's page and is the only script that knows it. Our other scripts find viser's elements by `parts` and call the
+// Runs before viser's page; it and the two scripts beside it alone know that page. Our other scripts find viser's elements by `parts`, call the
 // functions below; our style sheets know an element by the attribute `data-ol-…` that it gets here before it is first painted.
 // The names are those of viser 1.1: attributes of its dock and of its own browser tests where there are some, else Mantine's class names.
 () => {
@@ -88,10 +88,20 @@
     const at = node.position.clone().setFromMatrixPosition(node.matrixWorld).project(page().camera), box = canvas.getBoundingClientRect();
     return [box.x + (at.x + 1) / 2 * box.width, box.y + (1 - at.y) / 2 * box.height];
   };
+  lab.onScreenOf = (name, [x, y, z]) => {  // where in the canvas, as shares of it, a point of a node's own frame is drawn
+    const node = lab.node(name), at = node.position.clone().set(x, y, z);
+    node.updateWorldMatrix(true, false);
+    node.localToWorld(at).project(page().camera);
+    return [(at.x + 1) / 2, (1 - at.y) / 2];
+  };
   lab.nodes = () => Object.entries(page().nodeRefFromName).map(([name, node]) => [name, held(node)]);
   lab.tellCamera = () => page()?.sendCamera?.();
   lab.redraw = () => page()?.requestRender?.();
   lab.drawFrame = () => view().invalidate();
+  lab.drawNow = () => view().advance(performance.now(), true);
+  lab.onSize = act => page().scene.__r3f.root.subscribe((now, before) => {  // of the canvas
+    if (now.size !== before.size) act();
+  });
   lab.resolution = () => view().viewport.dpr;
   lab.setResolution = dpr => view().setDpr(dpr);
   lab.afterFrames = act => { page().scene.onAfterRender = act; };
@@ -150,15 +160,36 @@
     window.matchMedia = asked => theirs.call(window, asked === '(max-width: 36em)' ? query : asked);
   };
   lab.onConnecting = () => {};
-  lab.onConnection = () => {};  // is given 'connected' or 'closed'
+  lab.onConnection = () => true;  // is given 'connected' or 'closed' and what more is said; whether viser's page may hear of it
+  lab.onBatch = () => true;  // is given the messages of each batch as it comes, drawn or not; whether viser's page may hear of it
+  lab.onSend = () => true;  // is given each message to the server; whether it goes there now
   lab.server = null;  // the address to connect to instead of viser's own idea
+  lab.files = null;  // what stands in a server's place: `open(give)` may give batches of messages, `take(message)` gets what the page says
+  let worker = null;  // which holds the connection
+  lab.send = message => { worker.postRaw({type: 'send', message}); };
+  lab.reconnect = () => { worker.postRaw(lab.server === null ? {type: 'retry'} : {type: 'set_server', server: lab.server}); };
   window.Worker = class extends Worker {
     constructor(...how) {
       super(...how);
       lab.onConnecting();
-      this.addEventListener('message', ({data}) => lab.onConnection(data?.type));
+      this.addEventListener('message', event => {
+        if (this !== worker) return;
+        const {type, messages} = event.data ?? {};
+        if (!type) return;
+        if (!(type === 'message_batch' ? lab.onBatch(messages) : lab.onConnection(type, event.data))) event.stopImmediatePropagation();
+      });
     }
+    postRaw(said) { super.postMessage(said); }
     postMessage(said, ...more) {
+      if (lab.files && ['set_server', 'send', 'retry', 'close'].includes(said?.type)) {
+        const give = (type, messages) => this.dispatchEvent(new MessageEvent('message', {data: {type, messages}}));
+        if (said.type === 'set_server') lab.files.open(messages => give('message_batch', messages), () => give('connected'));
+        if (said.type === 'send') lab.files.take(said.message);
+        return;
+      }
+      if (said?.type === 'set_server') worker = this;
+      if (this === worker && said?.type === 'retry') return;  // viser's own, every second and only while the page has the focus
+      if (this === worker && said?.type === 'send' && !lab.onSend(said.message)) return;
       super.postMessage(lab.server !== null && said?.type === 'set_server' ? {...said, server: lab.server} : said, ...more);
     }
   };

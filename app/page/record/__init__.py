@@ -1,0 +1,1 @@
+"""Record what the page shows, for a folder that needs no server."""

@@ -1,0 +1,75 @@
+"""Write the names of a plant's parts on the stage, each at the end of a line to its part."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import viser
+
+from ...colours import palette, rgb
+from ...plants.bodies.body import Body, PartName, Pose, Vector
+from ...text import label_in_language
+from ..viser_private.stage_frames import Frame, flatten_segments
+from .scene_labels import SceneLabels
+from .trails import HIDDEN_SEGMENT, Pair
+
+LINES = "/named/lines"
+THIN = 0.012  # stage units
+NEAR = 0.75  # of the size of letters at the boards: a plant whose parts have names is seen from near
+LARGE_LETTERS = 0.16  # stage units: larger ones are those of a hall or of a phone, and stay as large as they are
+
+
+class PartNames:
+    """The names that are on the stage, none at first; a name goes with its part."""
+
+    def __init__(self, scene: viser.SceneApi, letters: SceneLabels) -> None:
+        self._scene, self._letters = scene, letters
+        self._shown: tuple[PartName, ...] = ()
+        self._labels: list[viser.LabelHandle] = []
+        self._lines: viser.LineSegmentsHandle | None = None
+
+    def show(self, body: Body | None, ghostly: bool, language: str, dark: bool, scale: float) -> bool:
+        """The names of a body of a scale, of its ghost's parts only where there is a ghost, none for None. Whether any came or went."""
+        wanted = () if body is None else tuple(name for name in body.names if ghostly or not name.ghost)
+        if wanted == self._shown:
+            return False
+        self.clear()
+        self._shown = wanted
+        self._labels = [self._letters.write(f"/named/{i}", label_in_language(name.words, language), (0.0, 0.0, 0.0), _anchor(name.away),
+                                             lambda em: min(scale, 1.0) * (NEAR if em < LARGE_LETTERS else 1.0))
+                        for i, name in enumerate(wanted)]
+        self._lines = self._scene.add_line_segments(LINES, np.array([HIDDEN_SEGMENT], np.float32), rgb(palette(dark)["label"]),
+                                                    thickness=THIN)
+        return True
+
+    def place(self, poses: Mapping[str, Pose], ghost: Mapping[str, Pose], frame: Frame) -> None:
+        """Write into a frame where the names and their lines are, with the plant and its ghost in these poses."""
+        pairs: list[Pair] = []
+        for name, label in zip(self._shown, self._labels, strict=True):
+            there = (ghost if name.ghost else poses)[name.part].position
+            at = _moved(there, name.away)
+            frame[label.name, "position"] = at
+            pairs.append((there, at))
+        if self._lines is not None:
+            frame[LINES, "points"] = flatten_segments([*pairs, HIDDEN_SEGMENT])
+
+    def clear(self) -> None:
+        """Take all of them off the stage."""
+        for label in self._labels:
+            self._letters.remove(label)
+        if self._lines is not None:
+            self._lines.remove()
+        self._shown, self._labels, self._lines = (), [], None
+
+
+def _moved(place: Sequence[float], by: Vector) -> Vector:
+    return (place[0] + by[0], place[1] + by[1], place[2] + by[2])
+
+
+def _anchor(away: Vector) -> str:
+    """The side of the words at which the line ends."""
+    across, _, up = away
+    if abs(across) > abs(up):
+        return "center-left" if across > 0 else "center-right"
+    return "bottom-center" if up > 0 else "top-center"

@@ -1,0 +1,354 @@
+// Runs before viser's page: stands in the place of the server with states that were recorded. A state is a patch on the base of its look,
+// so any may follow any; what a hand does leads to the state that was recorded for it, or to the nearest.
+({lessons, looks, words, folder, web, speeds, shapes}) => {
+  const viser = window.observerLabViser, OWNER = '0', STEP = 100, STALL = .25, KEY = 'observer-lab-published', root = document.documentElement;
+  const keep = () => { try { localStorage.setItem(KEY, JSON.stringify(memory)); } catch (error) { /* a frame without storage */ } };
+  const kept = () => { try { return JSON.parse(localStorage.getItem(KEY)) ?? {}; } catch (error) { return {}; } };
+  const calm = () => matchMedia('(prefers-reduced-motion: reduce)').matches;
+
+  // --- which page: the address says it, else what was open last ------------------------------------------------------------
+  const asked = new URLSearchParams(location.search), memory = {language: '', theme: '', lesson: '', done: {}, ...kept()};
+  const one = (wanted, all) => wanted.find(each => all.includes(each)) ?? all[0], parts = k => [...new Set(looks.map(look => look.split('-')[k]))];
+  const lesson = one([asked.get('lesson'), memory.lesson], lessons), language = one([asked.get('lang'), memory.language], parts(0));
+  const theme = one([asked.get('theme'), memory.theme, matchMedia('(prefers-color-scheme: dark)').matches ? 'dark' : 'light'], parts(1));
+  const width = one([innerWidth > 896 ? 'wide' : 'phone'], parts(2)), look = `${language}-${theme}-${width}`, said = words[language];
+  const done = memory.done[lesson] ??= {};  // scene → the state in which it was done
+  root.lang = web[language];
+  const address = changes => `${location.pathname}?${new URLSearchParams(Object.entries(
+    {lesson, lang: language, theme, scene: base?.scenes[at]?.id, ...changes}).filter(([, value]) => value))}`;
+  const leave = changes => {
+    keep();
+    location.assign(address(changes));
+  };
+
+  // --- files -----------------------------------------------------------------------------------------------------------------
+  const waiting = {}, loaded = {}, TYPES = {'<f4': Float32Array, '<i4': Int32Array, '<u4': Uint32Array, '<i2': Int16Array};
+  window.observerLabData = (name, text) => waiting[name]?.(text);
+  const load = name => loaded[name] ??= new Promise((take, fail) => {
+    waiting[name] = take;
+    const onerror = () => fail(Error(`no file ${name}`));
+    document.head.append(Object.assign(document.createElement('script'), {src: `${folder}/${name}.js`, onerror}));
+  }).then(async text => {
+    const packed = Uint8Array.from(atob(text), letter => letter.charCodeAt(0));
+    const bytes = await new Response(new Blob([packed]).stream().pipeThrough(new DecompressionStream('gzip'))).arrayBuffer();
+    const size = Number(new DataView(bytes).getBigUint64(0, true));
+    const {arrays, content} = JSON.parse(new TextDecoder().decode(new Uint8Array(bytes, 8, size)));
+    return {...content, arrays: arrays.map(([kind, count, place]) => new (TYPES[kind] ?? Uint8Array)(bytes, 8 + size + place, count))};
+  });
+  const whole = (value, arrays) => {
+    if (Array.isArray(value)) return value.map(each => whole(each, arrays));
+    if (value === null || typeof value !== 'object') return value;
+    return value.$ === undefined ? Object.fromEntries(Object.entries(value).map(([name, each]) => [name, whole(each, arrays)])) : arrays[value.$];
+  };
+  const read = (file, arrays) => {
+    const made = new Map(), value = k => {
+      if (!made.has(k)) made.set(k, whole(file.values[k], arrays));
+      return made.get(k);
+    };
+    return pairs => new Map(pairs.map(([place, k]) => [file.places[place].join('\n'), k < 0 ? undefined : value(k)]));
+  };
+
+  // --- what stands -------------------------------------------------------------------------------------------------------------
+  let base = null, ground = new Map(), props = new Map(), at = 0, scene = null, state = {over: new Map(), held: {}}, touched = new Set();
+  let give = () => {}, speed = speeds.indexOf(1), now = 0, playing = false, before = 0, frame = 0, turn = 0, overlay = null, asks = '', drawn = '';
+  const id = () => base.scenes[at].id;
+  const total = (key, over = state.over) => (over.has(key) ? over.get(key) : ground.get(key));
+  const dressed = (key, value) => {  // what depends on the way that somebody has come
+    if (typeof value === 'string' && value.includes('class="ol-dot"')) return value.replace(/(data-value="scene:(\d+)"[^>]*?)( data-done)?>/g,
+      (all, head, k) => `${head}${done[base.scenes[k]?.id] ? ' data-done' : ''}>`);
+    if (drawn && typeof value === 'string' && value.includes('</svg>') && value.includes(drawn.mark)) return value.replace('</svg>', `${drawn.path}</svg>`);
+    if (key.endsWith('\noptions') && value?.includes?.(said.play)) return value.map(each => (each === said.play && playing ? said.pause : each));
+    return value;
+  };
+  const named = entity => [entity.slice(0, entity.indexOf(':')), entity.slice(entity.indexOf(':') + 1)];
+  const remove = entity => {
+    const [kind, name] = named(entity), types = {modal: 'GuiCloseModalMessage', command: 'RemoveCommandMessage'};
+    return kind === 'scene' ? {type: 'RemoveSceneNodeMessage', name, owner: OWNER} : {type: types[kind] ?? 'GuiRemoveMessage', uuid: name};
+  };
+  const update = (entity, updates) => {
+    const [kind, name] = named(entity);
+    return kind === 'scene' ? {type: 'SceneNodeUpdateMessage', name, owner: OWNER, updates}
+      : {type: kind === 'command' ? 'CommandUpdateMessage' : 'GuiUpdateMessage', uuid: name, updates};
+  };
+  const messages = (keys, over) => {  // that make these places stand as in a state
+    const gone = [], made = [], moved = [], last = [], changed = new Map();
+    for (const key of keys) {
+      const [entity, prop] = key.split('\n');
+      changed.set(entity, [...changed.get(entity) ?? [], prop]);
+    }
+    for (const [entity, names] of changed) {
+      const head = total(`${entity}\n`, over), was = total(`${entity}\n`), plain = {};
+      const create = names.includes('') && head && (over.size === 0 || JSON.stringify(head) !== JSON.stringify(was));
+      if (head === undefined && entity !== 'gui:viser-control-panel') {
+        if (entity.includes(':') && was !== undefined) gone.push(remove(entity));
+        continue;
+      }
+      if (!/^(gui|scene|modal|command|notification):/.test(entity)) {
+        last.push(head);
+        continue;
+      }
+      const special = [];
+      const own = create ? [...over.keys()].filter(key => key.startsWith(`${entity}\n`)).map(key => key.split('\n')[1]) : [];
+      for (const prop of create ? new Set([...props.get(entity) ?? [], ...own, ...names]) : names) {
+        const key = `${entity}\n${prop}`, value = dressed(key, total(key, over));
+        if (value === undefined || prop === '') continue;
+        if (prop.startsWith('@')) special.push(value); else plain[prop] = value;
+      }
+      if (create) made.push({...head, props: plain}); else if (Object.keys(plain).length) moved.push(update(entity, plain));
+      moved.push(...special);
+    }
+    return [...gone, ...made, ...moved, ...last.map(farther)];
+  };
+  const farther = message => {  // a window that is narrower than the recorded one looks from farther off
+    if (message.type !== 'SetCameraPositionMessage') return message;
+    const {clientWidth: wide, clientHeight: high} = viser.canvas() ?? {}, aim = total('SetCameraLookAtMessage\n')?.look_at;
+    const times = wide && high && aim ? Math.max(1, shapes[width] / (wide / high)) : 1;
+    return times === 1 ? message : {...message, position: message.position.map((each, k) => aim[k] + times * (each - aim[k]))};
+  };
+  const show = (next, camera = false) => {
+    const keys = [...new Set([...state.over.keys(), ...next.over.keys(), ...touched])];
+    const wanted = new Set(keys.filter(key => touched.has(key) || total(key) !== total(key, next.over)));
+    if (camera) [...ground.keys()].filter(key => key.startsWith('SetCamera')).forEach(key => wanted.add(key));
+    const batch = messages(wanted, next.over);
+    state = next;
+    touched = new Set();
+    give(batch);
+  };
+  const touch = (entity, updates) => {
+    Object.keys(updates).forEach(prop => touched.add(`${entity}\n${prop}`));
+    give([update(entity, updates)]);
+  };
+
+  // --- the run -------------------------------------------------------------------------------------------------------------------
+  const SENT = {position: '@SetPositionMessage', wxyz: '@SetOrientationMessage'}, KINDS = ['position', 'wxyz', 'scale', 'color', 'points'];
+  const ready = run => {
+    run.at ??= scene.arrays[run.times];
+    run.frames ??= run.channels.map(([name, kind, many, step, deltas]) => {
+      const all = scene.arrays[deltas], numbers = new Float32Array(all.length);
+      for (let part = 0; part < many; part += 1) {
+        for (let k = 0, sum = 0; k < run.count; k += 1) numbers[k * many + part] = (sum = (sum + all[part * run.count + k]) << 16 >> 16) * step;
+      }
+      return {name: run.names[name], kind: KINDS[kind], many, numbers};
+    });
+    return run;
+  };
+  const pose = t => {
+    const {told} = state;
+    if (!state.run) return;
+    now = t;
+    const run = ready(state.run), k = Math.max(run.at.findLastIndex(each => each <= t + 1e-6), 0);
+    const batch = run.frames.map(({name, kind, many, numbers}) => {
+      const part = numbers.slice(k * many, (k + 1) * many);
+      touched.add(`scene:${name}\n${SENT[kind] ?? kind}`);
+      return viser.moved(OWNER, name, kind, kind === 'points' ? part : [...part]);
+    });
+    const clock = told.words[speed].replaceAll('\ue000', (t / told.horizon).toFixed(4)).replaceAll('\ue001', t.toFixed(told.digits));
+    const value = Math.min(Number((Math.round(t / told.step) * told.step).toFixed(9)), told.horizon);
+    touched.add(`gui:${told.clock}\ncontent`).add(`gui:${told.slider}\nvalue`);
+    give([...batch, viser.changed(told.clock, {content: clock}), viser.changed(told.slider, {value})]);
+  };
+  const label = () => {  // play or pause on the first button of the run
+    for (const key of ground.keys()) {
+      if (key.endsWith('\noptions') && total(key)?.includes?.(said.play)) touch(key.split('\n')[0], {options: dressed(key, total(key))});
+    }
+  };
+  const go = (wanted, from = now) => {
+    cancelAnimationFrame(frame);
+    if (!state.run || (!wanted && !playing)) return;
+    playing = wanted;
+    label();
+    pose(wanted && from >= state.run.end - 1e-9 ? 0 : from);
+    before = performance.now();
+    const tick = stamp => {
+      if (!playing) return;
+      const t = Math.min(now + Math.min(Math.max(stamp - before, 0) / 1000, STALL) * state.run.rate * speeds[speed], state.run.end);
+      before = Math.max(stamp, before);
+      pose(t);
+      if (t >= state.run.end) go(false); else frame = requestAnimationFrame(tick);
+    };
+    if (wanted) frame = requestAnimationFrame(tick);
+  };
+
+  // --- scenes --------------------------------------------------------------------------------------------------------------------
+  const open = async k => {
+    const name = `${lesson}/${base.scenes[k].id}`, [text, arrays] = await Promise.all([load(`${name}/${look}`), load(`${name}/arrays`)]);
+    const patch = read(text, arrays.arrays), full = each => ({...each, over: patch(each.patch), steps: each.steps.map(patch),
+      run: arrays.runs[each.run], told: text.values[each.told]});
+    text.full ??= Object.fromEntries(text.states.map(each => [each.name, full(each)]));
+    return {states: text.full, knobs: text.knobs, sketch: text.sketch, arrays: arrays.arrays};
+  };
+  const enter = async (k, push = true) => {
+    if (!base.scenes[k]) return;
+    const mine = turn += 1, next = await open(k);
+    if (mine !== turn) return;
+    go(false);
+    [scene, at, drawn, memory.lesson] = [next, k, '', lesson];
+    const {entry} = scene.states, again = scene.states[done[id()]] ?? entry;
+    if (entry.done) note(entry);
+    history[push ? 'pushState' : 'replaceState']({scene: k}, '', address());
+    if (again === entry && entry.steps.length) await perform(entry);
+    else {
+      show(again, true);
+      pose(again === entry ? entry.t : again.rest);
+    }
+    cover.hidden = true;
+  };
+  const note = reached => {
+    if (!reached.done) return;
+    done[id()] = reached.name;
+    keep();
+  };
+  const perform = async next => {
+    const mine = turn += 1;
+    go(false);
+    for (const over of calm() ? [] : next.steps) {
+      show({...next, over}, true);
+      await new Promise(wake => setTimeout(wake, STEP));
+      if (mine !== turn) return;
+    }
+    note(next);
+    show(next);
+    if (next.runs && !calm()) go(true, 0); else pose(next.runs ? next.rest : next.t);
+  };
+  const reach = name => {
+    if (scene.states[name]) perform(scene.states[name]);
+    return !!scene.states[name];
+  };
+
+  // --- knobs, poles and hands snap -------------------------------------------------------------------------------------------------
+  const states = () => Object.values(scene.states), alone = knob => states().filter(({held}) => Object.keys(held).length === 1 && knob in held);
+  const far = (one, other) => (typeof one === 'number' ? Math.abs(one - other)
+    : Array.isArray(one) ? Math.hypot(...one.map((each, k) => each - other[k])) : Number(one !== other));
+  const nearest = (all, distance) => all.reduce((one, other) => (distance(other) < distance(one) ? other : one));
+  const move = (best, knob) => {  // one knob to one of its computed values, the others as they are where that was computed too
+    const held = {...state.held, ...best.held};
+    if (best === scene.states.entry) delete held[knob];
+    const same = each => Object.keys(each.held).length === Object.keys(held).length && Object.entries(held).every(([name, k]) => each.held[name] === k);
+    const next = states().find(each => each.name.startsWith('knob:') && same(each)) ?? best;
+    turn += 1;
+    go(false);
+    note(next);
+    show(next);
+    pose(Math.min(now, next.run?.end ?? 0));
+  };
+  const turnKnob = (knob, place, value) => {
+    const {entry} = scene.states, moved = alone(knob).filter(each => far(total(place, each.over), total(place, entry.over)) > 0);
+    touched.add(place);
+    move(nearest([entry, ...moved], each => far(total(place, each.over), value)), knob);
+  };
+  let grabbed = null, force = 0;
+  const drag = ({phase, name, instance_index: index, end_screen_pos: [x, y], start_screen_pos: [, y0]}) => {
+    if (!/\/grips$/.test(name)) return phase === 'end' && /^\/(plant|hand)/.test(name) && pull(Object.keys(scene.states).find(each => each.startsWith('pull:'))?.split(':')[1], 3 * (y0 - y));
+    const key = `scene:${name}\nbatched_positions`, points = over => {
+      const all = total(key, over) ?? [];
+      return Array.from({length: all.length / 3}, (_, k) => [...all.slice(3 * k, 3 * k + 3)]);
+    };
+    const home = points(scene.states.entry.over), away = (all, point) => !all.some(each => far([each[0], each[2]], [point[0], point[2]]) < 1e-3);
+    const lost = over => home.filter(point => away(points(over), point)).map(String);
+    if (phase === 'start' || !grabbed) {
+      const point = points(state.over)[index ?? 0], mine = point && !away(home, point) ? [String(nearest(home, each => far(each, point)))] : lost(state.over);
+      grabbed = states().filter(each => Object.keys(each.held).length === 1 && lost(each.over).some(each => mine.includes(each)));
+    }
+    const pixels = point => far(viser.onScreenOf(name, point), [x, y]);
+    const reached = over => Math.min(...points(over).filter(point => away(home, point)).map(pixels));
+    if (grabbed.length) {
+      const best = nearest(grabbed, each => reached(each.over));
+      if (best !== state) move(best, Object.keys(best.held)[0]);
+    }
+    if (phase === 'end') grabbed = null;
+    return undefined;
+  };
+  const pull = (knob, share) => {
+    const all = states().filter(({name}) => name.startsWith(`pull:${knob}:`)), size = ({name}) => Number(name.split(':')[2]);
+    if (all.length && Math.abs(share) > .02) perform(nearest(all, each => Math.abs(size(each) - share)));
+  };
+  const sketch = heights => {  // the option whose drawing is nearest, and the hand's own beside it
+    const {options, columns, top, foot, bars, mark} = scene.sketch ?? {}, shares = heights.split(',').map(Number);
+    if (!options || shares.length !== columns.length) return;
+    const place = k => `${columns[k]} ${(foot - shares[k] * (foot - top)).toFixed(1)}`, line = shares.map((_, k) => `${bars ? 'M' : k ? 'L' : 'M'}${place(k)}${bars ? 'h14' : ''}`);
+    drawn = {mark, path: `<path class="ol-sketched" fill="none" d="${line.join('')}"/>`};
+    reach(`option:${options.indexOf(nearest(options, option => option.reduce((sum, each, k) => sum + Math.abs(each - shares[k]), 0)))}`);
+  };
+
+  // --- what a hand does ----------------------------------------------------------------------------------------------------------
+  const close = () => {
+    const entities = [...overlay?.keys() ?? []].filter(key => key.endsWith('\n') && total(key) === undefined).map(key => key.slice(0, -1));
+    give([...entities.filter(each => each.startsWith('modal:')), ...entities.filter(each => !each.startsWith('modal:'))].map(remove));
+    overlay = null;
+  };
+  const dialog = name => {
+    const old = overlay, next = base.overlays[name];
+    close();
+    if (old === next) return;
+    overlay = next;
+    const shown = new Map([...next].filter(([key]) => total(key) === undefined));
+    give(messages(shown.keys(), shown));
+  };
+  const other = (all, here) => all[(all.indexOf(here) + 1) % all.length];
+  const toLesson = name => (lessons.includes(name) && name !== lesson ? leave({lesson: name, scene: ''}) : close());
+  const acts = {
+    turn: by => enter(at + Number(by)), scene: k => enter(Number(k)), option: k => reach(`option:${k}`), sketch, lesson: toLesson, close,
+    play: () => (!playing && !done[id()] && reach('play')) || go(!playing), kick: () => reach('kick'),
+    rewind: () => { go(false); pose(0); }, kept: () => reach(done[id()]), reset: () => { delete done[id()]; enter(at, false); },
+    slower: () => { speed = Math.max(speed - 1, 0); pose(now); }, faster: () => { speed = Math.min(speed + 1, speeds.length - 1); pose(now); },
+    language: () => { memory.language = other(parts(0), language); leave({lang: memory.language}); },
+    theme: () => { memory.theme = other(parts(1), theme); leave({theme: memory.theme}); },
+    course: () => dialog('course'), terms: () => dialog('terms'), help: () => dialog('help'),
+    page: by => toLesson(lessons[lessons.indexOf(lesson) + Number(by)] ?? lesson), view: () => show(state, true),
+  };
+  const act = word => {
+    const colon = word.indexOf(':'), name = colon < 0 ? word : word.slice(0, colon);
+    acts[name]?.(colon < 0 ? '' : word.slice(colon + 1));
+  };
+  const heard = ({uuid, updates: {value}}) => {
+    const entity = `gui:${uuid}`, made = (total(`${entity}\n`) ?? overlay?.get(`${entity}\n`))?.type;
+    const knob = Object.entries(scene.knobs).find(([, widgets]) => widgets.includes(entity)), pulled = /^(\w+):(-?[\d.e-]+):([01])$/.exec(value);
+    if (uuid === asks) answer(value);
+    else if (uuid === state.told?.slider) { go(false); pose(Number(value)); }
+    else if (knob) turnKnob(knob[0], `${entity}\nvalue`, value);
+    else if (made === 'GuiButtonMessage') close();
+    else if (made !== 'GuiButtonGroupMessage') return;
+    else if (pulled) { if (pulled[3] === '1') { pull(pulled[1], Number(pulled[2]) || force); force = 0; } else force = Number(pulled[2]) || force; }
+    else if (overlay?.has(`${entity}\n`)) toLesson(value);
+    else act((Object.entries(said).find(([, label]) => label === value)?.[0] ?? String(value)).replace('pause', 'play'));
+  };
+  const answer = question => {  // of a script that waits until all before its question is shown
+    for (const [key, value] of ground) {
+      if (typeof value === 'string' && value.includes('class="ol-mark"')) touch(key.split('\n')[0], {content: value.replace(/data-answer="[^"]*"/, `data-answer="${question}"`)
+        .replace('data-rests="0"', 'data-rests="1"')});
+    }
+  };
+  const KEYS = {Play: 'play', Kick: 'kick', Rewind: 'rewind', 'ChangeSpeed:-1': 'slower', 'ChangeSpeed:1': 'faster', ToggleCourse: 'course',
+    'TurnPage:1': 'page:1', 'TurnPage:-1': 'page:-1', SetLanguage: 'language', ToggleTheme: 'theme', ToggleGlossary: 'terms', ToggleHelp: 'help',
+    'LookFrom:all': 'view', 'LookFrom:plant': 'view', 'LookFrom:boards': 'view', Reset: 'reset'};
+  const cover = Object.assign(document.createElement('div'), {className: 'ol-cover', innerHTML: '<b>Observer Lab</b>'}), came = location.href;
+  root.append(cover);
+  viser.onConnecting = () => history.replaceState(history.state, '', came);  // where viser's page has put the server it looks for
+  const begin = async connected => {
+    base = await load(`${lesson}/${look}`);
+    const patch = read(base, base.arrays);
+    ground = patch(base.base);
+    for (const key of ground.keys()) {
+      const [entity, prop] = key.split('\n');
+      props.set(entity, (props.get(entity) ?? new Set()).add(prop));
+    }
+    base.overlays = Object.fromEntries(Object.entries(base.overlays).map(([name, pairs]) => [name, patch(pairs)]));
+    for (const value of ground.values()) asks ||= typeof value === 'string' ? /data-ask="([^"]+)"/.exec(value)?.[1] ?? '' : '';
+    connected();
+    give([...messages(ground.keys(), new Map()), viser.moved('', '/WorldAxes', 'visible', false)]);
+    await enter(Math.max(base.scenes.findIndex(each => each.id === asked.get('scene')), 0), false);
+  };
+  viser.files = {
+    open: (send, connected) => {
+      give = batch => { if (batch.length) send(batch); };
+      begin(connected);
+    },
+    take: message => {
+      if (!scene) return;
+      if (message.type === 'GuiUpdateMessage' && 'value' in (message.updates ?? {})) heard(message);
+      else if (message.type === 'SceneNodeDragMessage') drag(message);
+      else if (message.type === 'CommandTriggerMessage') act(KEYS[base.commands[total(`command:${message.uuid}\nlabel`)]] ?? '');
+    },
+  };
+  addEventListener('popstate', event => { if (event.state?.scene !== undefined) enter(event.state.scene, false); });
+}
