@@ -15,8 +15,28 @@ from contextlib import suppress
 from types import MappingProxyType
 from typing import Protocol
 
-from .commands import exam, export, glossary, grade, link, new_lesson, replay, run, serve, status, study, teach, variant, verify
+from .commands import (
+    exam,
+    export,
+    find,
+    glossary,
+    grade,
+    lecture_sheet,
+    link,
+    new_lesson,
+    publish,
+    replay,
+    run,
+    serve,
+    sheet,
+    status,
+    study,
+    teach,
+    variant,
+    verify,
+)
 from .commands import list as list_
+from .live_plant import live
 from .options import THREADS, CommandError, Parser, error_cause
 from .terminal import give_up_output, set_up
 
@@ -40,8 +60,10 @@ class Command(Protocol):
 DEFAULT = "serve"
 DEBUG = "OBSERVER_LAB_DEBUG"  # set in the environment: errors that nobody foresaw show where they arose
 COMMANDS: Mapping[str, Command] = MappingProxyType({
-    DEFAULT: serve, "list": list_, "teach": teach, "glossary": glossary, "exam": exam, "variant": variant, "grade": grade, "run": run,
-    "link": link, "export": export, "replay": replay, "study": study, "new-lesson": new_lesson, "verify": verify, "status": status})
+    DEFAULT: serve, "list": list_, "teach": teach, "glossary": glossary, "find": find, "exam": exam, "variant": variant, "grade": grade,
+    "run": run, "link": link, "live": live, "export": export,
+    "replay": replay, "publish": publish, "study": study, "new-lesson": new_lesson,
+    "verify": verify, "status": status, "sheet": sheet, "lecture-sheet": lecture_sheet})
 
 
 def main(argv: Sequence[str] | None = None) -> int:

@@ -17,6 +17,7 @@ from ..plants.examples import EXAMPLES, example
 from ..plants.own_plant import read_plant_file
 from ..session.state.saved_state import TOO_LARGE, SavedState, read_state
 from ..session.state.token import is_token, read_token
+from ..text import read_outside_bytes
 from .options import CommandError, error_cause
 
 MAX_FILE_BYTES = 10_000_000  # bytes of a file that is read at all
@@ -43,24 +44,25 @@ def read_plant(name: str) -> str:
     try:
         if name in EXAMPLES:
             return example(name)
-        _plain_file(name)
+        content = read_outside_bytes(Path(name), MAX_FILE_BYTES)
         load_plant(name)  # says what is wrong with the file before it is read whole
-        return read_plant_file(Path(name).name, Path(name).read_bytes())
+        return read_plant_file(Path(name).name, content)
     except EngineError as problem:
         raise CommandError(str(problem)) from problem
     except (OSError, ValueError) as problem:
-        raise CommandError(f"The plant file {name[:80]} cannot be read ({error_cause(problem)}).") from problem
+        raise CommandError(f"The plant file {name[:200]} cannot be read ({error_cause(problem)}).") from problem
 
 
-def read_design(lesson: Lesson, plant: str | None, state: str | None, changes: Sequence[str]) -> Design:
+def read_design(lesson: Lesson, plant: str | None, state: str | None, changes: Sequence[str],
+                lessons: Mapping[str, Lesson] | None = None) -> Design:
     """The lesson's start, or a saved design, with knobs changed as KNOB=VALUE says. Raises CommandError."""
     if plant is not None and state is not None:
         raise CommandError("Give --plant or --state, not both: a saved design brings its own plant.")
     try:
         if plant is not None:
             lesson = fit_lesson(lesson, read_plant(plant))
-        design = lesson.start() if state is None else _design_in(state, lesson)
-        lesson = fit_lesson(find_lesson(lesson.id), design.plant)
+        design = lesson.start() if state is None else _design_in(state, lesson, lessons)
+        lesson = fit_lesson(find_lesson(lesson.id, lessons), design.plant)
         return changed(lesson, design, changes)
     except KnobError as problem:
         raise CommandError(str(problem)) from problem
@@ -81,42 +83,43 @@ def changed(lesson: Lesson, design: Design, changes: Sequence[str]) -> Design:
         raise CommandError(str(problem)) from problem
 
 
-def read_saved_state(state: str) -> SavedState:
+def read_saved_state(state: str, lessons: Mapping[str, Lesson] | None = None) -> SavedState:
     """The state of a token, of a link that ends in one, or in a file that holds either or was saved. Raises CommandError.
 
     What could not be taken over is said on stderr.
     """
-    saved = _read(state)
+    saved = _read(state, lessons)
     for note in saved.notes:
         print(f"observer-lab: {note}", file=sys.stderr)
     return saved
 
 
-def read_lecture_file(name: str) -> Lecture:
-    """The lecture of a TOML file. Raises CommandError."""
+def read_lecture_file(name: str, lessons: Mapping[str, Lesson]) -> Lecture:
+    """The lecture of a TOML file about these lessons. Raises CommandError."""
     try:
-        return read_lecture(read_text(name, "lecture", "give a TOML file"), all_lessons())
+        return read_lecture(read_text(name, "lecture", "give a TOML file"), lessons)
     except KnobError as problem:
         raise CommandError(str(problem)) from problem
 
 
-def read_view(state: str | None, language: str | None) -> SavedState:
+def read_view(state: str | None, language: str | None, lessons: Mapping[str, Lesson] | None = None) -> SavedState:
     """How a state was shown, with the language that was asked for instead, if any; without a state as a page opens. Raises CommandError."""
-    saved = SavedState(Design("", ())) if state is None else replace(_read(state), notes=())
+    saved = SavedState(Design("", ())) if state is None else replace(_read(state, lessons), notes=())
     return saved if language is None else replace(saved, language=language)
 
 
-def _read(state: str) -> SavedState:
+def _read(state: str, lessons: Mapping[str, Lesson] | None) -> SavedState:
+    known = all_lessons() if lessons is None else lessons
     words = state if is_token(state) else read_text(state, "state", "give a token, a link or a file that the app saved")
     try:
-        return read_token(words, all_lessons()) if is_token(words) else read_state(words, all_lessons())
+        return read_token(words, known) if is_token(words) else read_state(words, known)
     except KnobError as problem:
         raise CommandError(str(problem)) from problem
 
 
-def _design_in(state: str, lesson: Lesson) -> Design:
+def _design_in(state: str, lesson: Lesson, lessons: Mapping[str, Lesson] | None) -> Design:
     """The design of a state, which must belong to the lesson."""
-    design = read_saved_state(state).design
+    design = read_saved_state(state, lessons).design
     if design.lesson != lesson.id:
         raise CommandError(f"The state {state[:80]} belongs to lesson {design.lesson}, not {lesson.id}.")
     return design
@@ -125,18 +128,8 @@ def _design_in(state: str, lesson: Lesson) -> Design:
 def read_text(name: str, what: str, instead: str) -> str:
     """What a text file holds. Raises CommandError, which says what to give instead."""
     try:
-        _plain_file(name)
-        return Path(name).read_text(encoding="utf-8")
+        return read_outside_bytes(Path(name), MAX_FILE_BYTES).decode("utf-8")
     except UnicodeDecodeError as problem:
         raise CommandError(f"The {what} file {name[:80]} is not text; {instead}.") from problem
     except (OSError, ValueError) as problem:
         raise CommandError(f"The {what} file {name[:80]} cannot be read ({error_cause(problem)}); {instead}.") from problem
-
-
-def _plain_file(name: str) -> None:
-    """Raises ValueError for what would be read for ever or fill the memory: a device, a pipe, a huge file."""
-    path = Path(name)
-    if path.exists() and not path.is_file():
-        raise ValueError("it is no plain file")
-    if path.exists() and path.stat().st_size > MAX_FILE_BYTES:
-        raise ValueError(f"it is larger than {MAX_FILE_BYTES // 1_000_000} MB")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import logging
 import sys
 import threading
@@ -25,9 +26,9 @@ def open_folder(name: str, taken: Iterable[str], trusted: bool) -> LessonFolder:
     """The folder with its lessons. What is wrong with one is said on stderr. Raises CommandError where there is none."""
     from observer_lab.lessons.from_files.folder import LessonFolder
 
-    path = Path(name)
+    path = home_of(name)
     if not path.is_dir():
-        raise CommandError(f"There is no folder {name[:80]}; give one that holds a folder for each lesson.")
+        raise CommandError(f"There is no folder {name[:80]}; give one that holds a folder for each lesson, or a .zip of it.")
     folder = LessonFolder(path, tuple(taken), trusted)
     lessons = folder.lessons()
     if not lessons:
@@ -35,6 +36,31 @@ def open_folder(name: str, taken: Iterable[str], trusted: bool) -> LessonFolder:
     for id, lesson in lessons.items():
         _report(id, lesson)
     return folder
+
+
+def lessons_with(name: str | None, trusted: bool = False) -> dict[str, Lesson]:
+    """The lessons of the course, and those of a folder where one is named. Raises CommandError."""
+    from observer_lab.lessons import all_lessons
+
+    course = all_lessons()
+    return dict(course) if name is None else {**course, **open_folder(name, course, trusted).lessons()}
+
+
+def home_of(name: str) -> Path:
+    """The folder of that name, or that of a .zip, unpacked. Raises CommandError."""
+    from observer_lab.lessons.from_files.packed import PackError, unpacked
+
+    try:
+        return unpacked(Path(name)) if Path(name).is_file() else Path(name)
+    except PackError as problem:
+        raise CommandError(str(problem)) from problem
+
+
+def lessons_of(options: argparse.Namespace) -> dict[str, Lesson]:
+    """The lessons that a command may name: those of the course, and those of its --lessons. Raises CommandError."""
+    if options.lessons is not None:
+        options.lessons = str(home_of(options.lessons))
+    return lessons_with(options.lessons, options.trust_code)
 
 
 def first_whole(lessons: Mapping[str, Lesson]) -> str:

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import os
-import tempfile
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from .opening import Opening, ServeRequest
-from .options import CommandError, error_cause
+from .options import CommandError
 
 if TYPE_CHECKING:
     from ..page.lti.doors import LtiDoors
@@ -24,11 +23,9 @@ MAKE_KEY = "draw one with `openssl genrsa -out FILE 3072`"
 
 @dataclass(frozen=True)
 class OpenPlatforms:
-    """The settings, and the folder of what is kept. `temporary` is the folder that goes with the server, if it is one."""
+    """The settings."""
 
     settings: LtiSettings
-    folder: Path
-    temporary: tempfile.TemporaryDirectory[str] | None = field(default=None)
 
     @property
     def address(self) -> str:
@@ -37,24 +34,16 @@ class OpenPlatforms:
 
     def doors(self, first: Opening, request: ServeRequest, port: int) -> LtiDoors:
         """The doors of a server on a port. Raises CommandError."""
-        import sqlite3
-
         from ..page.lti.doors import LtiDoors
         from ..page.lti.keys import ToolKeys
-        from ..page.lti.ledger import Ledger
         from .courses import now
 
+        assert first.ledger is not None
         try:
             keys = ToolKeys(self.settings.private_key)
         except ValueError as problem:
             raise CommandError(f"The key file of {str(request.lti)[:80]} cannot be used: {problem}; {MAKE_KEY}.") from problem
-        try:
-            self.folder.mkdir(parents=True, exist_ok=True)
-            ledger = Ledger(self.folder)
-        except (OSError, sqlite3.Error) as problem:
-            cause = error_cause(problem) if isinstance(problem, OSError) else str(problem)
-            raise CommandError(f"{str(self.folder)[:80]} cannot hold the hand-ins ({cause}); choose another folder.") from problem
-        return LtiDoors(self.settings, keys, ledger, first.lessons, first.course, port, now, request.language, request.mode)
+        return LtiDoors(self.settings, keys, first.ledger, first.lessons, first.course, port, now, request.language, request.mode)
 
 
 def open_platforms(request: ServeRequest) -> OpenPlatforms | None:
@@ -66,16 +55,21 @@ def open_platforms(request: ServeRequest) -> OpenPlatforms | None:
     if any(find_spec(name) is None for name in NEEDED):
         raise CommandError(NOT_INSTALLED)
     from ..page.lti.settings import LtiFileError, read_settings
+    from .courses import warn_if_open
     from .inputs import read_text
 
     beside = Path(request.lti).parent
+
+    def read_key(name: str) -> str:
+        warn_if_open(beside / name)
+        return read_text(str(beside / name), "key", MAKE_KEY)
+
     try:
         settings = read_settings(read_text(request.lti, "platforms", "give the file of your platforms; README.md shows one"),
-                                 lambda name: read_text(str(beside / name), "key", MAKE_KEY))
+                                 read_key)
     except LtiFileError as problem:
         raise CommandError(f"The file of platforms {request.lti[:80]} cannot be used: {problem}.") from problem
-    temporary = tempfile.TemporaryDirectory(prefix="observer-lab-lti-") if request.data_dir is None else None
-    return OpenPlatforms(settings, Path(request.data_dir or (temporary.name if temporary else ".")), temporary)
+    return OpenPlatforms(settings)
 
 
 def token_for_launches(request: ServeRequest) -> str | None:

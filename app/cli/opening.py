@@ -10,11 +10,12 @@ from typing import TYPE_CHECKING
 from ..course.scenes import Mode
 from .lesson_folder import first_whole, open_folder
 from .options import CommandError
-from .records import RECORD, lesson_with
+from .records import RECORD, ReadingOptions, lesson_with
 
 if TYPE_CHECKING:
     from observer_lab.lessons.from_files.folder import LessonFolder
 
+    from ..course.handin.ledger import Ledger
     from ..course.handin.served_course import ServedCourse
     from ..course.lectures import Lecture
     from ..course.lesson import Lesson
@@ -54,6 +55,9 @@ class ServeRequest:
     at: str | None = None
     lti: str | None = None
     store: str | None = field(default=None, repr=False)
+    proxies: tuple[str, ...] = ()
+    idle: float = 3600.0  # s
+    reading: ReadingOptions = field(default_factory=ReadingOptions)
 
 
 @dataclass(frozen=True)
@@ -66,6 +70,7 @@ class Opening:
     state: str
     talk: Lecture | None
     course: ServedCourse | None
+    ledger: Ledger | None
     folder: LessonFolder | None
     insists: bool
 
@@ -75,7 +80,7 @@ def opening_of(request: ServeRequest) -> Opening:
     from observer_lab.lessons import FIRST, OPENING, all_lessons
 
     from ..session.state.token import write_token
-    from .courses import served_course
+    from .courses import open_ledger, served_course
     from .inputs import find_lesson, fit_lesson, read_lecture_file, read_plant, read_saved_state
 
     plant = "" if request.plant is None else read_plant(request.plant)
@@ -85,19 +90,20 @@ def opening_of(request: ServeRequest) -> Opening:
         raise CommandError("Give --state without --lesson and --plant: a state brings its own.")
     if request.lecture is not None and (request.lesson or request.plant or request.state or request.data):
         raise CommandError("Give --lecture without --lesson, --plant, --state and --data: a lecture names its own lessons.")
-    talk = None if request.lecture is None else read_lecture_file(request.lecture)
     saved = None if request.state is None else read_saved_state(request.state)
     if request.course is not None and request.exam:
         raise CommandError("Give --course without --exam: the course file says what is withheld.")
-    course = None if request.course is None else served_course(request.course)
+    ledger = open_ledger(request.data_dir) if request.course is not None or request.lti is not None else None
     folder = None if request.lessons is None else open_folder(request.lessons, all_lessons(), request.trusted)
     own = {} if folder is None else folder.lessons()
     lessons = {**all_lessons(), **own}
+    talk = None if request.lecture is None else read_lecture_file(request.lecture, lessons)
+    course = None if request.course is None or ledger is None else served_course(request.course, ledger, lessons)
     first = first_whole(own) if own else SANDBOX if plant and SANDBOX in lessons else OPENING if request.mode == "lab" else FIRST
     lesson = saved.design.lesson if saved else request.lesson or (talk.stops[0].lesson if talk else first)
     opening = find_lesson(RECORD if request.data is not None and request.lesson is None else lesson, lessons)
     if request.data is not None:
-        lessons = {**lessons, RECORD: lesson_with(find_lesson(RECORD), request.data, request.columns)}
+        lessons = {**lessons, RECORD: lesson_with(find_lesson(RECORD), request.data, request.columns, request.reading)}
         opening = lessons[opening.id]
     state = "" if saved is None else write_token(opening, replace(saved, notes=()))
     try:
@@ -106,4 +112,5 @@ def opening_of(request: ServeRequest) -> Opening:
         if saved:
             raise
         print(f"observer-lab: lesson {opening.id} does not take this plant: {problem} The other lessons have it.", file=sys.stderr)
-    return Opening(lessons, opening.id, plant, state, talk, course, folder, bool(request.lesson or own or plant or request.data or talk))
+    return Opening(lessons, opening.id, plant, state, talk, course, ledger, folder,
+                   bool(request.lesson or own or plant or request.data or talk))

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import argparse
+import ipaddress
+import math
 import re
 from collections.abc import Callable
 from typing import NoReturn
@@ -36,6 +38,12 @@ def add_language(parser: argparse.ArgumentParser, what: str) -> None:
     parser.add_argument("--lang", choices=languages(), help=f"language of {what} (default: that of --state, else en)")
 
 
+def add_own_lessons(parser: argparse.ArgumentParser) -> None:
+    """The options of every command that names a lesson, for lessons that are not of the course."""
+    parser.add_argument("--lessons", metavar="FOLDER|ZIP", help="lessons of your own as well, one folder each; or a .zip of them")
+    parser.add_argument("--trust-code", action="store_true", help="run the Python files of these lessons")
+
+
 def whole_number(low: int, high: int, refusal: str) -> Callable[[str], int]:
     """The reader of an option that is a whole number from low to high; `refusal` follows what was given instead."""
     def read(words: str) -> int:
@@ -45,12 +53,31 @@ def whole_number(low: int, high: int, refusal: str) -> Callable[[str], int]:
     return read
 
 
+def seconds(words: str) -> float:
+    """The reader of an option that is a period in seconds."""
+    try:
+        value = float(words)
+    except ValueError:
+        value = math.nan
+    if not 0 < value < math.inf:
+        raise argparse.ArgumentTypeError(f"{words[:40]} is no period; give a positive number of seconds")
+    return value
+
+
 def host_name(words: str) -> str:
     """The reader of an option that is a name or an address of a machine."""
     if not re.fullmatch(r"[A-Za-z0-9_.-]{1,253}|[0-9A-Fa-f:.]{2,45}", words):
         raise argparse.ArgumentTypeError(f"{words[:40]} is not the name of a host; give it without http:// and without "
                                          f"a port")
     return words
+
+
+def network(words: str) -> str:
+    """The reader of an option that is a network of addresses, or one address."""
+    try:
+        return str(ipaddress.ip_network(words.strip(), strict=False))
+    except ValueError as problem:
+        raise argparse.ArgumentTypeError(f"{words[:60]} is not a network; give it as in 10.0.0.0/8 or 2001:db8::/32") from problem
 
 
 def web_address(words: str) -> str:

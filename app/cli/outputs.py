@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import os
 import tempfile
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 
 from ..course.figures.records import Figure
@@ -28,6 +29,18 @@ def write_whole_file(name: str, save: Callable[[str], None]) -> None:
         raise
     except (OSError, ValueError) as problem:
         raise CommandError(f"{name[:80]} cannot be written ({error_cause(problem)}); choose another place.") from problem
+
+
+def write_folder(name: str, files: Mapping[str, str | bytes]) -> None:
+    """Write files into a folder, which is made where it is missing. Raises CommandError where that fails."""
+    try:
+        Path(name).mkdir(parents=True, exist_ok=True)
+    except OSError as problem:
+        raise CommandError(f"{name[:80]} cannot be made a folder ({error_cause(problem)}); choose another place.") from problem
+    for file, content in files.items():
+        (Path(name) / file).parent.mkdir(parents=True, exist_ok=True)
+        data = content.encode() if isinstance(content, str) else content
+        write_whole_file(str(Path(name) / file), partial(save_bytes, data))
 
 
 def save_page(figures: Sequence[Figure], path: str, language: str, token: str) -> None:

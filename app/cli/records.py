@@ -2,44 +2,81 @@
 
 from __future__ import annotations
 
+import argparse
+import re
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from .options import CommandError
 
 if TYPE_CHECKING:
-    from ..course.lesson import Design, Lesson
+    from ..course.lesson import Design, Lesson, Outcome
 
 RECORD = "record"  # the lesson that takes one
-DATA_HELP = "your own record for lesson record: a CSV file with columns t, u…, y… (units as in `u1 [V]`)"
-COLUMNS_HELP = "which columns are time, inputs and outputs, as in `t=time,u=gas rate,y=CO2`; may name several of each"
+DATA_HELP = "your own record for lesson record: CSV or .mat; with the extra `records` also Parquet, MDF or MCAP"
+COLUMNS_HELP = "which columns are time, inputs and outputs, as in `t=time[ms] u=heater y=T1,T2`; by number where the file has no head line"
 KINDS = "tuy"
+KEY = re.compile(r"(?:^|[\s,;]+)(\w+)\s*=")
 
 
-def lesson_with(lesson: Lesson, file: str, columns: str | None) -> Lesson:
-    """The lesson record with the record of that file. Raises CommandError, in one sentence."""
+@dataclass(frozen=True)
+class ReadingOptions:
+    """What is said about a record's file beside its columns: step in s, marks of missing values, decimal sign, inputs that hold."""
+
+    step: float | None = None
+    missing: tuple[str, ...] = ()
+    decimal: str = ""
+    hold: bool = False
+
+
+def add_record_options(parser: argparse.ArgumentParser) -> None:
+    """The options about one's own record."""
+    parser.add_argument("--data", metavar="FILE", help=DATA_HELP)
+    parser.add_argument("--columns", metavar="LIST", help=COLUMNS_HELP)
+    parser.add_argument("--step", type=float, metavar="SECONDS", help="of --data: rows come at this step and no column is the time")
+    parser.add_argument("--missing", action="append", default=[], metavar="MARK",
+                        help="of --data: a number that marks a missing value; `stuck` for a stuck sensor; `none`")
+    parser.add_argument("--decimal", choices=(".", ","), default="", help="of --data: the decimal sign, where it can be either")
+    parser.add_argument("--hold", action="store_true", help="of --data: an input keeps its last value where its cell is empty")
+
+
+def reading_options(options: argparse.Namespace) -> ReadingOptions:
+    """What the command line says about a record's file."""
+    return ReadingOptions(options.step, tuple(options.missing), options.decimal, options.hold)
+
+
+def lesson_with(lesson: Lesson, file: str, columns: str | None, how: ReadingOptions, plant: str | None = None) -> Lesson:
+    """The lesson record with the record of that file, and the plant of another one. Raises CommandError, in one sentence."""
     from observer_lab.lessons.record.own import with_record
 
-    from ..engine import EngineError
+    from ..engine import EngineError, load_plant
     from ..engine.identification import load_record
+    from ..plants.examples import EXAMPLES, example
+    from ..plants.own_plant import plant_of
 
     if lesson.id != RECORD:
         raise CommandError(f"--data is for lesson {RECORD}; lesson {lesson.id} takes none.")
     time, inputs, outputs = columns_of(columns or "")
     try:
-        return with_record(lesson, load_record(file, time=time, inputs=inputs, outputs=outputs))
+        return with_record(lesson, load_record(file, time=time, inputs=inputs, outputs=outputs, step=how.step, missing=how.missing,
+                                               decimal=how.decimal, hold=how.hold),
+                           None if plant is None else plant_of(example(plant)) if plant in EXAMPLES else load_plant(plant))
     except EngineError as problem:
         raise CommandError(str(problem)) from problem
 
 
 def columns_of(words: str) -> tuple[str, tuple[str, ...], tuple[str, ...]]:
-    """Time, inputs and outputs as `--columns` names them. Raises CommandError."""
+    """Time, inputs and outputs as `--columns` names them, several of a kind parted by commas. Raises CommandError."""
     found: dict[str, list[str]] = {kind: [] for kind in KINDS}
-    for part in filter(None, (part.strip() for part in words.split(","))):
-        kind, equals, name = part.partition("=")
-        if not equals or kind.strip() not in found or not name.strip():
-            raise CommandError(f"--columns takes t=NAME,u=NAME,y=NAME; {part[:40]} is none of these.")
-        found[kind.strip()].append(name.strip())
+    places = list(KEY.finditer(words))
+    if words.strip() and (not places or places[0].start() or any(place[1] not in found for place in places)):
+        raise CommandError(f"--columns takes t=NAME u=NAME,NAME y=NAME; {words[:40]} is none of these.")
+    for place, end in zip(places, [*(place.start() for place in places), len(words)][1:], strict=True):
+        names = [name.strip() for name in words[place.end():end].split(",")]
+        if not all(names):
+            raise CommandError(f"--columns takes t=NAME u=NAME,NAME y=NAME; {words[:40]} is none of these.")
+        found[place[1]] += names
     if len(found["t"]) > 1:
         raise CommandError("--columns names more than one time; give t=NAME once.")
     return "".join(found["t"]), tuple(found["u"]), tuple(found["y"])
@@ -50,3 +87,9 @@ def design_with(lesson: Lesson, changes: Sequence[str]) -> Design:
     from .inputs import changed
 
     return changed(lesson, lesson.start(), changes)
+
+
+def print_record(outcome: Outcome) -> None:
+    """Say what was read of a record's file."""
+    record = outcome.study.found.record
+    print("record", record.size, *record.notes, sep="\n  ", flush=True)

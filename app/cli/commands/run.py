@@ -5,8 +5,8 @@ from __future__ import annotations
 import argparse
 from dataclasses import asdict, replace
 
-from ..options import PLANT_HELP, STATE_HELP, CommandError, add_json, add_language
-from ..records import COLUMNS_HELP, DATA_HELP
+from ..options import PLANT_HELP, STATE_HELP, CommandError, add_json, add_language, add_own_lessons
+from ..records import add_record_options
 
 HELP = "compute a lesson without a browser"
 
@@ -14,12 +14,12 @@ HELP = "compute a lesson without a browser"
 def arguments(parser: argparse.ArgumentParser) -> None:
     """The options of `run`."""
     parser.add_argument("lesson", metavar="LESSON")
+    add_own_lessons(parser)
     parser.add_argument("--set", action="append", default=[], metavar="KNOB=VALUE", dest="changes",
                         help="set a knob; may be repeated, and comes after --state")
     parser.add_argument("--state", metavar="TOKEN|FILE", help=STATE_HELP)
     parser.add_argument("--plant", metavar="FILE", help=PLANT_HELP)
-    parser.add_argument("--data", metavar="FILE", help=DATA_HELP)
-    parser.add_argument("--columns", metavar="LIST", help=COLUMNS_HELP)
+    add_record_options(parser)
     parser.add_argument("--final", action="store_true", help="do the lesson's long computation too, if it has one")
     parser.add_argument("--figure", metavar="FILE", help="draw all figures on one page: .png, .svg or .pdf")
     parser.add_argument("--csv", metavar="FILE", help="write the data of all figures")
@@ -36,20 +36,22 @@ def execute(options: argparse.Namespace) -> int:
     from ...session.state.token import write_token
     from ...study.points import outcome_of
     from ..inputs import find_lesson, fit_lesson, read_design, read_view
+    from ..lesson_folder import lessons_of
     from ..outputs import save_page, write_whole_file
     from ..printing import print_json, print_run
-    from ..records import design_with, lesson_with
+    from ..records import design_with, lesson_with, print_record, reading_options
 
-    origin = find_lesson(options.lesson)
+    lessons = lessons_of(options)
+    origin = find_lesson(options.lesson, lessons)
     if options.data is None:
-        design = read_design(origin, options.plant, options.state, options.changes)
-        look = read_view(options.state, options.lang)
+        design = read_design(origin, options.plant, options.state, options.changes, lessons)
+        look = read_view(options.state, options.lang, lessons)
         lesson, token = fit_lesson(origin, design.plant), write_token(origin, replace(look, design=design))
     else:
-        if options.plant is not None or options.state is not None:
-            raise CommandError("Give --data without --plant and --state: the record brings its own model.")
+        if options.state is not None:
+            raise CommandError("Give --data without --state: a saved design holds no record.")
         look = read_view(None, options.lang)
-        lesson = lesson_with(origin, options.data, options.columns)
+        lesson = lesson_with(origin, options.data, options.columns, reading_options(options), options.plant)
         design, token = design_with(lesson, options.changes), ""  # no token can carry a record
     try:
         outcome = outcome_of(lesson, design, options.final)
@@ -65,4 +67,6 @@ def execute(options: argparse.Namespace) -> int:
         print_json({**record, "sentences": [asdict(each) for each in sentences(lesson, outcome, look.language)]})
     else:
         print_run(lesson, record)
+        if options.data is not None:
+            print_record(outcome)
     return 0 if all(check.holds or check.informative for check in outcome.checks) else 1

@@ -14,13 +14,25 @@ from typing import TYPE_CHECKING
 
 from ...course.scenes import MODES
 from ...text.languages import languages
-from ..file_limit import allow_many_files
+from ..ending import ENDINGS, Ending
+from ..file_limit import allow_many_files, bound_memory, held_folder
 from ..lecture_room import LecturePlace, audience_address, names_of, open_room_place, room_told
 from ..lesson_folder import follow_folder
 from ..lti import open_platforms, token_for_launches
 from ..opening import ServeRequest, opening_of
-from ..options import PLANT_HELP, STATE_HELP, CommandError, error_cause, host_name, redis_address, web_address, whole_number
-from ..records import COLUMNS_HELP, DATA_HELP
+from ..options import (
+    PLANT_HELP,
+    STATE_HELP,
+    CommandError,
+    add_own_lessons,
+    error_cause,
+    host_name,
+    network,
+    redis_address,
+    web_address,
+    whole_number,
+)
+from ..records import add_record_options, reading_options
 
 if TYPE_CHECKING:
     from ...page.access.shared_counters import WorkerSlot
@@ -34,7 +46,6 @@ HELP = "serve the lessons to browsers (default)"
 ROOM_STORE = "OBSERVER_LAB_ROOM_STORE"  # names the Redis server in the environment, where no list of processes shows its password
 USUAL_TABS, ROOM_TABS = 200, 600  # followers cost little
 HEARTBEATS_PER_TIMEOUT = 10  # signs of life within the time after which a silent worker is replaced
-ENDINGS = (signal.SIGINT, signal.SIGTERM)
 OPEN_TO_ALL = """\
 observer-lab: {host} can be reached by other machines. Whoever reaches it {may}, and what
 observer-lab: they send and see is not encrypted. For a course put a proxy with TLS in front, listen on 127.0.0.1 and
@@ -46,6 +57,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     port = whole_number(0, 65535, "is not a port; give a number from 1 to 65535, or 0 for a free one")
     count = whole_number(1, 100_000, "is not a number of tabs; give one from 1 to 100000")
     seconds = whole_number(2, 3600, "is not a time limit for a worker; give 2 to 3600 seconds")
+    minutes = whole_number(0, 100_000, "is not a time in minutes; give a whole number, or 0 for never")
     several = whole_number(1, 64, "is not a number of workers; give one from 1 to 64")
     parser.add_argument("--host", default="127.0.0.1", help="address to listen on (default %(default)s)")
     parser.add_argument("--port", type=port, default=8080,
@@ -58,13 +70,11 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--token", metavar="WORD|auto", help="let nobody in who does not know this word; auto draws one (or in the "
                                                              "environment, OBSERVER_LAB_TOKEN, where it is not printed)")
     parser.add_argument("--lesson", metavar="ID", help="lesson that a page opens on")
-    parser.add_argument("--lessons", metavar="FOLDER", help="lessons of your own as well, one folder each; changed files are read again")
-    parser.add_argument("--trust-code", action="store_true", help="run the Python files of these lessons")
+    add_own_lessons(parser)
     parser.add_argument("--view", choices=MODES, default="guide", help="how a page shows its lesson (default %(default)s)")
     parser.add_argument("--lang", choices=languages(), default="en", help="language that a page opens in")
     parser.add_argument("--plant", metavar="FILE", help=PLANT_HELP)
-    parser.add_argument("--data", metavar="FILE", help=DATA_HELP)
-    parser.add_argument("--columns", metavar="LIST", help=COLUMNS_HELP)
+    add_record_options(parser)
     parser.add_argument("--state", metavar="TOKEN|FILE", help=STATE_HELP)
     parser.add_argument("--lecture", metavar="FILE", help="give this lecture: a TOML file of scenes with minutes and notes")
     parser.add_argument("--exam", action="store_true", help="note answers to exams and tell nothing of them; no tab can practise")
@@ -83,6 +93,11 @@ def arguments(parser: argparse.ArgumentParser) -> None:
                         help="the learning platforms that may open lessons by LTI 1.3: a TOML file; see README.md")
     parser.add_argument("--log-json", action="store_true", help="write the log as lines of JSON")
     parser.add_argument("--data-dir", metavar="FOLDER", help="folder for what is kept: the log, in files that rotate")
+    parser.add_argument("--trust-proxy", action="append", default=[], type=network, metavar="NETWORK", dest="proxies",
+                        help="proxies that may say for whom they ask, as 10.0.0.0/8; may be repeated (default: this machine)")
+    parser.add_argument("--idle", type=minutes, default=60.0, metavar="MINUTES",
+                        help="a tab that nobody touches for so long gives its place back until it is touched; 0 for never "
+                             "(default %(default)g)")
     parser.add_argument("--max-sessions", type=count, metavar="N",
                         help=f"most tabs, of all workers together (default {USUAL_TABS}, in a room {ROOM_TABS})")
 
@@ -94,41 +109,25 @@ def execute(options: argparse.Namespace) -> int:
                               tuple(options.frames), options.state, options.exam, options.workers, options.exact_port,
                               options.view, options.worker_timeout,
                               options.token, options.data, options.columns, options.lecture, options.course, options.lessons,
-                              options.trust_code, options.room, options.at, options.lti, options.store))
-
-
-class Ending:
-    """Whether somebody has asked for the end, by Ctrl-C or SIGTERM.
-
-    Before all stands that interrupts what goes on. Afterwards it is remembered only: an interrupt comes up anywhere, also where
-    Python can but print it and go on, and where a library takes it for an error of its own.
-    """
-
-    def __init__(self) -> None:
-        self.stands = self.asked = False
-
-    def handle_signals(self, *_: object) -> None:
-        """The handler of the signals."""
-        self.asked = True
-        if not self.stands:
-            raise KeyboardInterrupt
-
-    def come(self) -> bool:
-        """Whether it was asked for."""
-        return self.asked
+                              options.trust_code, options.room, options.at, options.lti, options.store, tuple(options.proxies),
+                              60.0 * options.idle or float("inf"), reading_options(options)))
 
 
 def serve(request: ServeRequest) -> int:
     """Serve until interrupted (Ctrl-C or SIGTERM); prints the address that was really taken."""
     end = Ending()
     before = [signal.signal(ending, end.handle_signals) for ending in ENDINGS]  # a shell may have them ignored
+    hang_up = signal.signal(signal.SIGHUP, end.handle_hang_up) if hasattr(signal, "SIGHUP") else None
     try:
-        _serve(request, end)
+        with held_folder(request.data_dir):
+            _serve(request, end)
     except KeyboardInterrupt:
         pass
     finally:
         for ending, handler in zip(ENDINGS, before, strict=True):
             signal.signal(ending, handler)
+        if hang_up is not None:
+            signal.signal(signal.SIGHUP, hang_up)
     return 0
 
 
@@ -137,6 +136,7 @@ def _serve(request: ServeRequest, end: Ending) -> None:
 
     _keep_log(request)
     allow_many_files()
+    bound_memory()
     first = opening_of(request)
     if request.at is not None and not request.room:
         raise CommandError("--at names the address of a room's audience; give it with --room.")
@@ -152,21 +152,25 @@ def _serve(request: ServeRequest, end: Ending) -> None:
         presenter, audience, links = _links(request, room_place, listener.getsockname()[1], access)
         request = replace(request, names=(*request.names, *names_of(request.at)))
     doors = None if platforms is None else platforms.doors(first, request, listener.getsockname()[1])
+    from ...page.access.proxies import TrustedProxies
     from ...page.access.shared_counters import SharedCounters, WorkerSlot
     from ...page.screen.server import LabServer  # viser is loaded only here
 
-    def server(listener: socket.socket, seat: WorkerSlot, worker: int = 0) -> LabServer:
+    def server(listener: socket.socket, slot: WorkerSlot, worker: int = 0) -> LabServer:
         from ...page.room.lecture_room import LectureRoom
 
         room = None if room_place is None else LectureRoom(room_place.place, worker, request.language, audience)
         return LabServer(first.lessons, request.host, 0, first.lesson, request.language, plant=first.plant, names=request.names,
                          state=first.state, insists=first.insists, sealed=request.exam or first.course is not None, access=access,
-                         frames=request.frames, listener=listener, seat=seat, mode="present" if first.talk else request.mode,
-                         talk=first.talk, course=first.course, room=room, presenter=presenter, doors=doors)
+                         frames=request.frames, listener=listener, slot=slot, mode="present" if first.talk else request.mode,
+                         talk=first.talk, course=first.course, room=room, presenter=presenter, doors=doors,
+                         proxies=TrustedProxies.of(request.proxies), idle=request.idle)
 
     def tell() -> None:
         log.info("serving %s", url)
         print(printed, *([links] if links else []), sep="\n", flush=True)
+        if sys.stderr.isatty():
+            print(f"To show it without a server: observer-lab publish {first.lesson} -o site", file=sys.stderr, flush=True)
 
     def prepare(made: LabServer) -> None:
         if first.folder is not None:
@@ -174,9 +178,9 @@ def _serve(request: ServeRequest, end: Ending) -> None:
         prepare_kernels()
 
     most = request.max_sessions or (ROOM_TABS if request.room else USUAL_TABS)
-    tally = SharedCounters(request.workers)
+    tally = SharedCounters(request.workers, most)
     if request.workers == 1:
-        _run(server(listener, WorkerSlot(tally, 0, most)), tell, prepare, end)
+        _run(server(listener, WorkerSlot(tally, 0)), tell, prepare, end)
         return
     from ...page.access.socket_handoff import READY, HandedListener
     from ..workers import CHECK_INTERVAL_S, WorkerPool
@@ -188,7 +192,7 @@ def _serve(request: ServeRequest, end: Ending) -> None:
         handed = HandedListener(
             channel, address, lambda: tally.count_ended_connection(number), lambda: os.kill(os.getpid(), signal.SIGTERM)
         )
-        _run(server(handed, WorkerSlot(tally, number, most), number), lambda: handed.send(READY), prepare, end,
+        _run(server(handed, WorkerSlot(tally, number), number), lambda: handed.send(READY), prepare, end,
              request.timeout / HEARTBEATS_PER_TIMEOUT)
 
     def stand() -> None:

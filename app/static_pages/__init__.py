@@ -1,0 +1,1 @@
+"""Write the guide as a folder of files that needs no server."""

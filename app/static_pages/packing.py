@@ -1,0 +1,140 @@
+"""Pack recorded states into script files that a page can load from a folder, without a server.
+
+A file is one call `observerLabData(name, text)`; its text is base64 of gzip of a line of JSON and the arrays that it names.
+Arrays are kept once for all languages and themes of a scene, in single precision; a run is kept as differences of 16-bit numbers.
+"""
+
+from __future__ import annotations
+
+import base64
+import gzip
+import hashlib
+import json
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from ..page.record.recorded_screen import RecordedRun
+from ..page.viser_private.stage_frames import PROPERTY_KINDS, UNITS_PER_STAGE_UNIT
+from .screens import Values
+
+ALIGNMENT = 8  # bytes to which an array begins
+TYPES = MappingProxyType({"f": "<f4", "i": "<i4", "u": "<u4", "b": "|u1"})  # kinds of NumPy's numbers → how they are kept
+MOST_16_BIT = 32767
+BELOW = (0.0, 0.0, -9.0)  # a place that nobody sees, for segments that a frame does not have
+
+
+@dataclass
+class Arrays:
+    """Arrays of one file, each once."""
+
+    kept: list[np.ndarray] = field(default_factory=list)
+    numbers: dict[bytes, int] = field(default_factory=dict)
+
+    def add(self, array: np.ndarray) -> int:
+        """The number of an array in this file."""
+        if array.dtype.itemsize > 1 and array.dtype.str not in ("<i2",):
+            array = array.astype(TYPES[array.dtype.kind])
+        key = hashlib.sha256(array.dtype.str.encode() + array.tobytes()).digest()
+        if key not in self.numbers:
+            self.numbers[key] = len(self.kept)
+            self.kept.append(array)
+        return self.numbers[key]
+
+    def plain(self, value: Any) -> Any:
+        """A value as JSON holds it, with the numbers of its arrays."""
+        if isinstance(value, np.ndarray):
+            return {"$": self.add(value)}
+        if isinstance(value, (bytes, bytearray, memoryview)):
+            return {"$": self.add(np.frombuffer(value, np.uint8))}
+        if isinstance(value, Mapping):
+            return {str(key): self.plain(each) for key, each in value.items()}
+        if isinstance(value, (list, tuple)):
+            return [self.plain(each) for each in value]
+        return value
+
+
+@dataclass
+class Table:
+    """Values of one file, each once, as JSON beside the arrays of a scene."""
+
+    arrays: Arrays
+    kept: list[Any] = field(default_factory=list)
+    numbers: dict[str, int] = field(default_factory=dict)
+    _known: dict[int, tuple[Any, int]] = field(default_factory=dict)
+
+    def add(self, value: Any) -> int:
+        """The number of a value in this file."""
+        known = self._known.get(id(value))
+        if known is not None and known[0] is value:
+            return known[1]
+        plain = self.arrays.plain(value)
+        key = json.dumps(plain, ensure_ascii=False)
+        if key not in self.numbers:
+            self.numbers[key] = len(self.kept)
+            self.kept.append(plain)
+        self._known[id(value)] = value, self.numbers[key]
+        return self.numbers[key]
+
+
+def difference(base: Values, now: Values, places: Table, values: Table) -> list[list[int]]:
+    """Where a state differs from the base: numbers of place and value, −1 for what is gone."""
+    out = [[places.add(list(place)), -1] for place in base if place not in now]
+    for place, value in now.items():
+        before = base.get(place, now)
+        if before is value:
+            continue
+        if before is not now and alike(before, value):
+            continue
+        out.append([places.add(list(place)), values.add(value)])
+    return out
+
+
+def alike(one: Any, other: Any) -> bool:
+    """Whether two values are the same."""
+    if isinstance(one, np.ndarray) or isinstance(other, np.ndarray):
+        return isinstance(one, np.ndarray) and isinstance(other, np.ndarray) and one.dtype == other.dtype and np.array_equal(one, other)
+    if isinstance(one, list) and isinstance(other, list):
+        return len(one) == len(other) and all(map(alike, one, other))
+    if isinstance(one, dict) and isinstance(other, dict):
+        return one.keys() == other.keys() and all(alike(one[key], other[key]) for key in one)
+    return type(one) is type(other) and one == other
+
+
+def pack_run(run: RecordedRun, arrays: Arrays) -> dict[str, Any]:
+    """A run as its times and, for each value that moves, its numbers at these times."""
+    names: list[str] = []
+    channels = []
+    keys = dict.fromkeys(key for frame in run.frames for key in frame)
+    for name, kind in keys:
+        rows = [frame.get((name, kind), ()) for frame in run.frames]
+        wide = max(map(len, rows))
+        fill = BELOW * (wide // 3 + 1)
+        numbers = np.array([[*row, *fill[:wide - len(row)]] for row in rows], float)
+        if len(numbers) > 1 and np.all(numbers == numbers[0]):
+            continue
+        if name not in names:
+            names.append(name)
+        finest = 1.0 if kind == "color" else 1.0 / UNITS_PER_STAGE_UNIT
+        step = max(float(np.abs(numbers).max()) / MOST_16_BIT, finest)
+        whole = np.round(numbers / step).astype(np.int64)
+        deltas = np.diff(whole, axis=0, prepend=0)
+        channels.append([names.index(name), PROPERTY_KINDS.index(kind), wide, step, arrays.add(deltas.astype(np.int16).T.ravel())])
+    times = arrays.add(np.array(run.times, np.float32))
+    return {"times": times, "count": len(run.times), "names": names, "channels": channels, "end": run.end, "rate": run.rate}
+
+
+def data_file(name: str, content: Any, arrays: Iterable[np.ndarray] = ()) -> str:
+    """The text of a script file."""
+    head, blob = [], bytearray()
+    for array in arrays:
+        blob += bytes(-len(blob) % ALIGNMENT)
+        head.append([array.dtype.str, array.size, len(blob)])
+        blob += array.tobytes()
+    words = json.dumps({"arrays": head, "content": content}, ensure_ascii=False, separators=(",", ":")).encode()
+    words += b" " * (-len(words) % ALIGNMENT)
+    packed = gzip.compress(len(words).to_bytes(ALIGNMENT, "little") + words + bytes(blob), 9, mtime=0)
+    return f'observerLabData({json.dumps(name)},"{base64.b64encode(packed).decode()}")\n'

@@ -1,0 +1,73 @@
+"""Choose the values of a knob to which a published page snaps."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..course.knobs import Choice, Knob, KnobError, Number, Poles, Switch
+from ..engine import EngineError
+from ..engine.systems import move_pole
+
+SNAP = 1e-3  # of a board's height: a pole that is nearer to the real axis lies on it
+
+
+@dataclass(frozen=True)
+class Points:
+    """How many values a slider has, and how many places a pole has along the real and the imaginary axis."""
+
+    slider: int = 7
+    across: int = 9
+    up: int = 7
+
+
+def values_of(knob: Knob, now: Any, points: Points, wanted: Iterable[Any] = ()) -> tuple[Any, ...]:
+    """The values of a knob that are computed beside the present one; `wanted` are among them. None for a knob that is drawn by hand."""
+    found: list[Any] = [*wanted]
+    if isinstance(knob, Number):
+        found += _numbers(knob, points.slider)
+    elif isinstance(knob, Choice):
+        found += [name for name, _ in knob.options]
+    elif isinstance(knob, Switch):
+        found += [False, True]
+    elif isinstance(knob, Poles):
+        found += _places(knob, now, points)
+    checked = dict.fromkeys(_accepted(knob, found))
+    checked.pop(now, None)
+    return tuple(checked)
+
+
+def _numbers(knob: Number, count: int) -> list[float]:
+    if knob.scale == "log":
+        return [float(f"{value:.3g}") for value in np.geomspace(knob.low, knob.high, count)[1:-1]] + [knob.low, knob.high]
+    values = np.linspace(knob.low, knob.high, count)
+    step = 1.0 if knob.scale == "integer" else knob.step or 10.0 ** math.floor(math.log10((knob.high - knob.low) / 100))
+    return [min(max(knob.low + step * round((value - knob.low) / step), knob.low), knob.high) for value in values.tolist()]
+
+
+def _places(knob: Poles, now: tuple[complex, ...], points: Points) -> list[tuple[complex, ...]]:
+    """The present poles with one pair, or one real pole, at each place of a grid over the board."""
+    out = list[tuple[complex, ...]]()
+    for index, pole in enumerate(now):
+        if pole.imag < 0:
+            continue
+        heights = [0.0] if pole.imag == 0 else np.linspace(0.0, knob.im_high, points.up).tolist()
+        for real in np.linspace(knob.re_low, knob.re_high, points.across).tolist():
+            for height in heights:
+                try:
+                    out.append(move_pole(now, index, complex(real, height), axis_snap=SNAP * knob.im_high))
+                except EngineError:  # poles that cannot stand together
+                    continue
+    return out
+
+
+def _accepted(knob: Knob, values: Iterable[Any]) -> Iterable[Any]:
+    for value in values:
+        try:
+            yield knob.check(value)
+        except KnobError:
+            continue
