@@ -8,7 +8,7 @@ from types import MappingProxyType
 
 from fakes import toy
 
-from observer_lab.course.exercises.exam import Exam
+from observer_lab.course.exercises.exam import Exam, canonical_key
 from observer_lab.course.handin.course_file import Course, read_course
 from observer_lab.course.handin.hand_in import HandIn, write_hand_in
 from observer_lab.course.handin.served_course import ServedCourse, student_item
@@ -57,6 +57,11 @@ def served(now: float = DEADLINE - 3600, words: str = COURSE) -> ServedCourse:
 def token(course: Course, student: str = "s1", answer: str = "1", item: str = EXAM, issued: int = DEADLINE - 60) -> str:
     """A hand-in that the course has signed."""
     return write_hand_in(course, HandIn(course.id, item, student, answer, issued))
+
+
+def word(course: Course, student: str) -> str:
+    """The word that belongs to a student's key."""
+    return course.keys.word(canonical_key(student))
 
 
 def right_answer(course: Course, student: str) -> str:

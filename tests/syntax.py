@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import gc
+import sys
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
@@ -147,6 +148,31 @@ def _own(node: ast.expr) -> bool:
 
 def _of_viser(node: ast.ImportFrom) -> bool:
     return node.level == 0 and within(node.module or "", "viser")
+
+
+def replaced_names(source: str) -> list[str]:
+    """What a module replaces in others while it runs: stand-ins of a test library, fields of imported names, classes of objects.
+
+    Python's own modules have hooks that are made to be set, as `sys.stdout` is.
+    """
+    known, out = set[str](), []
+    for node in nodes(source):
+        if isinstance(node, ast.Import | ast.ImportFrom):
+            ours = [(a, a.name if isinstance(node, ast.Import) else node.module or "") for a in node.names]
+            known |= {(a.asname or a.name).partition(".")[0] for a, home in ours if home.partition(".")[0] not in sys.stdlib_module_names}
+            named = [a.name for a in node.names] if isinstance(node, ast.Import) else [f"{node.module}.{a.name}" for a in node.names]
+            out += [f"line {node.lineno}: {name}" for name in named if within(name, "unittest.mock")]
+    for node in nodes(source):
+        if isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Store | ast.Del):
+            root: ast.expr = node
+            while isinstance(root, ast.Attribute):
+                root = root.value
+            if (isinstance(root, ast.Name) and root.id in known) or node.attr == "__class__":
+                out.append(f"line {node.lineno}: {ast.unparse(node)}")
+        elif isinstance(node, ast.Call) and getattr(node.func, "id", "") in ("setattr", "delattr"):
+            first = node.args[0]
+            out += [f"line {node.lineno}: {first.id}"] if isinstance(first, ast.Name) and first.id in known else []
+    return out
 
 
 def mutable_globals(source: str) -> list[str]:

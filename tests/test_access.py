@@ -9,6 +9,7 @@ import threading
 from collections.abc import Callable
 from dataclasses import replace
 from http import HTTPStatus
+from ipaddress import IPv6Address, ip_address
 from pathlib import Path
 
 import pytest
@@ -22,7 +23,8 @@ from observer_lab.engine.kernels import compile_cache
 from observer_lab.page.access.access_policy import AccessPolicy
 from observer_lab.page.access.handshake import AdmissionControl, PackedPage
 from observer_lab.page.access.page_headers import PageHeaders
-from observer_lab.page.access.request_head import sender
+from observer_lab.page.access.places import Place, Visitor
+from observer_lab.page.access.proxies import TrustedProxies, counted_address
 from observer_lab.page.access.shared_counters import SharedCounters, WorkerSlot
 from observer_lab.page.access.socket_handoff import HandedListener, HandedSocket, send_connection
 from observer_lab.page.access.tokens import TOKEN_BYTES, AccessToken, draw_token
@@ -32,7 +34,8 @@ from observer_lab.text import languages
 
 WORD, PORT = "s3cret.Word_of~this-test", 8080
 ACCESS = AccessToken(WORD, PORT)
-RECEPTION = AdmissionControl(AccessPolicy.of("127.0.0.1", False), ACCESS, lambda refusal: None, dict, str, token_required_page("zh"))
+RECEPTION = AdmissionControl(AccessPolicy.of("127.0.0.1", False), ACCESS, lambda refusal: None, dict, lambda visitor: "",
+                             token_required_page("zh"))
 WAYS: dict[str, Callable[[str], tuple[str, list[tuple[str, str]]]]] = {
     "address": lambda word: (f"/?token={word}", []),
     "address among others": lambda word: (f"/index.html?darkMode=1&token={word}", []),
@@ -103,9 +106,26 @@ def test_the_page_is_packed_for_whoever_takes_it(said: str, packed: bool) -> Non
 
 @each(("peer", "said", "counted"), [("127.0.0.1", ["203.0.113.5"], "203.0.113.5"), ("::1", ["1.2.3.4, 203.0.113.5"], "203.0.113.5"),
                                     ("127.0.0.1", ["1.2.3.4", "2001:DB8::1"], "2001:db8::1"), ("127.0.0.1", [], "127.0.0.1"),
-                                    ("127.0.0.1", ["unknown"], "127.0.0.1"), ("198.51.100.7", ["203.0.113.5"], "198.51.100.7")])
-def test_only_a_proxy_on_this_machine_may_say_where_a_request_comes_from(peer: str, said: list[str], counted: str) -> None:
-    assert sender(peer, Headers([("X-Forwarded-For", value) for value in said])) == counted
+                                    ("127.0.0.1", ["unknown"], "127.0.0.1"), ("198.51.100.7", ["203.0.113.5"], "198.51.100.7"),
+                                    ("10.1.2.3", ["203.0.113.5"], "203.0.113.5"),
+                                    ("10.1.2.3", ["1.2.3.4, 203.0.113.5, 10.0.0.9"], "203.0.113.5"),
+                                    ("::ffff:10.1.2.3", ["203.0.113.5"], "203.0.113.5"), ("10.1.2.3", ["10.9.9.9"], "10.9.9.9"),
+                                    ("11.1.2.3", ["203.0.113.5"], "11.1.2.3"), ("127.0.0.1", ["203.0.113.5, unknown"], "127.0.0.1"),
+                                    ("fd00::5", ["203.0.113.5"], "203.0.113.5"), ("fe80::5", ["203.0.113.5"], "fe80::5")])
+def test_only_a_trusted_proxy_may_say_where_a_request_comes_from(peer: str, said: list[str], counted: str) -> None:
+    proxies = TrustedProxies.of(["10.0.0.0/8", "fd00::/8"])
+    assert proxies.sender(peer, Headers([("X-Forwarded-For", value) for value in said])) == counted
+    own = ip_address(peer).is_loopback
+    assert own or TrustedProxies().sender(peer, Headers([("X-Forwarded-For", value) for value in said])) == str(
+        getattr(ip_address(peer), "ipv4_mapped", None) or ip_address(peer))
+
+
+@given(st.ip_addresses(v=6), st.ip_addresses(v=6))
+def test_addresses_of_ipv6_count_together_where_their_first_half_is_the_same(one: IPv6Address, other: IPv6Address) -> None:
+    near = IPv6Address(int(one) >> 64 << 64 | int(other) & (1 << 64) - 1)
+    if not any(each.is_loopback or each.ipv4_mapped for each in (one, other, near)):
+        assert counted_address(str(one)) == counted_address(str(near))
+        assert (counted_address(str(one)) == counted_address(str(other))) == (int(one) >> 64 == int(other) >> 64)
 
 
 @each(("said", "secure"), [((), False), (("http",), False), (("https",), True), (("HTTPS, http",), True), (("http, https",), False),
@@ -148,19 +168,21 @@ def test_no_text_of_the_record_holds_the_word_and_words_are_long_enough() -> Non
 
 @given(st.lists(st.tuples(st.integers(0, 2), st.booleans()), max_size=60), st.integers(1, 5))
 def test_several_together_hold_no_more_tabs_than_there_are_places(moves: list[tuple[int, bool]], most: int) -> None:
-    tally, open_ = SharedCounters(3), [0, 0, 0]
-    seats = [WorkerSlot(tally, worker, most) for worker in range(3)]
-    for worker, comes in moves:
+    tally = SharedCounters(3, most)
+    held: list[list[Place]] = [[], [], []]
+    seats = [WorkerSlot(tally, worker) for worker in range(3)]
+    for k, (worker, comes) in enumerate(moves):
         if comes:
-            free = sum(open_) < most
-            assert seats[worker].enter() == free == (not seats[worker].full or free)
-            open_[worker] += free
-        elif open_[worker]:
-            seats[worker].leave()
-            open_[worker] -= 1
-        assert [tally.of(k).tabs for k in range(3)] == open_ and tally.tabs == sum(open_) <= most
+            free, visitor = sum(map(len, held)) < most, Visitor(f"address {k}")
+            assert seats[worker].full(visitor) != free
+            place = seats[worker].enter(visitor)
+            assert (place is not None) == free
+            held[worker] += [] if place is None else [place]
+        elif held[worker]:
+            seats[worker].leave(held[worker].pop())
+        assert [tally.of(k).tabs for k in range(3)] == list(map(len, held)) and tally.tabs == sum(map(len, held)) <= most
     tally.stand(1, False)  # its process has died
-    assert tally.tabs == open_[0] + open_[2]
+    assert tally.tabs == len(held[0]) + len(held[2]) and tally.places.kept == len(held[1])
     health = seats[0].health()
     assert isinstance(health["workers"], list) and health["tabs"] == sum(worker["tabs"] for worker in health["workers"])
 

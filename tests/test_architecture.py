@@ -13,9 +13,9 @@ from pathlib import Path
 from types import MappingProxyType
 
 import pytest
-from syntax import ROOT, Module, arrows, circles, imports, mutable_globals, name_of, parsed, private_uses, within
+from syntax import ROOT, Module, arrows, circles, imports, mutable_globals, name_of, parsed, private_uses, replaced_names, within
 
-FOLDERS = {"app", "lessons", "tests", "assets", ".ci"}
+FOLDERS = {"app", "lessons", "tests", "assets", ".ci", ".github"}
 ROOM = re.compile(r"│ (\S+) +│(?:──► (.+))?$")
 
 
@@ -40,15 +40,20 @@ PICTURE = drawn((ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8"))
 # Layer → the layers it may import. A module belongs to the longest prefix of its name that is listed here.
 MAY_IMPORT = {"observer_lab": ("observer_lab.cli",), **PICTURE, "observer_lab.engine": ("observer_lab.engine",)}
 ENGINE_LIBRARIES = {"numpy", "scipy", "control"}
-PRIVATE = "observer_lab.page.viser_private.viser_internals"  # the one module that may use private names of viser
+VISER = "observer_lab.page.viser_private"
+PRIVATE = (f"{VISER}.viser_internals", f"{VISER}.adapter")  # the calls and the classes that may use private names of viser
 PLOTTING = "observer_lab.engine.plotting"  # may load matplotlib where a plot is asked for
 HORIZON = "observer_lab.engine.filters.smoothing.moving_horizon"  # may load a solver of quadratic programs where bounds act
-COMPILER, SHELF = "numba", "observer_lab.engine.kernels.compile_cache"  # imported there alone, when kernels are compiled
+COMPILER, COMPILE_CACHE = "numba", "observer_lab.engine.kernels.compile_cache"  # imported there alone, when kernels are compiled
 TIME_OF_DAY = "observer_lab.cli.courses"  # gives a course the clock by which a hand-in is on time
-WHEN_CALLED = MappingProxyType({SHELF: COMPILER, PLOTTING: "matplotlib", HORIZON: "daqp"})
+READING = "observer_lab.engine.identification.reading"  # loads a library of the extra `records` for a file that needs it
+WHEN_CALLED = MappingProxyType({
+    f"{READING}.parquet_tables": "pyarrow", f"{READING}.mdf_tables": "asammdf", f"{READING}.mcap_tables": "mcap",
+    f"{READING}.ros_messages": "mcap_ros2",
+    COMPILE_CACHE: COMPILER, PLOTTING: "matplotlib", HORIZON: "daqp"})
 ROOMS = ("lesson", "knobs", "study", "figures", "tasks")  # of every lesson, beside job and own where there are such
 MOST_FILES, LONGEST_FIRST_LINE = 20, 100
-LONGEST, LONGEST_LESSON = 300, 80  # lines of a module, and of the one that assembles a lesson
+LONGEST, LONGEST_LESSON = 300, 12  # lines of a module, and of the one that assembles a lesson
 # --- reading -------------------------------------------------------------------------------------------------------
 def layer_of(name: str) -> str | None:
     """The layer of a module, None if it is not ours."""
@@ -73,9 +78,9 @@ def forbidden_imports(source: str, module: str, package: bool = False) -> list[s
 
 
 def lesson_may(module: str, name: str) -> bool:
-    """A lesson knows itself, the toolkit and its place in the course; only the table of contents knows the lessons."""
+    """A lesson knows itself and the toolkit; only the table of contents knows the lessons."""
     own = ".".join(module.split(".")[:3])
-    homes = (own, "observer_lab.lessons.toolkit", "observer_lab.lessons.course")
+    homes = (own, "observer_lab.lessons.toolkit")
     return module == "observer_lab.lessons" or any(within(name, home) for home in homes)
 
 
@@ -198,7 +203,12 @@ def test_matplotlib_is_loaded_by_a_plot_and_not_with_the_engine() -> None:
 
 
 def test_private_names_of_viser_are_touched_in_quirks_alone() -> None:
-    assert violations((m, private_uses(m.source)) for m in modules("observer_lab.page") if m.name != PRIVATE) == []
+    assert violations((m, private_uses(m.source)) for m in modules("observer_lab.page") if m.name not in PRIVATE) == []
+
+
+def test_nothing_is_replaced_while_it_runs() -> None:
+    """No stand-in of a test library in the program, no assignment to what another library's module or class holds."""
+    assert violations((m, replaced_names(m.source)) for m in modules("observer_lab")) == []
 
 
 def test_every_script_that_is_called_by_name_is_there_and_each_that_is_there_is_called() -> None:
@@ -300,6 +310,15 @@ def test_the_privacy_rule_sees_a_breach() -> None:
                "getattr(handle, '_impl')")
     assert [source for source in private if not private_uses(source)] == []
     assert not private_uses("class A:\n    def f(self):\n        return self._server.__class__, hasattr(self, '_live')")
+
+
+def test_the_rule_on_replacing_sees_a_breach() -> None:
+    replaced = ("from unittest import mock", "import unittest.mock", "import viser\nviser.add = f",
+                "from viser import infra\ninfra.a.b = 1",
+                "from viser import infra\ndef f():\n    infra._consume = 1", "import numpy as np\nsetattr(np, 'x', 1)",
+                "def f(x):\n    x.__class__ = int", "from viser import A\nA.b: int = 1", "from a import A\ndel A.b")
+    assert [source for source in replaced if not replaced_names(source)] == []
+    assert not replaced_names("import numpy as np\nfrom a import A\nx = A()\nx.b = 1\nclass B:\n    def f(self):\n        self.np = np.pi")
 
 
 def test_the_rule_on_globals_sees_a_breach() -> None:

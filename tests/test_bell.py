@@ -4,13 +4,10 @@ from __future__ import annotations
 
 import asyncio
 import threading
-from types import SimpleNamespace
-from typing import Any, cast
+from typing import Any
 
-from viser.infra._async_message_buffer import AsyncMessageBuffer
-
+from observer_lab.page.viser_private.adapter import TabBuffer
 from observer_lab.page.viser_private.thread_event import LoopEvent
-from observer_lab.page.viser_private.viser_internals import may_leave
 
 
 def in_a_thread(call: Any) -> None:
@@ -21,10 +18,9 @@ def in_a_thread(call: Any) -> None:
 
 def test_a_ring_from_a_thread_touches_nobody_who_waits_and_the_loop_wakes_them_all() -> None:
     async def waits() -> None:
-        bell = asyncio.Event()
+        bell = LoopEvent()
         waiting = [asyncio.create_task(bell.wait()) for _ in range(3)]
         await asyncio.sleep(0)
-        bell.__class__ = LoopEvent  # as of a connection that waits already
         in_a_thread(bell.set)
         assert bell.is_set()
         for _ in range(5):
@@ -41,8 +37,5 @@ def test_a_ring_from_a_thread_touches_nobody_who_waits_and_the_loop_wakes_them_a
 
 def test_what_a_tab_writes_to_rings_so() -> None:
     async def writes() -> None:
-        buffer = AsyncMessageBuffer(asyncio.get_running_loop(), persistent_messages=False)
-        client: Any = SimpleNamespace(_websock_connection=SimpleNamespace(get_message_buffer=lambda: buffer))
-        may_leave(cast(Any, client))
-        assert type(buffer.message_event) is LoopEvent
+        assert type(TabBuffer(asyncio.get_running_loop(), persistent=False).message_event) is LoopEvent
     asyncio.run(writes())

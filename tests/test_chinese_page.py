@@ -23,7 +23,7 @@ FORMULA = re.compile(r"\[\[\w+(?::[^\]]*)?\]\]|"  # live numbers; mathematics, c
                      r"\$+[^$]*\$+|`[^`]*`|\{\w+\}|\\[A-Za-z]+|<[^>]*>|[A-Za-z]+\([^)]*\)")
 CODES = frozenset({"id", "role", "mark", "dash", "colour", "scale", "kind", "side", "knob", "also", "name", "symbol", "default", "when",
                    "value", "parts", "source", "plant",  # fields of plain text that no page shows
-                   "equation", "now"})  # and mathematics
+                   "equation", "now", "press"})  # and mathematics
 # What Chinese control literature writes in Latin letters: units, functions, people, methods.
 FUNCTIONS = frozenset(WORD.findall("min max log eig rank det diag cos sin exp cov vec tr"))  # of something; alone they are words
 KNOWN = FUNCTIONS | frozenset(WORD.findall("""
@@ -64,7 +64,7 @@ def page(lesson: Lesson, design: Design, language: str = "zh") -> Iterator[str]:
     body = outcome.stage.body if outcome.stage is not None else None
     knobs = [(knob.label, knob.hint, knob.group, [words for _, words in getattr(knob, "options", ())]) for knob in lesson.knobs]
     yield from shown((lesson.figures(outcome), outcome.live, outcome.checks, outcome.boards, knobs,
-                      None if body is None else (body.caption, [words for words, _ in body.labels]),
+                      None if body is None else (body.caption, [words for words, _ in body.labels], [name.words for name in body.names]),
                       tuple(task.check(outcome).text for task in lesson.tasks),
                       None if lesson.job is None else lesson.job.label), language=language)
 

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from commands import refused
 
+from observer_lab import lessons
 from observer_lab.cli import inputs
 from observer_lab.cli.commands import serve as serving
 from observer_lab.cli.commands.serve import ServeRequest
@@ -35,13 +36,14 @@ def run_json(capsys, *words: str) -> tuple[int, dict]:
 
 
 def use(monkeypatch, lesson: Lesson) -> None:
-    monkeypatch.setattr(inputs, "all_lessons", lambda: MappingProxyType({lesson.id: lesson}))
+    for module in (inputs, lessons):
+        monkeypatch.setattr(module, "all_lessons", lambda: MappingProxyType({lesson.id: lesson}))
 
 
 def test_run_prints_the_contracts_record_at_the_lessons_start(capsys) -> None:
     status, record = run_json(capsys)
     outcome = SEPARATION.compute(SEPARATION.start())
-    assert list(record) == ["lesson", "knobs", "gains", "poles", "metrics", "checks", "series", "sentences"]
+    assert list(record) == ["lesson", "knobs", "gains", "poles", "metrics", "never", "checks", "series", "sentences"]
     assert record["lesson"] == "separation" and list(record["knobs"]) == [k.name for k in SEPARATION.knobs]
     assert np.array_equal(record["gains"]["K"], outcome.gains["K"])
     loop = [complex(*pair) for pair in record["poles"]["loop"]]
@@ -187,7 +189,7 @@ def test_a_design_that_the_engine_refuses_is_bad_input(capsys, monkeypatch) -> N
     (["exam", "nope", "--key", "me"], "no lesson nope"),
     (["exam", "kalman", "--key", "me", "--variant", "-1"], "no variant"),
     (["status", "127.0.0.1:8080"], "is no address"),
-    (["serve", "--data-dir", "a\0b"], "cannot hold the log"),
+    (["serve", "--data-dir", "a\0b"], "cannot hold what is kept"),
     (["--port", "abc"], "not a port"),
     (["serve", "--port", "65536"], "not a port"),
     (["serve", "--port", "٣"], "not a port"),
@@ -359,3 +361,11 @@ def test_a_plant_without_dynamics_and_with_unseen_modes_gives_no_traceback(tmp_p
     path.write_text('{"A": [[0,0],[0,0]], "B": [[1],[2]], "C": [[1,0]]}')
     assert main(["run", "separation", "--plant", str(path)]) in (0, 1)
     assert "Traceback" not in capsys.readouterr().err
+
+
+def test_a_scene_is_not_linked_into_the_lab_and_a_lesson_without_exams_says_so(capsys, monkeypatch) -> None:
+    assert main(["link", "kalman", "--view", "lab", "--scene", "predict"]) == 2
+    assert "--view guide or present" in capsys.readouterr().err
+    use(monkeypatch, replace(SEPARATION, exams=(), path=()))
+    assert main(["exam", "separation", "--key", "anna"]) == 2 and "has no exams" in capsys.readouterr().err
+    assert main(["link", "separation", "--scene", "meet"]) == 2 and "no path of scenes" in capsys.readouterr().err

@@ -17,6 +17,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from importlib.metadata import EntryPoint
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from client import WireTab, eventually
@@ -98,6 +99,34 @@ def started(*words: str, **surroundings: str) -> Iterator[tuple[Served, str]]:
             server.send_signal(signal.SIGTERM)
             server.told = server.communicate(timeout=30)
         assert server.returncode == 0
+
+
+@pytest.mark.slow
+def test_two_servers_on_one_data_folder_are_refused_and_one_that_was_killed_leaves_it_free(tmp_path: Path) -> None:
+    options = ("serve", "--port", "0", "--data-dir", str(tmp_path), "--workers", "2")
+    with started(*options) as (first, _):
+        second = subprocess.run([sys.executable, "-m", "observer_lab", *options], cwd=ROOT, env=plain_environment(), capture_output=True,
+                                text=True, timeout=60)
+        assert second.returncode == 2 and "is in use by another server" in second.stderr and second.stderr.count("\n") == 1
+        assert first.poll() is None
+    with Served([sys.executable, "-m", "observer_lab", *options], cwd=ROOT, env=plain_environment(), stdout=subprocess.PIPE,
+                text=True) as one:
+        assert one.stdout is not None and one.stdout.readline().startswith("http")
+        one.kill()
+        one.wait(30)
+        with started(*options) as (_, url):
+            assert url.startswith("http")
+
+
+@pytest.mark.slow
+def test_a_server_without_a_terminal_goes_on_when_it_is_hung_up() -> None:
+    with started("serve", "--port", "0", "--workers", "2") as (server, url):
+        workers = Path(f"/proc/{server.pid}/task/{server.pid}/children").read_text().split()
+        for process in (server.pid, *map(int, workers)):
+            os.kill(process, signal.SIGHUP)
+        with WireTab(url) as tab:
+            tab.until(tab.mark, "a page after the signal")
+        assert Path(f"/proc/{server.pid}/task/{server.pid}/children").read_text().split() == workers
 
 
 def test_the_last_port_when_taken_is_refused_and_does_not_hang(capsys) -> None:
@@ -188,7 +217,7 @@ def test_two_workers_share_the_tabs_and_a_tab_whose_worker_dies_goes_on_at_the_o
         (home,) = (k for k, worker in enumerate(workers_of(url, word)) if worker["tabs"])
         os.kill(processes[home], signal.SIGKILL)
         assert first.closed() is not None
-        again = WireTab(url, word=word, kept=first.kept)
+        again = WireTab(url, word=word, kept=first.kept, path=f"/?place={first.ticket}")
         again.until(lambda: again.has(knob) and again.value(knob) == 7.0, "what the browser kept")
         eventually(lambda: workers_of(url, word)[home]["starts"] == 2 and workers_of(url, word)[home]["stands"], "the next worker")
         assert [worker["tabs"] for worker in workers_of(url, word)] == [int(k != home) for k in range(2)]
@@ -233,7 +262,7 @@ def test_a_worker_that_answers_lives_and_one_that_is_stopped_is_replaced() -> No
         os.kill(processes[1 - work], signal.SIGSTOP)
         eventually(lambda: starts(url, word)[1 - work] == 2, "the worker in the place of the stopped one")
         assert idle.closed() is not None
-        again = WireTab(url, word=word, kept=idle.kept)
+        again = WireTab(url, word=word, kept=idle.kept, path=f"/?place={idle.ticket}")
         again.until(lambda: again.has(knob) and again.value(knob) == 7.0, "what the browser kept")
         busy.answered()
         assert starts(url, word)[work] == 1
@@ -320,7 +349,7 @@ def test_an_interrupt_while_a_server_prepares_is_remembered_and_ends_it_in_order
     def begins(_: object, end: serve.Ending) -> None:
         serve._run(Server(), lambda: None, lambda _: None, end)  # type: ignore[arg-type]
     monkeypatch.setattr(serve, "_serve", begins)
-    assert serve.serve(object()) == 0  # type: ignore[arg-type]
+    assert serve.serve(SimpleNamespace(data_dir=None)) == 0  # type: ignore[arg-type]
     assert heard == ["prepared", "ended", "calm", "stopped"]
 
 

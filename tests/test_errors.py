@@ -53,6 +53,8 @@ def _made(kind: type[BaseException]) -> BaseException:
         return kind(text("{why}", why=error_words(within)))
     if [one.name for one in wanted] == ["kind", "words"]:
         return kind("forged", "One sentence.")
+    if [one.name for one in wanted] == ["place", "key", "value", "words"]:
+        return kind(("course", 1), "points", -1.0, "{key} must be positive; it is {value}.")
     return kind("One sentence.") if wanted else kind()
 
 

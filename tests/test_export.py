@@ -12,8 +12,8 @@ from matplotlib._pylab_helpers import Gcf
 from matplotlib.colors import to_hex, to_rgb
 
 from observer_lab.colours import COLOURS
+from observer_lab.course.figures.ranges import LOG_AXIS_FLOOR
 from observer_lab.course.figures.records import (
-    LOG_AXIS_FLOOR,
     Curve,
     Figure,
     LineFigure,
@@ -281,7 +281,7 @@ def test_a_run_as_json_is_strict_complete_and_exact() -> None:
                       {"worst": np.inf, "size": np.float64(0.1)}, (Check("c", same("holds"), bool(np.True_), np.nan),), run)
     record = run_record(design, outcome)
     back = json.loads(json.dumps(record, allow_nan=False))
-    assert list(back) == ["lesson", "knobs", "gains", "poles", "metrics", "checks", "series"]
+    assert list(back) == ["lesson", "knobs", "gains", "poles", "metrics", "never", "checks", "series"]
     assert back["knobs"] == {"poles": [[-1, 2], [-1, -2]], "speed": 2.0, "on": True}
     assert back["poles"] == {"observer": [[-1, 0], [-1, 0.25]]}
     assert back["metrics"] == {"worst": None, "size": 0.1}

@@ -1,4 +1,4 @@
-"""Figure records: calm axes, finite data, thin curves, columns for files."""
+"""Figure records: calm axes, finite data, thin curves, tables."""
 
 from __future__ import annotations
 
@@ -11,8 +11,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from laws import each, holds_for_all
 
+from observer_lab.course.figures.curves import thin_samples
+from observer_lab.course.figures.ranges import LOG_AXIS_FLOOR, axis_range, legal_range, round_up_nicely, steady_range
 from observer_lab.course.figures.records import (
-    LOG_AXIS_FLOOR,
     SPECTRUM,
     Curve,
     LineFigure,
@@ -21,18 +22,12 @@ from observer_lab.course.figures.records import (
     PlaneFigure,
     Point,
     TableFigure,
-    axis_range,
-    columns,
     figure_below,
     finite,
-    legal_range,
     over_frequency,
-    round_up_nicely,
     same_axis,
     same_key,
-    steady_range,
     tab_names,
-    thin_samples,
 )
 from observer_lab.course.lesson import Lesson
 from observer_lab.lessons import LESSONS
@@ -182,30 +177,22 @@ def test_a_spectrum_is_logarithmic() -> None:
     assert axis_range(figure) == pytest.approx((1e-3, 100.0))
 
 
-# --- columns, tabs ---------------------------------------------------------------------------------------------------
-def test_columns_hold_what_is_drawn() -> None:
+# --- tables, tabs ----------------------------------------------------------------------------------------------------
+def test_a_table_holds_what_is_drawn() -> None:
     t, y = np.array([0.0, 1.0]), np.array([2.0, 3.0])
     curve = Curve(text("speed"), y)
-    names, data = columns(LineFigure("a", same("a"), t, (curve, curve)))
-    assert names == ["t [s]", "speed", "speed"] and data.tolist() == [[0, 2, 2], [1, 3, 3]]
-    names, data = columns(over_frequency("a", same("a"), t, (curve,)))
-    assert names == ["f [Hz]", "speed"] and data.tolist() == [[0, 2], [1, 3]]
-    names, data = columns(PlaneFigure("a", same("a"), (Curve(same("c"), y, x=t),), (Point(5.0, 6.0),), "Re", "Im"))
-    assert names == ["Re", "Im"] and data.tolist() == [[5, 6], [0, 2], [1, 3]]
-    names, data = columns(MatrixFigure("a", same("a"), np.eye(2), columns=("x", "y")))
-    assert names == ["x", "y"] and data.tolist() == [[1, 0], [0, 1]]
-    names, data = columns(MapFigure("a", same("a"), t, y, np.array([[0, 1], [2, -1]]), ((same("in"), "plant"),), "p", "q"))
-    assert names == ["p", "q", "category"]
-    assert data.tolist() == [[0, 2, 0], [1, 2, 1], [0, 3, 2], [1, 3, -1]]
+    assert LineFigure("a", same("a"), t, (curve, curve)).table() == (["t [s]", "speed", "speed (2)"], [(0, 2, 2), (1, 3, 3)])
+    assert over_frequency("a", same("a"), t, (curve,)).table() == (["f [Hz]", "speed"], [(0, 2), (1, 3)])
+    plane = PlaneFigure("a", same("a"), (Curve(same("c"), y, x=t),), (Point(5.0, 6.0),), "Re", "Im")
+    assert plane.table() == (["series", "Re", "Im"], [("c", 0, 2), ("c", 1, 3), ("plant cross", 5, 6)])
+    assert MatrixFigure("a", same("a"), np.eye(2), columns=("x", "y")).table() == (["", "x", "y"], [("0", 1, 0), ("1", 0, 1)])
+    grid = MapFigure("a", same("a"), t, y, np.array([[0, 1], [0, -1]]), ((same("in"), "plant"), (same("out"), "plant")), "p", "q")
+    assert grid.table() == (["p", "q", "category"], [(0, 2, "in"), (1, 2, "out"), (0, 3, "in"), (1, 3, "")])
+    assert TableFigure("a", same("a"), (same("x"), same("y")), (("1", same("2")),)).table() == (["x", "y"], [("1", "2")])
 
 
-def test_a_table_has_as_many_columns_as_names() -> None:
-    names, data = columns(TableFigure("a", same("a"), (same("x"), same("y")), (("1", same("2")),)))
-    assert names == ["x", "y"] and data.shape[1] == 2
-
-
-def test_a_plane_without_anything_still_has_two_columns() -> None:
-    assert columns(PlaneFigure("a", same("a")))[1].shape == (0, 2)
+def test_a_plane_without_anything_still_has_its_heads() -> None:
+    assert PlaneFigure("a", same("a")).table() == (["series", "x", "y"], [])
 
 
 def test_tabs_come_in_the_order_in_which_figures_name_them() -> None:

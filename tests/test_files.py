@@ -18,7 +18,6 @@ from matplotlib.mathtext import MathTextParser
 from observer_lab.cli import main
 from observer_lab.course.figures.records import LineFigure
 from observer_lab.export import files
-from observer_lab.export.data.tables import table
 from observer_lab.export.sheet.typeset import MATHS, Piece, lines_of, readable
 from observer_lab.lessons import LESSONS
 from observer_lab.session.state.saved_state import SavedState
@@ -53,7 +52,7 @@ def test_a_table_has_the_curves_number_for_number_under_heads_with_units() -> No
     def law(lesson: str) -> None:
         bad = []
         for figure in (own := taken(lesson)).figures:
-            heads, rows = table(figure)
+            heads, rows = figure.table()
             bad += [figure.id] if any(len(row) != len(heads) for row in rows) or (rows and len(set(heads)) != len(heads)) else []
             if not isinstance(figure, LineFigure):
                 continue

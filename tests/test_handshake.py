@@ -12,6 +12,7 @@ import pytest
 from observer_lab.page.access import connection as connections
 from observer_lab.page.access import handshake
 from observer_lab.page.access.connection import Connection
+from observer_lab.page.access.proxies import TrustedProxies
 
 
 def waiting(*sizes: int) -> tuple[Connection, deque[int]]:
@@ -41,7 +42,7 @@ def test_nobody_is_answered_who_has_left_while_it_waited(monkeypatch: pytest.Mon
     """websockets takes an answer to a closed connection for a fault of the program, and would say so in the log."""
     given: dict[str, Any] = {}
     monkeypatch.setattr(handshake, "serve", lambda enter, **options: given.update(options))
-    reception: Any = SimpleNamespace(forms=frozenset())
+    reception: Any = SimpleNamespace(forms=frozenset(), proxies=TrustedProxies())
     handshake.serve_guarded(None, None, reception, lambda: True, "any")(None, "", 0)  # type: ignore[arg-type]
     with pytest.raises(asyncio.CancelledError):
         asyncio.run(given["process_request"](SimpleNamespace(protocol=SimpleNamespace(eof_sent=True)), None))

@@ -136,7 +136,7 @@ def test_numbers_are_the_same_for_ever_and_need_the_secret() -> None:
 
 def test_the_keys_of_numbers_and_of_signatures_differ() -> None:
     keys = CourseKeys.of("toys-2026", SECRET)
-    swapped = CourseKeys(keys._signing, keys._numbers, keys._students)
+    swapped = CourseKeys(keys._signing, keys._numbers, keys._students, keys._words)
     assert keys.sign("x") != swapped.sign("x") and not keys.signed("x", swapped.sign("x")) and keys.signed("x", keys.sign("x"))
 
 

@@ -130,7 +130,7 @@ def test_what_libraries_print_comes_as_lines_of_json(told: io.StringIO) -> None:
     thread = threading.Thread(target=lambda: 1 / 0)
     thread.start()
     thread.join()
-    log_failed_callback(KeyError, KeyError("x"), None)
+    log_failed_callback(KeyError("x"))
     lines = [json.loads(line) for line in told.getvalue().splitlines()]
     assert [line["level"] for line in lines] == ["warning", "error", "error"]
     assert "of a library" in lines[0]["what"] and "ZeroDivisionError" in lines[1]["trace"] and "KeyError" in lines[2]["trace"]

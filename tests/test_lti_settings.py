@@ -143,4 +143,4 @@ def test_a_served_lab_asks_for_a_word_and_a_launch_brings_it(tmp_path: Path, wor
             server.send_signal(signal.SIGINT)
             assert server.wait(30) == 0
             platform.close()
-    assert (tmp_path / "kept" / "lti.sqlite").is_file()
+    assert (tmp_path / "kept" / "course.sqlite").is_file()

@@ -19,7 +19,7 @@ from served import Served
 ROOT = Path(__file__).parents[1]
 GUIDE = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8").partition("## A new lesson")[2].partition("\n## ")[0]
 COMMANDS = tuple(line.split() for line in re.findall(r"```sh\n(.*?)```", GUIDE, re.DOTALL)[0].splitlines())
-NAME, FILES = COMMANDS[0][2], {"__init__.py", "lesson.py", "knobs.py", "study.py", "figures.py", "tasks.py", "en.md"}
+NAME, FILES = COMMANDS[0][2], {"__init__.py", "lesson.py", "lesson.toml", "knobs.py", "study.py", "figures.py", "tasks.py", "en.md"}
 
 
 @pytest.fixture(scope="module")

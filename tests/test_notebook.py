@@ -107,3 +107,12 @@ def test_the_server_ends_with_the_kernel() -> None:
         assert kernel.wait(60) == 0
     with pytest.raises(ConnectionRefusedError):
         asked(address)
+
+
+def test_code_of_a_design_is_written_from_a_notebook(tmp_path) -> None:
+    from observer_lab.notebook import write_device
+
+    assert "lab.c" in write_device("noise", str(tmp_path / "code"), w=0.5)
+    assert "with w 0.5" in (tmp_path / "code" / "README.md").read_text()
+    with pytest.raises(ValueError, match="There is no kind pascal"):
+        write_device("noise", str(tmp_path), "pascal")

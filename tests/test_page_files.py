@@ -15,8 +15,11 @@ from hypothesis import strategies as st
 from observer_lab.colours import COLOURS
 from observer_lab.page import web
 from observer_lab.page.charts.style_sheet import sheet
+from observer_lab.page.record.published_page import published_page
+from observer_lab.page.record.questions_page import questions_page
 from observer_lab.page.replay import replay
 from observer_lab.page.screen.page_setup import PAGE_SCRIPTS
+from observer_lab.page.votes.lecture_sheet import sheet_html
 from observer_lab.page.web.html_page import app_page
 
 VIEW = Path(web.FOLDER).parent
@@ -48,7 +51,8 @@ def test_every_script_is_called_with_just_what_it_takes() -> None:
 @pytest.mark.parametrize("name", STYLES)
 def test_every_style_is_used_and_closed(name: str) -> None:
     text = Template(web.file_text(name)).safe_substitute(COLOURS)
-    assert text.strip() in sheet(True, True, ("$figure",), True) + app_page("en") + replay.style()
+    pages = app_page("en") + replay.style() + published_page(["en"], [], [], "") + sheet_html((), {}, "en") + questions_page({}, "en", "")
+    assert text.strip() in sheet(True, True, ("$figure",), True) + pages
     assert text.count("{") == text.count("}") and "<" not in text and "%(" not in text
 
 

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import json
 import re
 from pathlib import Path
 
 from laws import each
+
+from observer_lab.cli.entry import parser
 
 DEPLOY = Path(__file__).parents[1] / "assets" / "deploy"
 RECIPES = {path.name: path.read_text(encoding="utf-8") for path in DEPLOY.iterdir()}
@@ -45,3 +48,26 @@ def test_no_recipe_installs_by_a_name_that_nobody_owns(name: str) -> None:
 def test_a_course_finds_room(name: str) -> None:
     (most,) = re.findall(r'--max-sessions"?,? "?(\d+)', RECIPES[name])
     assert int(most) >= COURSE
+
+
+def commands() -> dict[str, list[str]]:
+    """The command line by which each recipe starts the lab."""
+    (unit,) = re.findall(r"^ExecStart=\S+/observer-lab (.*)$", RECIPES["observer-lab.service"], re.MULTILINE)
+    (entry,) = re.findall(r"^ENTRYPOINT (\[.*\])$", RECIPES["Containerfile"], re.MULTILINE)
+    (check,) = re.findall(r"CMD (\[.*\])$", RECIPES["Containerfile"], re.MULTILINE)
+    return {"unit": unit.split(), "container": json.loads(entry)[1:], "check": json.loads(check)[1:]}
+
+
+@each("name", ["unit", "container", "check"])
+def test_the_command_of_a_recipe_is_one_that_the_program_takes(name: str) -> None:
+    words = commands()[name]
+    assert parser().parse_args(words).command == words[0]
+
+
+def test_the_unit_is_hardened_and_may_raise_its_own_limits() -> None:
+    """`systemd-analyze security --offline=true` gives 1.4; the lab calls setrlimit, which a denied @resources would end."""
+    unit = RECIPES["observer-lab.service"]
+    for line in ("CapabilityBoundingSet=", "PrivateUsers=yes", "ProtectProc=invisible", "RestrictNamespaces=yes", "UMask=0077",
+                 "ProtectKernelLogs=yes", "ProtectClock=yes", "SystemCallFilter=~@privileged"):
+        assert f"\n{line}\n" in unit, line
+    assert "@resources" not in re.sub(r"#[^\n]*", "", unit)

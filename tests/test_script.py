@@ -30,6 +30,7 @@ from observer_lab.session.state.token import write_token
 LATE = {"delay": 18.0, "limited": True, "u_max": 0.5, "noise": 2.0, "seed": 3.0, "kick": 1.003}
 # Each a way of its own along the grid: exact, clipped with delay, noise, kick and a wrong model, sampled.
 DESIGNS = (("noise", "", {}), ("separation", "", {**LATE, "stiffness_error": 10.0}),
+           ("separation", "", {"pull": [(0.3, 0.6), (0.7, -1.2), (0.9, 0.0)]}), ("saturation", "", {"pull_2": [(0.1, 1.0), (0.4, 0.0)]}),
            ("sandbox", "pendulum", {"noisy": True, "limited": True}),
            ("weak-states", "tanks", {"order": 2}), ("weak-states", "aircraft", {}),
            # Weights so far apart that SciPy's solver of Riccati's equation gives up.

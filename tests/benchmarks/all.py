@@ -1,4 +1,4 @@
-"""The engine beside its peers in one run, as Markdown: `python tests/benchmarks/all.py [loops] [filters] [designs] [drafts]`.
+"""The engine beside its peers in one run, as Markdown: `python tests/benchmarks/all.py [loops] [filters] [designs] [daily] [drafts]`.
 
 Medians of processor seconds, so that a busy machine hardly counts; ratios are what counts, machines differ.
 Without names all but the drafts of the lessons, which take some minutes more (`bench_drafts.py` prints those of chosen ones).
@@ -21,16 +21,18 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
+import bench_daily
 import bench_designs
 import bench_drafts
 import bench_filters
 import bench_loops
 from stopwatch import HEAD
 
-from observer_lab.engine.kernels import SHELF, kernels_off
+from observer_lab.engine.kernels import COMPILE_CACHE, kernels_off
 
-PARTS = {"loops": bench_loops.rows, "filters": bench_filters.rows, "designs": bench_designs.rows}
-PEERS = ("numpy", "scipy", "control", "filterpy", "numba")
+PARTS = {"loops": bench_loops.rows, "filters": bench_filters.rows, "designs": bench_designs.rows,
+         "daily": bench_daily.rows}
+PEERS = ("numpy", "scipy", "control", "slycot", "filterpy", "statsmodels", "numba")
 
 
 def versions() -> str:
@@ -47,7 +49,7 @@ def versions() -> str:
 def main(names: list[str]) -> None:
     """Print the table of the parts named."""
     warnings.simplefilter("ignore")
-    compiled = not kernels_off() and SHELF.fill()
+    compiled = not kernels_off() and COMPILE_CACHE.fill()
     print(f"{time.strftime('%Y-%m-%d')}, {os.cpu_count()} cores, load {os.getloadavg()[0]:.1f} at the start; {versions()}; "
           f"kernels {'compiled' if compiled else 'plain'}.\n\n{HEAD}", flush=True)
     met, missed = 0, list[str]()

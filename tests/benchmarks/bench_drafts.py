@@ -32,7 +32,7 @@ from observer_lab.course.knobs import Choice, Knob, KnobError, Number, Poles, Sw
 from observer_lab.course.lazy import FigureSet, complete_figures
 from observer_lab.course.lesson import Design, Lesson
 from observer_lab.engine import EngineError, Plant
-from observer_lab.engine.kernels import SHELF, kernels_off
+from observer_lab.engine.kernels import COMPILE_CACHE, kernels_off
 from observer_lab.engine.systems import move_pole
 from observer_lab.lessons import LESSONS
 from observer_lab.plants.own_plant import canonical_text
@@ -112,7 +112,7 @@ def main(names: list[str]) -> None:
     plant = ""
     if names and names[0] == "--own":
         plant, names = chain(int(names[1])), names[2:]
-    compiled, hour = not kernels_off() and SHELF.fill(), bench_loops.linear(*bench_loops.rig()).theirs
+    compiled, hour = not kernels_off() and COMPILE_CACHE.fill(), bench_loops.linear(*bench_loops.rig()).theirs
     print(f"`forced_response`: {1e3 * hour:.0f} ms; kernels {'compiled' if compiled else 'plain'}.\n")
     print("| lesson | drafts | first: median | p95 [ms] | max | whole: median | p95 [ms] | refused |\n|---|---|---|---|---|---|---|---|")
     for lesson in LESSONS.values():

@@ -163,7 +163,7 @@ class Server:
 
     def __init__(self, most: int, workers: int, timeout: int) -> None:
         self._process = subprocess.Popen(
-            [sys.executable, "-m", "observer_lab", "serve", "--port", "0", "--max-sessions", str(most), "--workers", str(workers),
+            [sys.executable, "-m", "observer_lab", "serve", "--port", "0", "--max-sessions", str(2 * most), "--workers", str(workers),
              "--worker-timeout", str(timeout), "--view", "lab"],
             cwd=HERE, text=True, stdout=subprocess.PIPE,
             env={**os.environ, "PYTHONPATH": str(HERE), "OBSERVER_LAB_KERNELS": "off", "PYTHONUNBUFFERED": "1"})

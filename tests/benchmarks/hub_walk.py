@@ -27,12 +27,13 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-sys.path[:0] = [str(Path(__file__).parents[2]), str(Path(__file__).parents[1] / "e2e")]
+sys.path[:0] = [str(Path(__file__).parents[2]), str(Path(__file__).parents[1]), str(Path(__file__).parents[1] / "e2e")]
 
 from conftest import chromium  # type: ignore[import-not-found]
+from nginx_proxy import NAME  # type: ignore[import-not-found]
 from playwright.sync_api import Browser, Page, sync_playwright
 from tab import FLAGS, Tab  # type: ignore[import-not-found]
-from tls_walk import NAME, walk_tls  # type: ignore[import-not-found]
+from tls_walk import walk_tls  # type: ignore[import-not-found]
 from token_walk import walk_token  # type: ignore[import-not-found]
 from walks import HERE, KNOB, PATIENCE, Walk, free_ports, window  # type: ignore[import-not-found]
 

@@ -2,57 +2,15 @@
 
 from __future__ import annotations
 
-import socket
 import subprocess
 import sys
 import tempfile
-import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
+from nginx_proxy import NAME, nginx  # type: ignore[import-not-found]
 from playwright.sync_api import Browser
 from tab import Tab  # type: ignore[import-not-found]
-from walks import HERE, KNOB, PATIENCE, Walk, free_ports, surroundings, window  # type: ignore[import-not-found]
-
-NGINX = """
-daemon off; pid {place}/pid; error_log {place}/errors; worker_processes 1;
-events {{ worker_connections 64; }}
-http {{ access_log off; client_body_temp_path {place}/body; proxy_temp_path {place}/proxy; fastcgi_temp_path {place}/f;
-  uwsgi_temp_path {place}/u; scgi_temp_path {place}/s; include {place}/lab.conf; }}
-"""
-NAME = "lab.example.org"
-
-
-def listens(port: int) -> bool:
-    """Whether somebody listens on a port of loopback."""
-    with socket.socket() as probe:
-        return probe.connect_ex(("127.0.0.1", port)) == 0
-
-
-@contextmanager
-def nginx(place: Path, lab: int, plain: int, tls: int) -> Iterator[None]:
-    """nginx by our recipe on ports of loopback; only ports and the certificate are others."""
-    subprocess.run(["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "2", "-subj", f"/CN={NAME}",
-                    "-keyout", place / "privkey.pem", "-out", place / "fullchain.pem"], check=True, capture_output=True)
-    recipe = (HERE / "assets" / "deploy" / "nginx.conf").read_text()
-    for ours, here in (("listen 80;", f"listen 127.0.0.1:{plain};"), ("listen 443 ssl;", f"listen 127.0.0.1:{tls} ssl;"),
-                       ("127.0.0.1:8080", f"127.0.0.1:{lab}"), (f"/etc/letsencrypt/live/{NAME}", str(place)),
-                       ("https://$host$", f"https://$host:{tls}$"), ("/var/log/nginx", str(place))):
-        assert recipe.count(ours) >= 1, ours
-        recipe = recipe.replace(ours, here)
-    (place / "lab.conf").write_text(recipe)
-    (place / "nginx.conf").write_text(NGINX.format(place=place))
-    process = subprocess.Popen(["nginx", "-p", place, "-c", place / "nginx.conf"])
-    try:
-        end = time.monotonic() + PATIENCE
-        while not listens(plain):
-            assert process.poll() is None and time.monotonic() < end, (place / "errors").read_text()[-2000:]
-            time.sleep(0.1)
-        yield
-    finally:
-        process.terminate()
-        process.wait(30)
+from walks import HERE, KNOB, Walk, free_ports, surroundings, window  # type: ignore[import-not-found]
 
 
 def walk_tls(walk: Walk, browser: Browser) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sqlite3
 import threading
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +15,9 @@ from observer_lab.classroom.class_runs import ClassRuns, OwnRun, read_runs, seed
 from observer_lab.classroom.kept_room import KeptPages, KeptRoom
 from observer_lab.classroom.page_store import KEPT_BATCHES, StandingPage
 from observer_lab.classroom.pole_grid import ACROSS, UP, PoleGrid
+from observer_lab.classroom.redis_connection import RoomProblem
 from observer_lab.classroom.room import LECTURE, MAX_PLACES, UNSOLVED, overview
+from observer_lab.classroom.room_schema import STEPS
 from observer_lab.classroom.room_store import FILE, RoomStore
 from observer_lab.classroom.vote_writer import VoteWriter
 from observer_lab.classroom.votes import (
@@ -30,9 +33,25 @@ from observer_lab.classroom.votes import (
     votes_on_typed,
 )
 from observer_lab.course.lesson import Board
-from observer_lab.page.room.own_run import own_run_html
+from observer_lab.page.room.class_seats import own_run_html
 from observer_lab.text import NO_WORDS
 
+FIRST_FORM = """
+CREATE TABLE room (id INTEGER PRIMARY KEY CHECK (id = 1), secret TEXT NOT NULL, state TEXT NOT NULL, hands INTEGER NOT NULL);
+CREATE TABLE votes (number INTEGER PRIMARY KEY, lesson TEXT NOT NULL, scene TEXT NOT NULL, round INTEGER NOT NULL,
+  open INTEGER NOT NULL, counts TEXT NOT NULL, asked TEXT NOT NULL, edges TEXT NOT NULL);
+CREATE TABLE ballots (vote INTEGER NOT NULL, ballot TEXT NOT NULL, answer REAL NOT NULL, PRIMARY KEY (vote, ballot)) WITHOUT ROWID;
+CREATE TABLE presence (worker INTEGER NOT NULL, place TEXT NOT NULL, people INTEGER NOT NULL, slower INTEGER NOT NULL,
+  PRIMARY KEY (worker, place));
+CREATE TABLE drawn (id INTEGER PRIMARY KEY CHECK (id = 1), seed INTEGER NOT NULL, taken INTEGER NOT NULL);
+CREATE TABLE seats (seat INTEGER PRIMARY KEY, worker INTEGER NOT NULL);
+CREATE TABLE runs (id INTEGER PRIMARY KEY CHECK (id = 1), number INTEGER NOT NULL, words TEXT NOT NULL);
+INSERT INTO runs VALUES (1, 0, '');
+INSERT INTO room VALUES (1, 'the-word-of-before', '1.token', 0);
+INSERT INTO drawn VALUES (1, 42, 7);
+INSERT INTO votes VALUES (1, 'separation', 'why', 1, 0, '[3, 2, 1]', '', '[]'), (2, 'separation', 'why', 2, 1, '[0, 0, 0]', '', '[]');
+INSERT INTO ballots VALUES (2, 'ballot0001', 1.0);
+"""
 GRID = PoleGrid("observer", -10.0, 2.0, 8.0)
 
 
@@ -48,10 +67,21 @@ def ballots(vote: Vote, *options: int) -> list[tuple[int, str, int]]:
 def test_counts_are_hidden_until_five_have_voted(store: KeptRoom) -> None:
     vote = opened(store)
     store.cast(ballots(vote, *[1] * (HIDDEN_BELOW - 1)))
+    store.close_vote()
+    store.mark_vote(replace(store.votes()[-1], counts_out=True))
     few = store.votes()[-1]
-    assert (few.total, few.shown) == (HIDDEN_BELOW - 1, None)
+    assert few.visible and (few.total, few.shown) == (HIDDEN_BELOW - 1, None)
+    vote = opened(store)
     store.cast(ballots(vote, *[1] * (HIDDEN_BELOW - 1), 0))
-    assert store.votes()[-1].shown == (1, HIDDEN_BELOW - 1, 0)
+    store.mark_vote(replace(vote, counts_out=True))
+    assert store.votes()[-1].shown is None and not store.votes()[-1].visible, "an open vote is not marked"
+    store.close_vote()
+    assert store.votes()[-1].shown is None and store.votes()[-1].sealed().total == 0
+    for counts_out, revealed, until in ((True, False, 0), (False, False, 7), (True, True, 0), (False, True, 0)):
+        store.mark_vote(replace(store.votes()[-1], counts_out=counts_out, revealed=revealed, talks=until))
+        found = store.votes()[-1]
+        assert (found.counts_out, found.revealed, found.talks) == (counts_out, revealed, until)
+        assert found.shown == ((1, HIDDEN_BELOW - 1, 0) if counts_out else None) and found.sealed().total == 5 * counts_out
 
 
 def test_a_browser_that_votes_again_replaces_its_vote(store: KeptRoom) -> None:
@@ -78,7 +108,24 @@ def test_closing_keeps_the_counts_and_no_ballot(tmp_path: Path) -> None:
         assert database.execute("SELECT COUNT(*) FROM ballots").fetchone() == (0,)
         columns = {row[1] for table in ("votes", "ballots", "presence") for row in database.execute(f"PRAGMA table_info({table})")}
     assert columns == {"number", "lesson", "scene", "round", "open", "counts", "vote", "ballot", "answer", "asked", "edges", "worker",
-                       "place", "people", "slower"}
+                       "place", "people", "slower", "counts_out", "revealed", "talks"}
+
+
+def test_a_file_of_the_first_form_is_brought_up_to_date_and_one_of_a_later_version_refused(tmp_path: Path) -> None:
+    """As `FIRST_FORM` was written by fbea0ee: a vote that was closed had shown all, the secret and the room's seed stay."""
+    with sqlite3.connect(tmp_path / FILE) as database:
+        database.executescript(FIRST_FORM)
+    stores = [RoomStore(tmp_path) for _ in range(2)]
+    for store in stores:
+        assert store.secret == "the-word-of-before" and store.seed == 42 and store.state == "1.token"
+        first, second = store.votes()
+        assert (first.counts, first.open, first.visible, first.revealed) == ((3, 2, 1), False, True, True)
+        assert (second.counts, second.open, second.visible, second.revealed) == ((0, 1, 0), True, False, False)
+    with sqlite3.connect(tmp_path / FILE) as database:
+        assert database.execute("PRAGMA user_version").fetchone() == (len(STEPS),)
+        database.execute(f"PRAGMA user_version = {len(STEPS) + 1}")
+    with pytest.raises(RoomProblem, match="later version"):
+        RoomStore(tmp_path)
 
 
 def test_asking_again_makes_a_second_round_beside_the_first(store: KeptRoom) -> None:
@@ -221,9 +268,10 @@ def test_poles_are_counted_by_place_and_only_those_on_the_plane(store: KeptRoom,
     assert store.cast([(vote.number, f"ballot{k:04d}", pole) for k, pole in enumerate(poles)]) == [True] * 5
     odd = [complex(np.nan, 1), complex(-1, np.nan), complex(np.inf, 0), complex(-1, -np.inf), 1e300 + 0j, -10.3 + 0j, -1 + 8.5j, 3, 2.0, -1]
     assert store.cast([(vote.number, f"odd{k:09d}", each) for k, each in enumerate(odd)]) == [False] * len(odd)
-    assert dict(store.votes()[-1].cloud) == {-4 + 2j: 3, -1 + 0j: 2}
-    assert store.votes()[-1].sealed().cloud == () and store.votes()[-1].sealed().total == 0
+    assert store.votes()[-1].cloud == () and store.votes()[-1].sealed().total == 0, "nothing while the vote is open"
     store.close_vote()
+    assert store.votes()[-1].cloud == () and store.votes()[-1].sealed().total == 0, "nothing until it is shown"
+    store.mark_vote(replace(vote, counts_out=True))
     closed = room().votes()[-1]
     assert closed.asked == Asked("", (), GRID) and closed.sealed() == closed and dict(closed.cloud) == {-4 + 2j: 3, -1 + 0j: 2}
 

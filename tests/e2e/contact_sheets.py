@@ -26,11 +26,11 @@ if __name__ == "__main__":
 from conftest import chromium, serving
 from tab import ANSWERED, DRAWN, FLAGS, UNDRAWN, eventually
 
+from observer_lab.course.guiding.predictions import prediction_of
 from observer_lab.course.lesson import Lesson
 from observer_lab.course.scenes import Choose, Press, Scene
 from observer_lab.lessons import LESSONS
 from observer_lab.page.guide.pointing_hand import BUTTONS
-from observer_lab.session.handlers.guide import options_of
 from observer_lab.session.state.saved_state import SavedState
 from observer_lab.session.state.token import write_token
 
@@ -68,11 +68,12 @@ def lasting_breaches(page: Page) -> list[str]:
 def answer(page: Page, lesson: Lesson, scene: Scene, language: str) -> bool:
     """Answer a scene's question by the wrong option of the longest verdict, or press the button it asks for; whether there is one."""
     if isinstance(scene.do, Choose):
-        options, refutations, right = options_of(lesson, scene, language)
+        asked = prediction_of(lesson, scene, language)
+        options, refutations, right = asked.options, asked.refutations, asked.answer
         wrong = max((k for k in range(len(options)) if k != right), key=lambda k: len(refutations[k]) if k < len(refutations) else 0)
         page.locator(".ol-option").nth(wrong).click(timeout=PATIENCE)
         page.wait_for_selector(".ol-answer .ol-wrong", timeout=PATIENCE)
-    elif isinstance(scene.do, Press):
+    elif isinstance(scene.do, Press) and scene.do.button in BUTTONS:
         page.locator("button", has_text=BUTTONS[scene.do.button](language)).first.click(timeout=PATIENCE)
         page.wait_for_selector(".ol-way .ol-next", timeout=PATIENCE)
     else:

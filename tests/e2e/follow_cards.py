@@ -25,18 +25,19 @@ if __name__ == "__main__":
 from geometry import LOCAL, WHERE
 from tab import ANSWERED, FLAGS, UNDRAWN, eventually
 
+from observer_lab.course.guiding.predictions import prediction_of
 from observer_lab.course.knobs import Choice, Knob, Number, Poles, Switch
 from observer_lab.course.lesson import Board, Lesson
-from observer_lab.course.scenes import Choose, Move, Press, Scene, Solve
+from observer_lab.course.scenes import Choose, Goal, Move, Press, Scene, Solve
 from observer_lab.lessons import LESSONS
 from observer_lab.page.column.knob_widgets import label_of
 from observer_lab.page.stage.pole_boards import BOARD_HEIGHT, BOARD_WIDTH
-from observer_lab.session.handlers.guide import options_of
 from observer_lab.session.state.saved_state import SavedState
 from observer_lab.session.state.token import write_token
 
 PATIENCE = 60_000  # ms
 TRIES = 6  # drags or settings of a task before it is given up
+NEARER = {"right": 0.6, "left": 1.4}  # of a pole's distance from the axis: where a card asks to drag it
 NEAR = 1e-3  # of a board's width: a cross that is so near is not dragged
 AWAY = 0.11  # of a board's width: how far a cross is dragged where the card names no place
 AT = """([pole, at]) => {  // the pixel of a place on the board on which a cross stands
@@ -113,14 +114,15 @@ class Newcomer:
         row.scroll_into_view_if_needed()
         return row
 
-    def slide(self, label: str) -> None:
-        """Drag a slider from where it stands to the emptier side."""
+    def slide(self, label: str, side: str = "") -> None:
+        """Drag a slider from where it stands to the side that is asked for, else to the emptier one."""
         thumb, track = self.row(label).get_by_role("slider"), self.row(label).locator("[data-ol-slider]")
         knob, way = thumb.bounding_box(), track.bounding_box()
         assert knob is not None and way is not None
         x, y = knob["x"] + knob["width"] / 2, knob["y"] + knob["height"] / 2
-        right = x < way["x"] + way["width"] / 2
-        self.pull((x, y), (x + (0.3 if right else -0.3) * way["width"], y), label)
+        right = side == "right" or (not side and x < way["x"] + way["width"] / 2)
+        end = min(max(x + (0.3 if right else -0.3) * way["width"], way["x"]), way["x"] + way["width"])
+        self.pull((x, y), (end, y), label)
 
     def write(self, label: str, words: str, part: int = -1) -> None:
         """Type into the field beside a slider, or into one of a pole's two."""
@@ -174,8 +176,10 @@ class Newcomer:
         if isinstance(scene.do, Choose):
             if self.page.locator(".ol-option:enabled").count() < 2:
                 raise Stuck("no options are in sight")
-            _, _, right = options_of(lesson, scene, self.language)
+            right = prediction_of(lesson, scene, self.language).answer
             self.answer(0 if right else 1)  # a newcomer errs
+        elif scene.do == Press("pull"):
+            self._pull_by_keys()
         elif isinstance(scene.do, Press):
             if not self.named:
                 raise Stuck("the card names no button")
@@ -186,6 +190,15 @@ class Newcomer:
             self._solve(lesson, scene, scene.do)
         eventually(self.is_done, bool, f"{lesson.id} {scene.id} done by “{self.asked}”, after {self.actions[-3:]}", patience=20)
 
+    def _pull_by_keys(self) -> None:
+        """Hold an arrow key on the slider that pulls the plant, and let go."""
+        slider = self.page.locator("input[data-pull]:visible").first
+        if not slider.count():
+            raise Stuck("no slider pulls the plant")
+        self.actions.append("pull by keys")
+        slider.focus(timeout=PATIENCE)
+        self.page.keyboard.press("ArrowRight", delay=300)
+
     def _move(self, lesson: Lesson, scene: Scene, asked: Move) -> None:
         if not self.asked:
             raise Stuck("the card does not say what to move")
@@ -193,21 +206,27 @@ class Newcomer:
             board = next((b for b in boards_of(lesson, scene) if b.knob == name), None)
             if board is not None:
                 slowest = max(range(len(board.poles)), key=lambda k: board.poles[k].real)
-                self.drag_cross(board, slowest)
+                pole = complex(board.poles[slowest])
+                nearer = complex(pole.real * NEARER.get(asked.goal.way, 1.0), pole.imag) if asked.goal else None
+                self.drag_cross(board, slowest, None if nearer is None else self._spot(board, nearer))
                 return
             if name in scene.knobs:
-                self._touch(lesson.knob(name))
+                self._touch(lesson.knob(name), asked.goal)
                 return
         raise Stuck(f"neither a cross nor a knob of {asked.knobs} is in sight")
 
-    def _touch(self, knob: Knob) -> None:
+    def _touch(self, knob: Knob, goal: Goal | None) -> None:
+        """Move a knob as the card asks: to a value, within bounds, or in a direction."""
         label = label_of(knob, self.language)
+        bounds = [bound for bound in (goal.least, goal.most) if bound is not None] if goal else []
         if isinstance(knob, Choice):
-            self.choose(label, "")
+            self.choose(label, next((words(self.language) for option, words in knob.options if goal and option == goal.value), ""))
         elif isinstance(knob, Switch):
             self.tick(label)
+        elif bounds:
+            self.write(label, f"{sum(bounds) / len(bounds):.6g}")
         else:
-            self.slide(label)
+            self.slide(label, goal.way if goal else "")
 
     def _solve(self, lesson: Lesson, scene: Scene, asked: Solve) -> None:
         """Set what a person would who knows the solution, on the knobs and crosses that the scene shows."""

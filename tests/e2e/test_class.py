@@ -18,6 +18,7 @@ from tab import Tab
 from observer_lab.classroom.kept_room import open_room
 from observer_lab.classroom.room_store import RoomStore
 from observer_lab.cli import main
+from observer_lab.cli.courses import course_in
 from observer_lab.lessons import LESSONS
 from observer_lab.page.words import phrases
 
@@ -100,7 +101,7 @@ def test_a_class_votes_places_poles_tries_for_itself_comes_back_and_survives_a_r
         presenter, phone = opened(f"{address}/?present={secret}"), opened(address, (390, 844))
         assert secret not in presenter.url, "the word leaves the address bar"
         for page in (presenter, laptop, phone):
-            shows(page, "recall")
+            shows(page, LESSONS["separation"].path[0].id)
         presenter.get_by_text("The audience's link and its code").click()
         expect(presenter.locator(".ol-code")).to_be_visible()
         expect(presenter.get_by_text(f"{address}/", exact=True)).to_be_visible()
@@ -123,7 +124,9 @@ def test_a_class_votes_places_poles_tries_for_itself_comes_back_and_survives_a_r
             expect(page.locator(".ol-cover")).to_be_hidden()
             shows(page, "predict")
         presenter.get_by_role("button", name="Close the vote").click()
+        presenter.get_by_role("button", name="Reveal the answer").click()
         expect(laptop.locator(".ol-poll")).to_have_count(2)
+        see_both_votes_in_the_hall(presenter)
         open_a_typed_vote(presenter, "How many poles has the loop?")
         phone.get_by_role("spinbutton", name="your number").fill("12")
         phone.get_by_role("button", name="Send").click()
@@ -143,26 +146,41 @@ def vote_on_the_scene_twice(presenter: Page, laptop: Page, phone: Page, folder: 
     vote(laptop, 0, "A")
     vote(phone, 1, "B")
     vote(laptop, 1, "B")
-    expect(presenter.locator(".ol-poll")).to_contain_text("fewer than 5 votes")
+    expect(presenter.locator(".ol-poll")).to_contain_text("2 votes")
     expect(presenter.locator(".ol-here")).to_contain_text("2 here")
     assert presenter.locator(".ol-bar").count() == 0 and RoomStore(folder).votes()[-1].counts == (0, 2, 0)
     others_vote(folder, [0, 0, 2, 2])
-    expect(presenter.locator(".ol-bar")).to_have_count(3)
-    assert laptop.locator(".ol-bar").count() == 0, "the audience sees no counts before the end"
+    expect(presenter.locator(".ol-poll")).to_contain_text("6 votes")
     presenter.get_by_role("button", name="Close the vote").click()
-    for page in (laptop, phone):
-        expect(page.locator(".ol-option.ol-right")).to_have_count(1)
+    presenter.get_by_role("button", name="Show the counts").click()
+    for page in (presenter, laptop, phone):
+        expect(page.locator(".ol-bar")).to_have_count(3)
         tree = page.locator(".ol-card").aria_snapshot()
-        assert "heading" in tree and tree.count("button") == 3, tree
-    expect(presenter.locator(".ol-option.ol-right")).to_have_count(1)
+        assert "heading" in tree and page.locator(".ol-option.ol-right").count() == 0, tree
+    presenter.get_by_role("button", name="Discuss").click()
+    for page in (presenter, laptop, phone):
+        expect(page.locator(".ol-countdown")).to_have_text(re.compile("[12]:[0-5][0-9]"))
     presenter.get_by_role("button", name="Ask again").first.click()
     vote(phone, 1, "B")
     for page in (presenter, laptop, phone):
         expect(page.locator(".ol-right, .ol-say")).to_have_count(0)
     others_vote(folder, [1, 1, 1, 1, 0])
     expect(presenter.locator(".ol-poll").nth(1)).to_contain_text("6 votes")
-    expect(presenter.locator(".ol-poll .ol-bar")).to_have_count(6)
     kept_pictures("", presenter=presenter, laptop=laptop, phone=phone)
+
+
+def see_both_votes_in_the_hall(presenter: Page) -> None:
+    """In large print both histograms stand side by side over the stage, and bars and letters are large."""
+    presenter.get_by_role("button", name="Present", exact=True).click()
+    polls = presenter.locator(".ol-hall .ol-poll")
+    expect(polls).to_have_count(2)
+    one, other = (polls.nth(k).bounding_box() for k in range(2))
+    assert one is not None and other is not None and one["y"] == other["y"] and other["x"] >= one["x"] + one["width"] >= one["x"] + 300
+    sizes = presenter.locator(".ol-hall .ol-bar b").evaluate_all("all => all.map(each => parseFloat(getComputedStyle(each).fontSize))")
+    assert len(sizes) == 6 and min(sizes) >= 24
+    kept_pictures("hall-", presenter=presenter)
+    presenter.get_by_role("button", name="Guide", exact=True).click()
+    expect(presenter.locator(".ol-hall")).to_be_hidden()
 
 
 def place_poles_in_guide_and_lab(presenter: Page, laptop: Page, phone: Page, folder: Path) -> None:
@@ -189,13 +207,14 @@ def place_poles_in_guide_and_lab(presenter: Page, laptop: Page, phone: Page, fol
     placed = laptop.locator(".ol-place output").inner_text()
     laptop.keyboard.press("Enter")
     expect(laptop.get_by_text(f"Your answer {placed} is counted.")).to_be_visible()
-    expect(presenter.locator(".ol-poll")).to_contain_text("fewer than 5 votes")
-    assert presenter.locator(".ol-placed").count() == 0
+    expect(presenter.locator(".ol-poll")).to_contain_text("2 votes")
     others_vote(folder, [-4 + 2j, -4 + 2j, -2 + 0j, -6 + 0j])
     expect(presenter.locator(".ol-poll")).to_contain_text("6 votes")
-    expect(presenter.locator(".ol-placed")).to_have_count(8)
-    assert phone.locator(".ol-placed").count() == 0, "the audience sees no pole before the end"
     presenter.get_by_role("button", name="Close the vote").click()
+    expect(presenter.get_by_role("button", name="Show the counts")).to_be_visible()
+    assert presenter.locator(".ol-placed").count() == phone.locator(".ol-placed").count() == 0, "no pole before it is shown"
+    presenter.get_by_role("button", name="Show the counts").click()
+    expect(presenter.locator(".ol-placed")).to_have_count(8)
     expect(phone.locator(".ol-placed")).to_have_count(8)
     kept_pictures("poles-", presenter=presenter, phone=phone)
     presenter.get_by_role("button", name="Lab", exact=True).click()
@@ -204,10 +223,11 @@ def place_poles_in_guide_and_lab(presenter: Page, laptop: Page, phone: Page, fol
     phone.get_by_role("spinbutton", name="your number").fill("6")
     phone.get_by_role("button", name="Send").click()
     expect(phone.get_by_text("Your answer 6 is counted.")).to_be_visible()
-    expect(presenter.locator(".ol-poll")).to_contain_text("fewer than 5 votes")
+    expect(presenter.locator(".ol-poll")).to_contain_text("1 vote")
     kept_pictures("lab-", presenter=presenter)
     presenter.get_by_role("button", name="Close the vote").click()
-    expect(phone.locator(".ol-poll")).to_have_count(1)
+    presenter.get_by_role("button", name="Show the counts").click()
+    expect(phone.locator(".ol-poll")).to_contain_text("1 vote. Below 5 no counts are shown")
 
 
 def test_a_class_on_redis_runs_one_seed_each_and_an_answer_is_handed_in_and_graded(
@@ -244,6 +264,7 @@ def handed_in(copy: Tab, course: str, capsys: pytest.CaptureFixture[str]) -> str
     (item,) = json.loads(capsys.readouterr().out)["items"]
     copy.unfold(phrases.EXAM("en"))
     copy.row("your key").locator("input").fill("s1")
+    copy.row("your word").locator("input").fill(course_in(course).keys.word("s1"))
     copy.answered()
     copy.unfold(f"1 {LESSONS['kalman'].words['en'].exams['sheet'].title}")
     copy.row("answer").locator("input").fill(str(item["answer"]))

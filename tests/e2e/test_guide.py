@@ -35,10 +35,11 @@ THEMES = (("light", "en"), ("dark", "zh"))
 
 @pytest.fixture
 def opened(still_page: Callable[..., Page], guide: str) -> Callable[..., Page]:
-    """Opens the guide of a lesson in a window of some size and theme."""
-    def make(name: str = "separation", language: str = "en", size: tuple[int, int] = SIZES[0], dark: bool = False) -> Page:
+    """Opens the guide of a lesson in a window of some size and theme, at its first scene or at one that is named."""
+    def make(name: str = "separation", language: str = "en", size: tuple[int, int] = SIZES[0], dark: bool = False, scene: str = "") -> Page:
         lesson, page = LESSONS[name], still_page(*size, color_scheme="dark" if dark else "light")
-        return shown(page, f"{guide}#{write_token(lesson, SavedState(lesson.start(), language, mode='guide', scene=lesson.path[0].id))}")
+        saved = SavedState(lesson.start(), language, mode="guide", scene=scene or lesson.path[0].id)
+        return shown(page, f"{guide}#{write_token(lesson, saved)}")
     return make
 
 
@@ -65,7 +66,7 @@ def turn(page: Page, scene: str) -> None:
 @pytest.mark.parametrize("sizes", [SIZES[:-1], SIZES[-1:]], ids=["wide", "phone"])
 @pytest.mark.parametrize(("theme", "language"), THEMES)
 def test_stage_and_card_are_in_sight(opened: Callable[..., Page], sizes: tuple[tuple[int, int], ...], theme: str, language: str) -> None:
-    page = opened("separation", language, sizes[0], dark=theme == "dark")
+    page = opened("separation", language, sizes[0], dark=theme == "dark", scene="recall")
     answer(page, 1)
     for width, height in sizes:
         page.set_viewport_size({"width": width, "height": height})
@@ -216,3 +217,75 @@ def serious(page: Page) -> list[tuple[str, list[Any]]]:
     """What axe-core calls serious or critical, and where."""
     found = Axe().run(page, options={"resultTypes": ["violations"]}).response["violations"]
     return [(rule["id"], [node["html"][:160] for node in rule["nodes"]][:4]) for rule in found if rule["impact"] in ("serious", "critical")]
+
+
+def test_a_prediction_is_drawn_with_the_mouse_and_with_keys(opened: Callable[..., Page]) -> None:
+    """A curve drawn into the figure answers the question: the verdict says how near it is, and the figure keeps it beside the run."""
+    page = opened(scene="recall")
+    plot = page.locator(".ol-sketch svg")
+    box = plot.bounding_box(timeout=PATIENCE)
+    assert box is not None
+    page.mouse.move(box["x"] + 0.25 * box["width"], box["y"] + 0.3 * box["height"])
+    page.mouse.down()
+    for k in range(1, 9):
+        page.mouse.move(box["x"] + (0.25 + 0.08 * k) * box["width"], box["y"] + min(0.3 + 0.09 * k, 0.8) * box["height"])
+    page.mouse.up()
+    send = page.locator(".ol-sketch button")
+    expect(send).to_be_enabled(timeout=PATIENCE)
+    send.click(timeout=PATIENCE)
+    expect(page.locator(".ol-answer")).to_contain_text("Your drawing is nearest to answer", timeout=PATIENCE)
+    expect(page.locator('.ol-figure[data-figure="question"]')).to_contain_text("you", timeout=PATIENCE)
+    expect(page.locator(".ol-sketch")).to_have_count(0, timeout=PATIENCE)
+
+    names = [scene.id for scene in LESSONS["separation"].path]
+    page.locator(".ol-dot").nth(names.index("surprise")).click(timeout=PATIENCE)
+    page.wait_for_selector(".ol-card[data-scene=surprise]", timeout=PATIENCE)
+    plot = page.locator(".ol-sketch svg")
+    plot.focus(timeout=PATIENCE)
+    for key in ("ArrowDown", "ArrowRight", "ArrowUp"):
+        page.keyboard.press(key)
+    expect(page.locator(".ol-sketch button")).to_be_enabled(timeout=PATIENCE)
+    page.keyboard.press("Enter")
+    expect(page.locator(".ol-answer")).to_contain_text("Your drawing is nearest to answer", timeout=PATIENCE)
+
+
+def test_a_diagram_moves_with_the_run_lights_its_equations_and_opens_its_loop(opened: Callable[..., Page]) -> None:
+    page = opened("virtual-sensor", scene="why")
+    said = page.locator(".ol-wire text").nth(1)
+    expect(said).to_contain_text("y = ", timeout=PATIENCE)
+    before = said.text_content()
+    page.get_by_role("button", name="▶").first.click(timeout=PATIENCE)
+    expect(said).not_to_have_text(before or "", timeout=PATIENCE)
+    page.locator(".ol-diagram [data-block=observer]").hover(timeout=PATIENCE)
+    expect(page.locator(".ol-law[data-block=observer].ol-lit")).to_be_visible(timeout=PATIENCE)
+    page.locator(".ol-law[data-block=plant]").focus(timeout=PATIENCE)
+    expect(page.locator(".ol-diagram [data-block=plant].ol-lit")).to_be_visible(timeout=PATIENCE)
+    press = page.locator(".ol-law[data-block=L] button")
+    expect(press).to_contain_text("θ = 0", timeout=PATIENCE)
+    press.click(timeout=PATIENCE)
+    expect(press).to_contain_text("θ = 1", timeout=PATIENCE)
+    expect(page.locator(".ol-diagram [data-block=L] rect")).to_have_attribute("stroke-dasharray", "5 4", timeout=PATIENCE)
+
+
+LANDMARKS = """() => [document.querySelectorAll("main,[role=main]").length,
+  document.querySelectorAll("h1,[role=heading][aria-level='1']").length]"""
+LOW = """names => [...document.querySelectorAll(names)].filter(each => each.checkVisibility() && each.getBoundingClientRect().height < 43.5)
+  .map(each => `${each.getBoundingClientRect().height} ${each.outerHTML.slice(0, 60)}`)"""
+PRESSED = ".ol-next, .ol-way .ol-do, .ol-option, .ol-dot, .ol-menu, .ol-mode, .ol-more summary, .ol-pull input"
+
+
+def test_the_focus_goes_to_the_verdict_of_an_answer_by_keys(opened: Callable[..., Page]) -> None:
+    page = opened(scene="recall")
+    eventually(lambda: page.evaluate(LANDMARKS), lambda found: found == [1, 1], "one main part and one first heading")
+    page.locator(".ol-option").nth(1).focus()
+    page.keyboard.press("Enter")
+    eventually(lambda: page.evaluate("document.activeElement.className"), lambda name: "ol-answer" in name, "the focus on the verdict")
+
+
+def test_a_finger_finds_controls_of_44_pixels_on_a_phone(still_page: Callable[..., Page], guide: str) -> None:
+    lesson = LESSONS["separation"]
+    page = still_page(390, 844, has_touch=True, is_mobile=True)
+    for scene in ("meet", "recall"):
+        shown(page, f"{guide}#{write_token(lesson, SavedState(lesson.start(), 'en', mode='guide', scene=scene))}")
+        page.wait_for_selector(f'.ol-card[data-scene="{scene}"]', timeout=PATIENCE)
+        eventually(lambda: page.evaluate(LOW, PRESSED), lambda low: not low, "controls of 44 px")

@@ -34,6 +34,7 @@ def test_an_answer_is_handed_in_copied_and_saved_and_outlives_a_reload(serve: Ca
         tab = Tab(context.new_page(), address, drawn=False)
         tab.unfold(phrases.EXAM("en"))
         tab.row("your key").locator("input").fill("s1")
+        tab.row("your word").locator("input").fill(course_in(str(file)).keys.word("s1"))
         tab.answered()
         tab.unfold(f"1 {LESSONS['separation'].words['en'].exams['offset'].title}")
         tab.row("answer").locator("input").fill("3")

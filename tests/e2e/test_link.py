@@ -80,7 +80,9 @@ def test_a_link_survives_a_reload_before_its_first_connection(page: Page, server
     page.reload()
     page.wait_for_selector(".ol-question")
     eventually(lambda: page.locator(".ol-question").inner_text(), lambda words: words == lesson.words["en"].question, "the link's lesson")
+    kept = "sessionStorage.getItem('observer-lab-address-link')"
+    eventually(lambda: page.evaluate(kept), lambda link: link == "", "the link is taken once the server's state stands in the address")
     page.evaluate("history.replaceState(null, '', location.pathname)")
     page.reload()
     eventually(lambda: page.locator(".ol-question").inner_text(), bool, "a lesson")
-    assert page.evaluate("sessionStorage.getItem('observer-lab-address-link')") == "", "what was taken is not opened again"
+    assert page.evaluate(kept) == "", "what was taken is not opened again"

@@ -11,12 +11,12 @@ import pytest
 from lti_platform import LearningPlatform, pem
 from playwright.sync_api import Page, expect
 
+from observer_lab.course.handin.ledger import Ledger
 from observer_lab.lessons import LESSONS
 from observer_lab.page.access.addresses import listen
 from observer_lab.page.access.tokens import AccessToken
 from observer_lab.page.lti.doors import LtiDoors
 from observer_lab.page.lti.keys import ToolKeys
-from observer_lab.page.lti.ledger import Ledger
 from observer_lab.page.lti.settings import read_settings
 from observer_lab.page.screen.server import LabServer
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import io
+import zipfile
 from collections.abc import Callable
 from contextlib import AbstractContextManager
 
@@ -111,6 +113,9 @@ def test_what_a_browser_keeps_is_there_in_a_new_tab_after_the_server_was_restart
         tab.page.locator(".mantine-Modal-content").get_by_role("tab").nth(3).click()
         played = kept(tab, tab.page.get_by_role("button", name="The run as a page")).decode()
         assert played.rstrip().endswith("</html>") and read_token(state_in(played), LESSONS).design["stiffness_error"] == 6
+        tab.page.locator(".mantine-Modal-content").get_by_role("tab").last.click()
+        code = kept(tab, tab.page.get_by_role("button", name=phrases.DEVICE_C("en")))
+        assert "separation-c/lab.c" in zipfile.ZipFile(io.BytesIO(code)).namelist()
         tab.page.close()
     with serve(int(address.rpartition(":")[2])) as again:
         assert again == address

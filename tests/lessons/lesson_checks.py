@@ -21,6 +21,7 @@ from observer_lab.text import Text
 
 CJK = re.compile(r"[\u4e00-\u9fff]")
 WORD = re.compile(r"[A-Za-z]{4,}")
+TIMES = frozenset({"settled_after", "known_after", "stopped_at", "found_after", "delay", "expected_delay"})  # metrics that may be never
 MATH = re.compile(r"\$\$.+?\$\$|\$.+?\$", re.S)
 every_lesson = pytest.mark.parametrize("lesson", LESSONS.values(), ids=LESSONS.keys())
 
@@ -94,10 +95,10 @@ def check_figures(figures: tuple[Figure, ...]) -> None:
 
 
 def numbers_of(outcome: Outcome) -> Iterator[tuple[str, np.ndarray]]:
-    """Every number of an outcome that leaves it: gains, poles, metrics, run, boards."""
+    """Every number of an outcome that leaves it: gains, poles, metrics, run, boards. A time that never comes is infinite and left out."""
     yield from ((f"gain {k}", np.asarray(v)) for k, v in outcome.gains.items())
     yield from ((f"poles {k}", np.asarray(v)) for k, v in outcome.poles.items())
-    yield "metrics", np.array(list(outcome.metrics.values()), dtype=float)
+    yield "metrics", np.array([value for name, value in outcome.metrics.items() if not (name in TIMES and value == np.inf)], dtype=float)
     if outcome.stage is not None:
         yield from ((f"stage {k}", np.asarray(v)) for k in ("t", "x", "xhat", "u", "spread")
                     if (v := getattr(outcome.stage, k)) is not None)

@@ -11,9 +11,9 @@ from typing import Any
 from laws import each
 from lesson_checks import every_lesson
 
+from observer_lab.course.guiding.predictions import LETTERS
 from observer_lab.course.lesson import Lesson
 from observer_lab.lessons import LESSONS
-from observer_lab.page.column.prediction_panel import LETTERS
 from observer_lab.text import languages
 
 Metrics = Mapping[str, float]

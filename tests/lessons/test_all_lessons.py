@@ -52,6 +52,12 @@ def test_the_figure_that_answers_the_prediction_is_one_of_the_lessons(lesson: Le
 
 
 @every_lesson
+def test_no_check_of_a_lesson_fails_at_its_defaults(lesson: Lesson) -> None:
+    """What it shows on purpose is a finding: `run` ends with status 0."""
+    assert [check.id for check in lesson.compute(lesson.start()).checks if not (check.holds or check.informative)] == []
+
+
+@every_lesson
 def test_compute_is_pure(lesson: Lesson) -> None:
     design, written = lesson.start(), repr(lesson.start())
     first = lesson.compute(design)

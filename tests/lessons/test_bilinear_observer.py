@@ -9,7 +9,8 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
 from observer_lab.course.figures.records import TableFigure
-from observer_lab.lessons.bilinear_observer.lesson import KNOBS, LESSON
+from observer_lab.lessons.bilinear_observer.knobs import KNOBS
+from observer_lab.lessons.bilinear_observer.lesson import LESSON
 from observer_lab.lessons.bilinear_observer.paper_example import DOUBTED, FATAL, OPTIONS, PRINTED_LINES
 from observer_lab.lessons.bilinear_observer.problems import (
     FITTING_SENSORS,

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.signal import welch
 
-from observer_lab.course.figures.records import axis_range
+from observer_lab.course.figures.ranges import axis_range
 from observer_lab.course.lesson import Outcome
 from observer_lab.engine import Plant, Scenario, frequency_response, loop_margins, simulate
 from observer_lab.engine.design import diagonal_controller

@@ -23,9 +23,9 @@ from served import Served
 from observer_lab.cli.entry import main
 from observer_lab.cli.lesson_folder import follow_folder
 from observer_lab.course.lesson import Lesson
+from observer_lab.course.reading.toml_table import LessonFileError, lines_of
 from observer_lab.lessons.from_files.folder import LessonFolder
 from observer_lab.lessons.from_files.read_lesson import read_lesson
-from observer_lab.lessons.from_files.toml_table import LessonFileError, lines_of
 from observer_lab.page.screen.server import LabServer
 from observer_lab.session.commands.commands import SetKnobs
 from observer_lab.session.commands.files import LessonsChanged
@@ -104,6 +104,7 @@ def test_every_step_of_the_guide_leaves_a_lesson_that_is_read(first: Path) -> No
     assert [knob.name for knob in lesson.knobs if not knob.hidden] == ["q", "first", "k"]
     assert [figure.id for figure in lesson.figures(lesson.compute(lesson.start()))] == ["error", "state-velocity"]
     assert ([task.id for task in lesson.tasks], [scene.id for scene in lesson.path]) == (["settle"], ["meet", "guess", "stiffer"])
+    assert [exam.id for exam in lesson.exams] == ["gain", "spring"] and len(lesson.words["en"].derivation) == 1
 
 
 def test_the_error_of_the_guide_is_named_with_file_and_line(whole: Path) -> None:
@@ -220,7 +221,18 @@ WRONG = (
     ('id = "meet"', 'id = "met"', "lesson.md has no section “## scene met: title”."),
     ('do = "predict"', 'do = "guess"', "do cannot be guess; use one of read, predict,"),
     ('knobs = ["k"]', 'knobs = ["z"]', "knobs names z, which does not exist; there are q, first, k."),
-    ('knobs = ["k"]', "", "A scene that asks to move a knob must name it in knobs."),
+    ('knobs = ["k"]', "", "A scene that asks to move a knob must name it in knobs or in move."),
+    ('knobs = ["k"]', 'move = ["z"]', "move names z, which does not exist; there are q, first, k"),
+    ('knobs = ["k"]', 'knobs = ["k"]\ngoal = { way = "up" }', "way cannot be up; use one of"),
+    ('knobs = ["k"]', 'knobs = ["k"]\ngoal = { value = 7 }', "choose a value within"),
+    ('knobs = ["k"]', 'knobs = ["k"]\ntask = "settle"', 'Only a scene with do = "solve" may have task; this one has do = "move".'),
+    ('do = "predict"', 'do = "again"', "This scene asks the second prediction, and the lesson has no table [again]."),
+    ('do = "predict"', 'do = "choose"\nanswer = 1', "answer names the right option, and the words list no options."),
+    ('do = "predict"', 'formulas = ["M"]', "formulas names M, which does not exist; there are L."),
+    ('do = "predict"', 'boards = ["controller"]', "boards names controller, which does not exist; there are observer."),
+    ('do = "predict"', 'camera = "moon"', "camera cannot be moon; use one of"),
+    ("draft = true", "key = ['z']", "key names z, which does not exist;"),
+    ("[model]\nk = 1.0", "[again]\nanswer = 1", "lesson.md has no section “## again”."),
     ('figures = ["state-velocity"]', 'figures = ["velocity"]', "figures names velocity, which does not exist; there are error,"),
     ("answer = 2", "answer = 4", "answer must be the number of the right option, 1 to 3; it is 4."),
     ("answer = 2", "anwser = 2", "There is no key anwser here; use draft, minutes, answer,"),

@@ -16,8 +16,9 @@ from observer_lab.engine import EngineError, compensator, loop_margins, lqg, rec
 from observer_lab.engine.feedback import state_feedback_margins
 from observer_lab.lessons.lqg.cases import case_of
 from observer_lab.lessons.lqg.job import bench_of
-from observer_lab.lessons.lqg.lesson import LESSON, on_model
+from observer_lab.lessons.lqg.lesson import LESSON
 from observer_lab.lessons.lqg.loops import setting_of, trace
+from observer_lab.lessons.lqg.own import adapted
 from observer_lab.lessons.lqg.recovery_figure import RING_NAME, RING_RECOVERIES
 from observer_lab.lessons.toolkit.figures import within
 from observer_lab.plants import MODELS, doyle
@@ -224,7 +225,7 @@ def test_a_computer_at_200_hz_keeps_little_of_the_literal_design() -> None:
 @pytest.mark.parametrize("name", ["spring-damper", "cart-pendulum", "deck", "two-mass"])
 def test_the_lesson_takes_any_model_that_fits_or_says_why_not(name: str) -> None:
     try:
-        lesson = on_model(MODELS[name])
+        lesson = adapted(LESSON, MODELS[name])
         outcome = lesson.compute(lesson.start())
     except EngineError as problem:
         assert str(problem).endswith(".")
@@ -237,7 +238,7 @@ def test_the_lesson_takes_any_model_that_fits_or_says_why_not(name: str) -> None
 
 def test_a_kick_is_felt_by_both_filters() -> None:
     case = case_of(MODELS["deck"])
-    lesson = on_model(MODELS["deck"])
+    lesson = adapted(LESSON, MODELS["deck"])
     setting = setting_of(case, lesson.start())
     for recursive in (False, True):
         kicked, calm = (trace(case, setting, k, recursive) for k in (1.5, -1.0))

@@ -121,7 +121,7 @@ def test_the_light_of_the_bounded_mean_goes_out_at_the_critical_share_and_nowher
                 o = outcome(case=case, stretch=stretch, a=a, loss=loss)
                 light = next(check for check in o.checks if check.id == "bounded")
                 said = next(f for f in LESSON.figures(o) if f.id == "limits").caption("en")
-                assert light.holds == ("stays bounded" in o.live("en")) == ("stays bounded" in said) == (loss < edge.critical)
+                assert light.holds == ("expects a bounded" in o.live("en")) == ("stays bounded" in said) == (loss < edge.critical)
 
 
 def test_a_deck_that_loses_everything_stays_bounded() -> None:

@@ -5,6 +5,7 @@ from functools import lru_cache
 import numpy as np
 import pytest
 from lesson_checks import by_knobs, carried
+from scipy.stats import chi2
 
 from observer_lab.engine import chi2_band
 from observer_lab.engine.filters import simulate_filters
@@ -200,3 +201,20 @@ def test_an_uncertain_start_is_not_called_honest_by_the_luck_of_a_draw():
     for seed in range(1, 9):
         for values in ({"hardening": 0.5}, {"hardening": 0.5, "size": 0.8}):
             assert not small.check(LESSON.compute(LESSON.apply(LESSON.start(), {"case": PLATFORM, "seed": seed, **values}))).solved
+
+
+def test_a_filter_is_called_consistent_only_where_its_nees_lies_in_the_band():
+    """By scipy's own band, and for spreads of every size: what is far from the expected mean is never called consistent."""
+    rng = np.random.default_rng(44)
+    for _ in range(200):
+        dof, runs, samples = int(rng.integers(2, 8)), int(rng.choice([8, 50, 200])), int(rng.integers(20, 120))
+        factor = float(np.exp(rng.uniform(-0.7, 0.7)))
+        values = factor * chi2.rvs(dof * runs, size=samples, random_state=rng) / runs
+        low, high = chi2.ppf([0.025, 0.975], dof * runs) / runs
+        inside, mean = float(np.mean((values >= low) & (values <= high))), float(np.mean(values)) / dof
+        said = verdict(values, dof, runs)("en")
+        assert (said == "consistent") <= (inside >= 0.7), (factor, dof, runs)
+        assert (said == "nearly consistent") <= (abs(mean - 1) <= 0.2)
+        assert (said == "under-confident") <= (mean < 1)
+        assert said.startswith("overconfident") or said in ("consistent", "nearly consistent", "under-confident")
+        assert (factor < 0.7 and runs == 200) <= (said == "under-confident")

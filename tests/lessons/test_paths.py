@@ -12,7 +12,8 @@ from fakes import FakeView
 from laws import each, holds_for_all
 
 from observer_lab.course.figures.records import LineFigure, PlaneFigure
-from observer_lab.course.knobs import Choice, Poles
+from observer_lab.course.guiding.predictions import prediction_of
+from observer_lab.course.knobs import ByHand, Choice, Poles
 from observer_lab.course.lesson import Board, Lesson
 from observer_lab.course.scenes import (
     MAX_FIGURES,
@@ -20,6 +21,7 @@ from observer_lab.course.scenes import (
     MAX_TEXT_WORDS,
     MAX_TITLE_WORDS,
     Choose,
+    Goal,
     Move,
     Press,
     Question,
@@ -27,17 +29,18 @@ from observer_lab.course.scenes import (
     Scene,
     Solve,
     entry_values,
+    fill_numbers,
     minutes_of,
     places_of,
 )
 from observer_lab.lessons import LESSONS
 from observer_lab.page.column.knob_widgets import typed_decimals
+from observer_lab.page.guide.moving_lines import MARKS, moving_lines
 from observer_lab.page.guide.pointing_hand import BUTTONS
-from observer_lab.page.guide.scene_card import card_html
+from observer_lab.page.guide.scene_card import card_html, verdict_html
 from observer_lab.page.stage.pole_boards import BOARD_HEIGHT, BOARD_WIDTH
 from observer_lab.session.commands.commands import Kick, Play, SetKnobs
 from observer_lab.session.commands.guide import ChooseOption, GoToScene, TurnScene
-from observer_lab.session.handlers.guide import options_of
 from observer_lab.session.session import Session
 from observer_lab.text import languages
 
@@ -83,11 +86,14 @@ class Walker:
         assert picture is not None
         match scene.do:
             case Choose():
-                self.send(ChooseOption(options_of(picture.lesson, scene, "en")[2]), 3.0)
+                self.send(ChooseOption(prediction_of(picture.lesson, scene, "en").answer), 3.0)
             case Press(button):
-                self.send(Kick() if button == "kick" else Play())
-            case Move(knobs):
-                self.send(SetKnobs({knobs[0]: another(picture.lesson, knobs[0], picture.design[knobs[0]])}))
+                if button == "pull":
+                    self.send(SetKnobs({"pull": ByHand(0.1, released=True)}, 1))
+                else:
+                    self.send(Kick() if button == "kick" else Play())
+            case Move(knobs, goal):
+                self.send(SetKnobs({knobs[0]: another(picture.lesson, knobs[0], picture.design[knobs[0]], goal)}))
                 self.wait(0.5)
             case Solve(task):
                 found = next(t for t in picture.lesson.tasks if t.id == task)
@@ -139,16 +145,20 @@ def test_a_place_that_is_typed_solves_what_the_exact_place_solves(lesson: Lesson
             assert task.check(lesson.compute(design)).solved, f"{scene.id}: {near}"
 
 
-def another(lesson: Lesson, name: str, value: object) -> object:
-    """Some other value of a knob."""
+def another(lesson: Lesson, name: str, value: object, goal: Goal | None = None) -> object:
+    """Some other value of a knob, one that reaches the goal."""
+    if goal is not None and goal.value is not None:
+        return goal.value
     knob = lesson.knob(name)
     if isinstance(value, bool):
         return not value
     if isinstance(value, tuple):
-        return tuple(p * 0.9 for p in value)
+        return tuple(p * (1.1 if goal is not None and goal.way == "left" else 0.9) for p in value)
     if isinstance(value, str):
         return next(key for key, _ in knob.options if key != value)  # type: ignore[attr-defined]
     low, high = knob.low, knob.high  # type: ignore[attr-defined]
+    if goal is not None:
+        return min(goal.most or high, high) if goal.way == "right" else max(goal.least or low, low)
     return low if value != low else high
 
 
@@ -194,6 +204,8 @@ def faults(lesson: Lesson) -> Iterator[str]:
                 yield f"{here}no widget or board in sight moves {scene.do.knobs}"
         if isinstance(scene.do, Press) and scene.do.button == "kick" and not lesson.kick:
             yield here + "this lesson has no kick"
+        if isinstance(scene.do, Press) and scene.do.button == "pull" and not (reached.stage is not None and reached.stage.held):
+            yield here + "nothing on this stage can be pulled"
         for language in languages():
             yield from (f"{here}{language}: {fault}" for fault in wording(lesson, scene, language, reached.metrics))
 
@@ -218,7 +230,8 @@ def wording(lesson: Lesson, scene: Scene, language: str, metrics: object) -> Ite
     if isinstance(scene.do, (Move, Press, Solve)) and not (found.do and found.say):
         yield "does not say what to do, or what has come of it"
     if isinstance(scene.do, Choose):
-        options, refutations, answer = options_of(lesson, scene, language)
+        asked = prediction_of(lesson, scene, language)
+        options, refutations, answer = asked.options, asked.refutations, asked.answer
         if len(options) < 2 or not 0 <= answer < len(options) or not found.say:
             yield "has no options, no answer or no verdict"
         elif any(bool(words) == (k == answer) for k, words in enumerate(refutations)):
@@ -242,16 +255,18 @@ def test_a_path_is_short_and_complete(id: str) -> None:
 @pytest.mark.slow
 @each("id", list(PATHS))
 def test_every_action_can_be_done_and_forth_and_back_shows_the_same(id: str) -> None:
-    walker, states = Walker(id), []
+    walker, states, verdicts = Walker(id), [], []
     path = LESSONS[id].path
     for k, scene in enumerate(path):
         assert walker.scene.id == scene.id
         assert walker.session.picture is not None
-        states.append(dict(walker.session.picture.design.values))
         assert isinstance(scene.do, Read) or scene.id not in walker.done, f"{scene.id} is done before anything was done"
         assert "[[" not in card_html(walker.session.picture, "hand"), f"{scene.id} shows a place without its number"
         walker.do()
         assert scene.id in walker.done, f"{scene.id} is not done"
+        walker.wait(0.5)
+        states.append(dict(walker.session.picture.design.values))
+        verdicts.append(verdict_html(walker.session.picture, "hand"))
         if k < len(path) - 1:
             walker.send(TurnScene(1))
     names = {name for scene in path for name in (*scene.set, *scene.play, *scene.knobs)}
@@ -260,6 +275,7 @@ def test_every_action_can_be_done_and_forth_and_back_shows_the_same(id: str) -> 
         assert walker.session.picture is not None
         now = dict(walker.session.picture.design.values)
         assert {n: now[n] for n in names} == {n: states[k][n] for n in names}, path[k].id
+        assert verdict_html(walker.session.picture, "hand") == verdicts[k], path[k].id
 
 
 BOARD_PX = 250.0  # px that a board is wide in the guide at 1280x720
@@ -292,3 +308,20 @@ def test_a_task_that_only_crosses_solve_is_solved_at_some_pixel() -> None:
             assert any(task.judge(lesson.compute(each)).solved for each in tries), f"{scene.id}: between two pixels"
     holds_for_all([(lesson, k) for lesson in PATHS.values() for k, scene in enumerate(lesson.path) if isinstance(scene.do, Solve)], law,
                   lambda lesson, k: f"{lesson.id} {lesson.path[k].id}")
+
+
+WITH_LINES = [lesson for lesson in LESSONS.values() if lesson.number <= 8]
+
+
+@each("lesson", WITH_LINES)
+def test_the_scene_that_says_why_shows_its_algebra_in_lines_that_move(lesson: Lesson) -> None:
+    scene = next(scene for scene in lesson.path if scene.id == "why")
+    numbers = {**lesson.compute(lesson.start()).metrics}
+    lines = [fill_numbers(line, lambda name, spec: format(numbers[name], spec)) for line in scene.lines]
+    drawn = moving_lines(lines)
+    assert len(lines) >= 3 and drawn.count('style="--at:') == len(lines) and "<code" not in drawn
+    marks = re.findall(r"\\color\{(\w+)\}", "".join(lines))
+    assert marks and set(marks) <= set(MARKS) and not re.search("mathcolor=\"(?!#)", drawn)
+    gone = re.findall(r"\\color\{gone\}\{(.*?)\}\}", "".join(lines))
+    assert len(gone) != 1 and len(set(gone)) <= 1, "what cancels stands in two lines alike"
+    assert "gone" not in lines[-1]

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 
 from observer_lab.cli.entry import main
 from observer_lab.cli.records import columns_of
+from observer_lab.engine import Plant, to_json
 from observer_lab.engine.identification import read_record
 from observer_lab.lessons import LESSONS
 from observer_lab.lessons.record.data import TRUTHS, record_of
@@ -69,7 +72,9 @@ def test_run_takes_a_file_and_refuses_in_one_sentence(tmp_path, capsys) -> None:
     assert main(["run", "record", "--data", str(path), "--columns", "u=gas,y=y"]) == 0
     assert "mean_nis" in capsys.readouterr().out
     for words in (["kalman", "--data", str(path)], ["record", "--data", str(tmp_path / "none.csv")],
-                  ["record", "--data", str(path), "--columns", "x=gas"], ["record", "--data", str(path), "--plant", "motor"]):
+                  ["record", "--data", str(path), "--columns", "x=gas"],
+                  ["record", "--data", str(path), "--columns", "u=gas,y=y", "--plant", str(tmp_path / "no.json")],
+                  ["record", "--data", str(path), "--state", "x"]):
         assert main(["run", *words]) == 2
         said = capsys.readouterr().err
         assert said.startswith("observer-lab: ") and said.count("\n") == 1 and "Traceback" not in said
@@ -77,4 +82,29 @@ def test_run_takes_a_file_and_refuses_in_one_sentence(tmp_path, capsys) -> None:
 
 def test_columns_are_named_one_by_one() -> None:
     assert columns_of("t=time, u=a,u=b,y=c d") == ("time", ("a", "b"), ("c d",))
+    assert columns_of("t=time[ms] u=gas rate y=T1, T2") == ("time[ms]", ("gas rate",), ("T1", "T2"))
     assert columns_of("") == ("", (), ())
+
+
+def test_what_was_read_is_said(tmp_path, capsys) -> None:
+    path = tmp_path / "mine.csv"
+    path.write_text(csv().replace("t [s]", "t"), encoding="utf-8")
+    assert main(["run", "record", "--data", str(path), "--columns", "u=gas y=y"]) == 0
+    said = capsys.readouterr().out
+    assert "Step 0.1 s, 800 rows, 80 s." in said and "names no unit; its numbers were read as seconds" in said
+    own = with_record(LESSON, read_record(csv(), inputs=("gas",), outputs=("y",)))
+    assert "Step 0.1 s, 800 rows, 80 s." in own.compute(own.start()).live("en")
+    path.write_text(csv().replace(",0.0", ",-9999"), encoding="utf-8")
+    assert main(["run", "record", "--data", str(path), "--columns", "t=t[ms] u=gas y=y", "--missing=-9999"]) in (0, 1)
+
+
+def test_ones_own_plant_filters_ones_own_record(tmp_path, capsys) -> None:
+    """The true plant on its record is consistent with the R of the simulation; a plant that is twice as fast is not."""
+    (tmp_path / "mine.csv").write_text(csv(), encoding="utf-8")
+    for name, stiffness, code in (("right", 4.0, 0), ("wrong", 16.0, 1)):
+        file = tmp_path / f"{name}.json"
+        file.write_text(to_json(Plant([[0, 1], [-stiffness, -0.8]], [[0], [1]], [[1, 0]])), encoding="utf-8")
+        run = ["run", "record", "--data", str(tmp_path / "mine.csv"), "--columns", "u=gas y=y", "--plant", str(file)]
+        assert main(run) == code
+        said = capsys.readouterr().out
+        assert float(re.search(r"sensor = (\S+)", said)[1]) == pytest.approx(TRUTHS["spring"].r, rel=0.2) or code

@@ -7,8 +7,8 @@ from typing import Any
 
 from laws import each
 
+from observer_lab.course.guiding.predictions import LETTERS
 from observer_lab.lessons import LESSONS
-from observer_lab.page.column.prediction_panel import LETTERS
 from observer_lab.text import languages
 
 DOYLE = {"case": "doyle", "q": 5.0, "sigma": 5.0}

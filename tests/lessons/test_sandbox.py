@@ -56,7 +56,7 @@ def test_one_failing_analysis_leaves_the_others_alone() -> None:
     assert outcome.run is not None and len(outcome.run.t) > 30
     captions = {f.id: f.caption("en") for f in lesson.figures(outcome)}
     for name in ("hankel", "valley", "nis", "gain", "sensitivity", "margins"):
-        assert captions[name].startswith("Not for this plant: "), name
+        assert captions[name].startswith("Not with this design: "), name
 
 
 def test_lights_of_hidden_stable_and_hidden_unstable() -> None:

@@ -13,6 +13,7 @@ from observer_lab.course.lesson import Design, Outcome
 from observer_lab.engine import Plant, Scenario, autonomous_error, observer_gain, place, simulate
 from observer_lab.engine.simulation import simulate_recovery
 from observer_lab.lessons.saturation import job
+from observer_lab.lessons.saturation.ending import ending_of
 from observer_lab.lessons.saturation.job import JOB, map_scenario
 from observer_lab.lessons.saturation.lesson import LESSON
 from observer_lab.lessons.saturation.study import (
@@ -25,7 +26,6 @@ from observer_lab.lessons.saturation.study import (
     START_GRID_DEG,
     UNRECOVERABLE,
     ceiling,
-    comes_home,
     march,
     scenario_of,
 )
@@ -99,7 +99,7 @@ def test_told_the_wish_the_error_is_driven_by_what_the_motor_did_not_give() -> N
 
 def test_a_true_first_estimate_does_not_help_the_observer_told_the_wish() -> None:
     wish, truth = (LESSON.compute(design(fed=fed, error0=0.0)) for fed in ("commanded", "applied"))
-    assert not comes_home(wish.run) and comes_home(truth.run)
+    assert not ending_of(wish.run).home and ending_of(truth.run).home
     assert np.abs(truth.run.e).max() < 1e-10 < 1 < np.abs(wish.run.e).max()
 
 
@@ -118,7 +118,7 @@ def test_ceiling_of_a_plain_pendulum_is_the_angle_where_gravity_wins() -> None:
     assert ceiling(CART_PLANT, 1.0) == pytest.approx(4.75, abs=0.005)
 
 
-def test_beyond_the_ceiling_not_even_a_known_state_comes_home() -> None:
+def test_beyond_the_ceiling_not_even_a_known_state_recovers() -> None:
     limit = np.radians(ceiling(CART_PLANT, 4.0))
     K = LESSON.compute(design()).gains["K"]
     s = Scenario(CART_PLANT, K, u_min=-4, u_max=4, state_feedback=True, horizon=8)
@@ -162,7 +162,7 @@ def test_with_a_true_estimate_the_observer_does_not_matter_and_otherwise_it_does
     assert np.sum(one != other) > 100
     known = LESSON.compute(design(fed="applied", error0=0.0))
     home = march(replace(scenario_of(known.design, known.gains["K"], known.gains["L"], state_feedback=True)))
-    assert comes_home(home) == (one[middle, int(np.flatnonzero(START_GRID_DEG == 6.0)[0])] == RECOVERED)
+    assert ending_of(home).home == (one[middle, int(np.flatnonzero(START_GRID_DEG == 6.0)[0])] == RECOVERED)
 
 
 @pytest.mark.slow
@@ -178,7 +178,7 @@ def test_a_clicked_start_runs_as_the_map_says(told_wish, told_truth) -> None:
 
 def test_click_outside_lands_on_the_edge_and_removes_the_kick(told_wish: Outcome) -> None:
     kicked = LESSON.compute(design(kick=2.0))
-    assert LESSON.pick(kicked, 99.0, -99.0) == {"angle0": 20.0, "error0": -20.0, "kick": -1.0}
+    assert LESSON.pick(kicked, 99.0, -99.0) == {"angle0": 20.0, "error0": -20.0, "kick": -1.0, "pull": (), "pull_2": ()}
 
 
 def test_a_map_so_far_holds_only_final_verdicts(told_wish: Outcome) -> None:
@@ -304,3 +304,16 @@ def test_a_start_lost_by_an_unstable_observer_is_not_lost_by_belief() -> None:
     assert task.check(LESSON.compute(LESSON.apply(LESSON.start(), task.solution))).solved
     for fed in ("commanded", "applied"):
         assert not task.check(LESSON.compute(design(fed=fed, observer_poles=(1, -8, -9, -10)))).solved
+
+
+def test_a_hand_goes_on_pulling_where_the_estimate_has_left_all_bounds() -> None:
+    """The time of the fall, by scipy's integrator with every push of the hand."""
+    from verdict_saturation import told_of
+
+    lesson = LESSON
+    for force in (-8.0, 5.0):
+        design = lesson.apply(lesson.start(), {"error0": -20.0, "observer_poles": (-16.0, -15.84, -15.68, -15.52),
+                                               "pull_2": ((0.0, force),)})
+        outcome = lesson.compute(design)
+        told = told_of(outcome.run.scenario, 1, False)
+        assert np.isfinite(told.fell) and abs(outcome.metrics["stopped_at"] - told.fell) < 0.03

@@ -88,7 +88,7 @@ def test_no_controller_is_called_the_best_where_none_is_stable() -> None:
     outcome = LESSON.compute(LESSON.apply(LESSON.start(), {"delay": 5.0, "v": 1e-15, "placement": 60.0}))
     assert not any(s.stable for s in outcome.study.spectra[1:])
     caption = next(f for f in LESSON.figures(outcome) if f.id == "suppression").caption("en")
-    assert caption == "Unstable in this world: SISO, LQE, recursive, decoupled."
+    assert caption == "Unstable with these settings: SISO, LQE, recursive, decoupled."
 
 
 def test_the_only_stable_controller_is_best_only_where_it_beats_the_open_loop() -> None:

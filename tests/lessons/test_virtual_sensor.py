@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from scipy.linalg import expm
 from scipy.signal import lfilter
 
-from observer_lab.course.figures.records import columns
+from observer_lab.lessons import LESSONS
 from observer_lab.lessons.virtual_sensor.knobs import RUNAWAY_ID
 from observer_lab.lessons.virtual_sensor.lesson import LESSON
 from observer_lab.lessons.virtual_sensor.study import burst, stable_trusts
@@ -155,7 +155,7 @@ def test_the_power_is_a_burst_and_a_rest():
 def test_every_setting_gives_figures_of_one_length(plant, trust, p, q, air, noise, kick):
     o = outcome(plant=plant, trust=trust, observer_poles=(p, q), air_error=air, noise=noise, kick=kick)
     for figure in LESSON.figures(o):
-        assert np.all(np.isfinite(columns(figure)[1]))
+        assert np.all(np.isfinite([value for entry in figure.entries() for value in entry if isinstance(value, float)]))
 
 
 @pytest.mark.parametrize("pole", [-0.7, -1.6, -3.0])
@@ -166,6 +166,20 @@ def test_the_reduced_order_core_follows_its_pole_alone(plant, pole):
     e = o.run.x - o.study.reduced
     np.testing.assert_allclose(e[:, 0], e[0, 0] * np.exp(pole * o.run.t), atol=1e-8)
     assert e[0, 0] == pytest.approx(o.run.x[0, 0]) and np.abs(e[:, 1]).max() < 1e-9
+
+
+@pytest.mark.parametrize("guess", [-60.0, 60.0])
+@pytest.mark.parametrize("poles", [(1.0, 0.9), (1.0, -4.0), (0.5, 0.5)])
+@pytest.mark.parametrize("trust", [0.0, 1.0, 3.0])
+def test_curves_end_together_where_one_of_the_observers_diverges(trust, poles, guess):
+    lesson = LESSONS["virtual-sensor"]
+    knob = lesson.knob("guess_core")
+    design = lesson.apply(lesson.start(), {"reduced": True, "observer_poles": poles, "trust": min(trust, lesson.knob("trust").high),
+                                           "guess_core": min(max(guess, knob.low), knob.high)})
+    outcome = lesson.compute(design)
+    assert len(outcome.study.reduced) == len(outcome.run.t) > 1
+    assert all(len(curve.y) == len(figure.x) for figure in lesson.figures(outcome) for curve in getattr(figure, "curves", ())
+               if curve.x is None)
 
 
 @pytest.mark.parametrize("pole", [-0.7, -1.0, -1.6])

@@ -168,7 +168,7 @@ def _home(shown: Shown, _: Text) -> None:
     A, B, C, F, Bm = matrices(shown.outcome.study.shown)
     loop = rightmost(np.block([[A, -B @ s.K], [s.L @ C, F - Bm @ s.K]]))
     assert loop < 0, f"its loop has a pole at {loop:.3g}: it leaves again"
-    longer = simulate(replace(s, horizon=2 * s.horizon))
+    longer = simulate(replace(s, horizon=6 * s.horizon))
     assert longer.diverged_at is None and float(np.linalg.norm(longer.x[-1])) < 0.05, "it does not stay"
 
 
@@ -191,10 +191,9 @@ WITNESSES: Mapping[str, Witness] = {
     "The observer's error grows: no θ up to 2 is stable with these poles.": _no_trust,
     "No θ up to 2 is stable with these poles.": _no_trust,
     "The observer's error in the core is below 1 K after {after:.2f} s.": _core_known,
-    "The input moves the state by up to {moved} and the error by {error_moved:.0e}: rounding, nothing else.": _not_driven,
-    "The input moves the state by up to {moved} and the error by up to {error_moved:.2g}: the error is not left alone.": _driven,
+    "The input moves the state by up to {moved} and the error by {error_moved:.0e}, which is rounding.": _not_driven,
+    "The input moves the state by up to {moved} and the error by up to {error_moved:.2g}: the input drives the error.": _driven,
     "The pole recovers.": _home,
-    "Caught.": _home,
     "Nothing is clipped, so the error follows ė = (A − LC)e.": _obeys(False),
     "So the error obeys A − LC, whichever input the observer gets.": _obeys(False),
     "The error obeys A − LC all the same.": _obeys(True),

@@ -124,7 +124,9 @@ WITNESSES: Mapping[str, Witness] = {
     "LQR never falls below 1; LQG comes down to {least}, with all inputs at once to {together}.": _never_below_one,
     "No other controller is cheaper on average under this noise.": _cheapest,
     "Margins are bought with noise in the input and a higher cost.": _recovered,
-    "{lost} of the measurements are lost, {critical:.1f} % may be: the mean stays bounded.": _bounded(True),
-    "{lost} of the measurements are lost, {critical:.1f} % is the limit: the mean diverges.": _bounded(False),
+    "{lost} of the measurements are lost; up to {critical:.1f} % can be tolerated: the filter expects a bounded mean variance.":
+        _bounded(True),
+    "{lost} of the measurements are lost, and the limit is {critical:.1f} %: the mean variance that the filter expects diverges.":
+        _bounded(False),
     "NIS {mean:.2f} (4 expected), NEES {mean2:.3g} (6 expected).": _squares,
 }

@@ -10,7 +10,8 @@ from fakes import BROKEN, FakeView, Tab, toy
 from laws import holds_for_all
 
 from observer_lab.course.design_differences import changed, describe_design, describe_difference, describe_step
-from observer_lab.course.figures.records import LineFigure, axis_range, same_key
+from observer_lab.course.figures.ranges import axis_range
+from observer_lab.course.figures.records import LineFigure, same_key
 from observer_lab.course.knobs import Number
 from observer_lab.course.pinned_designs import MAX_PINS, Pin, Pinned, boards_with_pins, comparison_table, figures_with_pins, ghosts_of_pins
 from observer_lab.lessons import LESSONS

@@ -7,7 +7,7 @@ import re
 from dataclasses import replace
 
 import pytest
-from course_makers import DEADLINE, EXAM, SECRET, TASK, right_answer, served, token, toys
+from course_makers import DEADLINE, EXAM, SECRET, TASK, right_answer, served, token, toys, word
 from fakes import FakeView, Tab
 
 from observer_lab.course.exercises.exam import seed_of
@@ -16,7 +16,7 @@ from observer_lab.course.handin.hand_in import read_hand_in
 from observer_lab.course.handin.served_course import ServedCourse
 from observer_lab.plants.examples import example
 from observer_lab.session.commands.commands import OpenState, ShowSolution
-from observer_lab.session.commands.exams import AnotherVariant, AnswerExam, HandIn, SaveHandIn, SetKey, WithholdResults
+from observer_lab.session.commands.exams import AnotherVariant, AnswerExam, HandIn, SaveHandIn, SetKey, SetWord, WithholdResults
 from observer_lab.session.handlers.exams import COURSE_DECIDES, is_withheld, last_answer, present_item, present_variant, present_verdict
 from observer_lab.session.handlers.hand_in import NEEDS_KEY, NOT_IN_COURSE, NOT_SOLVED, NOTHING_SIGNED, OWN_PLANT, SIGNED, SIGNED_LATE
 from observer_lab.session.handlers.tasks import COURSE_NO_SOLUTION
@@ -27,8 +27,10 @@ from observer_lab.session.state.view import TaskState
 
 
 def tab_of(lesson: str = "toy", course: ServedCourse | None = None, key: str = "s1") -> Tab:
-    tab = Tab(toys(), lesson, sealed=True, course=course or served())
+    course = course or served()
+    tab = Tab(toys(), lesson, sealed=True, course=course)
     tab.do(SetKey(key))
+    tab.do(SetWord(word(course.course, key)))
     return tab
 
 
@@ -109,6 +111,7 @@ def test_a_task_is_signed_only_when_the_design_solves_it_on_the_lessons_own_plan
     tab.session._show.recalled = False
     tab.session.restore(kept)
     tab.do(SetKey("s1"))
+    tab.do(SetWord(word(course.course, "s1")))
     verdict = tab.picture.state.tasks["high"].verdict
     assert verdict is not None and verdict.solved  # as the browser claims
     tab.do(HandIn("task", "high"))
@@ -119,6 +122,7 @@ def test_a_task_is_signed_only_when_the_design_solves_it_on_the_lessons_own_plan
     adapted = {"toy": replace(toys()["toy"], adapt=lambda lesson, model: lesson)}
     other = Tab(adapted, "toy", sealed=True, course=course, plant=example("motor"))
     other.do(SetKey("s1"))
+    other.do(SetWord(word(course.course, "s1")))
     other.set(gain=6.0)
     assert other.picture.design.plant
     other.do(HandIn("task", "high"))

@@ -39,10 +39,10 @@ class Desk:
     def open_vote(self, *_: object) -> RoomView:
         return RoomView()
 
-    def close_vote(self) -> RoomView:
+    def close_vote(self, *_: object) -> RoomView:
         return RoomView()
 
-    lower_hands = close_vote
+    lower_hands = show_counts = discuss = reveal = close_vote
 
 
 class Class:

@@ -9,9 +9,10 @@ import pytest
 from fakes import Tab, toy
 
 from observer_lab.course.exercises.second_prediction import SecondPrediction
+from observer_lab.course.guiding.predictions import LETTERS
 from observer_lab.course.prose import PredictionWords
 from observer_lab.page.charts.style_sheet import sheet_of
-from observer_lab.page.column.prediction_panel import LETTERS, answer_words, other_refutations, second_answer
+from observer_lab.page.column.prediction_panel import answer_words, other_refutations, second_answer
 from observer_lab.page.words import phrases
 from observer_lab.session.commands.commands import Play, Predict, PredictAgain, Reveal, SetLanguage, ShowAgain, Undo
 from observer_lab.session.handlers.design import ASKS_AGAIN

@@ -264,7 +264,8 @@ def test_what_is_kept_is_bounded_and_the_latest_work_stays(monkeypatch: pytest.M
     assert kept is not None and most / 2 < len(kept.encode()) <= most
     read = tab_memory.read_memory(kept, tab.lessons)
     assert read is not None and read.lesson == "lesson39"
-    assert list(read.desks) == [f"lesson{i}" for i in range(39, 39 - len(read.desks), -1)] and 3 < len(read.desks) < 40
+    count = len(read.lesson_states)
+    assert list(read.lesson_states) == [f"lesson{i}" for i in range(39, 39 - count, -1)] and 3 < count < 40
 
 
 TOY = {"version": 1, "lesson": "toy", "knobs": {"gain": "3"}}

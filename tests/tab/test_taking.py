@@ -31,7 +31,7 @@ class Waiting(background_jobs.BackgroundJobs):
 def slow_tab(monkeypatch: pytest.MonkeyPatch) -> tuple[Tab, Waiting]:
     monkeypatch.setattr("observer_lab.session.session.BackgroundJobs", Waiting)
     tab = Tab()
-    return tab, tab.session._errands  # type: ignore[return-value]
+    return tab, tab.session._show.background  # type: ignore[return-value]
 
 
 def test_a_file_is_of_the_moment_it_was_asked_in_and_the_hand_goes_on_meanwhile(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -50,7 +50,7 @@ def failing(what: object) -> Tab:
     ("mine.json", json.dumps({**TWO, "dt": -1}), "dt 必须是 0（连续时间）或以秒计的正采样周期"),
     ("mine.json", json.dumps({"A": [[1]], "B": [[1]]}), "没有矩阵 C"),
     ("mine.json", "{", "JSON 无法解析"),
-    ("mine.txt", "A = 1", "后缀必须是 .json 或 .mat"),
+    ("mine.txt", "A = 1", "对象则是 .json 或 .mat 文件"),
     ("mine.mat", "MATLAB", "请在 MATLAB 中用 save -v7 保存"),
 ], ids=lambda v: v[:24])
 def test_a_file_that_is_no_plant(name: str, content: str, part: str) -> None:

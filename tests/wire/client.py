@@ -8,13 +8,14 @@ from __future__ import annotations
 import json
 import re
 import socket
+import ssl
 import struct
 import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from importlib.metadata import version
 from types import TracebackType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 from urllib.parse import urlsplit
 
 import msgspec
@@ -24,6 +25,9 @@ from websockets.sync.client import connect
 from websockets.typing import Origin, Subprotocol
 
 from observer_lab.page.screen.server import LabServer
+
+if TYPE_CHECKING:
+    from shown_page import ShownPage
 
 PATIENCE = 60.0  # s for something that must come; a busy machine is slow, and a test that waits is not one that fails
 MARK = re.compile(r'<i class="ol-mark" hidden data-ask="([^"]+)" data-answer="([^"]+)" data-rests="([01])" ')
@@ -63,6 +67,7 @@ class WirePage(ABC):
         self.widgets: dict[str, dict[str, Any]] = {}  # uuid → message with its props
         self.commands: dict[str, str] = {}  # label → uuid
         self.nodes: dict[str, dict[str, Any]] = {}  # scene nodes by name
+        self.ticket = ""  # of its place
         self.notes: list[str] = []  # bodies of notifications, in order
         self.kept = kept  # what the page's sessionStorage holds
         self.answers = answers  # whether it says what it holds
@@ -116,6 +121,8 @@ class WirePage(ABC):
             self.kept = given["text"]
         elif script == "play" and "widget" in given and self.plays:
             self.send("GuiUpdateMessage", uuid=given["widget"], updates={"value": 1})
+        elif script == "ticket":
+            self.ticket = given["ticket"]
         elif script == "recall" and self.answers:
             value = json.dumps([self.kept, "", False, "http://127.0.0.1/", None, None])
             self.send("LocalStorageGetItemResponseMessage", value=value, error=None, request_uuid=given["request"])
@@ -152,6 +159,10 @@ class WirePage(ABC):
         """Whether there is a widget with a label."""
         return any(w["props"].get("label") == label for w in self.widgets.values())
 
+    def labels(self, label: str) -> int:
+        """How many widgets have a label."""
+        return sum(widget["props"].get("label") == label for widget in self.widgets.values())
+
     def value(self, label: str) -> Any:
         """The value that a widget shows."""
         return self.widgets[self.find(label)]["value"]
@@ -166,18 +177,22 @@ class WireTab(WirePage):
 
     def __init__(self, url: str, origin: str | None = None, protocol: str | None = None, kept: str | None = None,
                  camera: bool = True, hosts: Sequence[str] = (), answers: bool = True, canvas: tuple[int, int] = (1280, 720),
-                 plays: bool = False, word: str = "", path: str = "", cookies: str = "") -> None:
+                 plays: bool = False, word: str = "", path: str = "", cookies: str = "", tls: ssl.SSLContext | None = None,
+                 sender: str = "") -> None:
         super().__init__(kept, answers, plays)
         self.messages: list[dict[str, Any]] = []  # everything received
+        self.shown: ShownPage | None = None  # what its stage and charts show, where a test asks for it before the first message
         self._questions = 0
         self.url = url
         place = urlsplit(url)
         name, *more = hosts or (place.netloc,)
+        line = socket.create_connection((place.hostname, place.port), timeout=PATIENCE)
         self._socket = connect(f"ws://{name}{path}", origin=Origin(origin) if origin else None,
-                               sock=socket.create_connection((place.hostname, place.port), timeout=PATIENCE),
+                               sock=line if tls is None else tls.wrap_socket(line, server_hostname=place.hostname),
                                subprotocols=[Subprotocol(protocol or f"viser-v{version('viser')}")],
                                additional_headers=[*(("Host", host) for host in more),
                                                    *([("Cookie", cookies)] if cookies else []),
+                                                   *([("X-Forwarded-For", sender)] if sender else []),
                                                    *([("Authorization", f"Bearer {word}")] if word else [])],
                                compression=None, max_size=None, open_timeout=PATIENCE, close_timeout=1.0)
         if camera:
@@ -283,6 +298,9 @@ class WireTab(WirePage):
         except TimeoutError:
             return
         assert isinstance(data, bytes)
-        for message in unpack(data)[0]:
+        messages, arrays = unpack(data)
+        for message in messages:
             self.messages.append(message)
             self.take(message)
+            if self.shown is not None:
+                self.shown.take(message, arrays)

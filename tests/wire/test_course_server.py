@@ -33,7 +33,7 @@ def shown_tokens(tab: WireTab) -> list[str]:
 
 
 def test_the_section_for_lecturers_works_as_it_stands(tmp_path: Path) -> None:
-    file, (draw, serve, variant, grade) = section()
+    file, (draw, words, serve, variant, grade) = section()
     file = re.sub(r"deadline = \d{4}", "deadline = 2999", file)  # the date of the README passes
     (tmp_path / "filtering-2026.toml").write_text(file, encoding="utf-8")
     surroundings = {**os.environ, "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
@@ -45,6 +45,10 @@ def test_the_section_for_lecturers_works_as_it_stands(tmp_path: Path) -> None:
 
     told(draw)
     secret = (tmp_path / "filtering-2026.secret").read_text(encoding="utf-8").strip()
+    (tmp_path / "keys.txt").write_text("s1234567\ns7654321\n", encoding="utf-8")
+    told(words)
+    with (tmp_path / "words.csv").open(encoding="utf-8", newline="") as table:
+        word = {row["key"]: row["word"] for row in csv.DictReader(table)}
     answers = {item["item"]: item["answer"] for item in json.loads(told(f"{variant} --json"))["items"]}
     assert "## " in told(variant) and secret not in told(variant)
     with Served(serve.split(), cwd=tmp_path, env=surroundings, stdout=subprocess.PIPE, text=True) as server:
@@ -54,12 +58,13 @@ def test_the_section_for_lecturers_works_as_it_stands(tmp_path: Path) -> None:
             with WireTab(url) as tab:
                 tab.update("your key", value="s1234567")
                 tab.answered()  # a new key brings new numbers and an empty field
+                tab.update("your word", value=word["s1234567"])
                 tab.update("answer", value=answers["kalman exam sheet"])  # the first exam of the lesson
                 tab.press("hand in")
                 tab.until(lambda: shown_tokens(tab), "the hand-in")
                 (written,) = shown_tokens(tab)
                 left_out = [widget for widget in tab.widgets.values() if NOT_HANDED_IN("en") in str(widget["props"].get("content"))]
-                assert len(left_out) == 2  # of the lesson's four exams the course names two
+                assert not left_out and tab.labels("answer") == 2  # of the lesson's four exams the course names two
                 tab.press("Save hand-in")
                 tab.until(lambda: any(message["type"].startswith("FileTransfer") for message in tab.messages), "the file")
                 said = repr(tab.messages)

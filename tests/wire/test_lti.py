@@ -38,6 +38,7 @@ from lti_platform import (
 from observer_lab.course.handin.course_file import read_course
 from observer_lab.course.handin.hand_in import read_hand_in
 from observer_lab.course.handin.learner import Report
+from observer_lab.course.handin.ledger import FILE, Ledger
 from observer_lab.course.handin.served_course import ServedCourse, student_item
 from observer_lab.lessons import LESSONS
 from observer_lab.page.access.access_policy import RequestHead
@@ -47,7 +48,6 @@ from observer_lab.page.access.tokens import AccessToken
 from observer_lab.page.lti.browser_cookies import MAX_LAUNCHES, MAX_LOGINS
 from observer_lab.page.lti.doors import LtiDoors
 from observer_lab.page.lti.keys import ToolKeys
-from observer_lab.page.lti.ledger import FILE, Ledger
 from observer_lab.page.lti.scores import Scores
 from observer_lab.page.lti.settings import read_settings
 from observer_lab.page.screen.server import LabServer
@@ -169,11 +169,37 @@ def test_a_teacher_chooses_a_lesson_and_the_platform_gets_it_signed(lab: Lab) ->
         assert claims[f"{CLAIM}deployment_id"] == "7" and claims[f"{DEEP}data"] == "opaque <data>"
         (item,) = claims[f"{DEEP}content_items"]
         assert item["type"] == "ltiResourceLink" and item["title"] == unescape(title)
-        chosen[item.get("custom", {}).get("lesson", "")] = item
+        if "exam" not in item.get("custom", {}):
+            chosen[item.get("custom", {}).get("lesson", "")] = item
     assert set(chosen) == {"", *LESSONS}
+    items = [claims[f"{DEEP}content_items"][0] for token in re.findall(r'name="JWT" value="([^"]+)"', answer.text)
+             if "exam" in (claims := checked(token, keys))[f"{DEEP}content_items"][0].get("custom", {})]
+    assert [item["custom"] for item in items] == [{"lesson": "kalman", "exam": exam.id} for exam in (EXAM, OTHER)]
+    assert all(item["lineItem"]["scoreMaximum"] == 5 and item["url"].endswith(f"exam={item['custom']['exam']}") for item in items)
     assert chosen["kalman"]["lineItem"]["scoreMaximum"] == 10 and "lineItem" not in chosen["separation"]
     opened = platform.launch(lab.browser(), target_link_uri=chosen["kalman"]["url"])
     assert read_token(opened.field("Location").partition("#")[2], LESSONS).design.lesson == "kalman"
+
+
+def test_a_launch_of_an_exam_opens_it_alone_and_sends_its_points(lab: Lab) -> None:
+    platform, browser, user = lab.platform, lab.browser(), "user-of-one-exam"
+    student = COURSE.keys.student(platform.url, user)
+    platform.state.scores.clear()
+    answer = platform.launch(browser, "", user, custom={"lesson": "kalman", "exam": EXAM.id})
+    state = read_token(answer.field("Location").partition("#")[2], LESSONS)
+    assert (state.design.lesson, state.mode) == ("kalman", "lab")
+    with lab.tab(browser, answer) as tab:
+        lab.server.sessions[max(lab.server.sessions)].post(OpenLesson("kalman"))
+        tab.until(lambda: tab.has("hand in"), "the exam")
+        tab.answered()
+        assert tab.labels("answer") == 1 and tab.labels("hand in") == 1 and not tab.has("result")
+        title = LESSONS["kalman"].words["en"].exams[EXAM.id].title
+        opened = {w["props"]["label"]: w["props"]["expand_by_default"] for w in tab.widgets.values() if w["type"] == "GuiFolderMessage"}
+        assert opened[phrases.EXAM("en")] and opened[f"1 {title}"], opened
+        hand_in(tab, right(student), phrases.POINTS_SENT("en"))
+    assert [(score["scoreGiven"], score["scoreMaximum"]) for _, score in platform.state.scores] == [(5, 5)]
+    for custom in ({"lesson": "kalman", "exam": "none"}, {"lesson": "separation", "task": "none"}, {"lesson": "kalman", "task": "filter"}):
+        assert platform.launch(lab.browser(), "", user, custom=custom).status == 404
 
 
 def test_points_of_a_hand_in_reach_the_line_item_and_nothing_personal_is_kept(lab: Lab) -> None:
@@ -408,7 +434,7 @@ def test_a_cookie_that_was_made_up_is_no_login(lab: Lab) -> None:
 @pytest.mark.parametrize(("changes", "words"), [
     ({"iss": "https://evil.example"}, "This lab does not know this platform."), ({"iss": ""}, "This lab does not know this platform."),
     ({"client_id": "another"}, "This lab does not know this platform."),
-    ({"login_hint": ""}, "The login names nobody: its login_hint is missing."),
+    ({"login_hint": ""}, "The login names no user: its login_hint is missing."),
 ])
 def test_a_login_of_a_stranger_is_refused(lab: Lab, changes: dict[str, str], words: str) -> None:
     browser = lab.browser()

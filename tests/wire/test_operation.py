@@ -24,7 +24,7 @@ def test_health_counts_the_tabs_and_names_nobody(server: LabServer, enter: Calla
     enter()
     after = health(server)
     assert before["status"] == after["status"] == "ok" and before["tabs"] == 0 and after["tabs"] == 1 and after["stuck"] == 0
-    assert set(after) == {"status", "version", "tabs", "most_tabs", "stuck", "seconds"}
+    assert set(after) == {"status", "version", "tabs", "most_tabs", "kept_places", "stuck", "seconds", "resident_bytes", "lag_s"}
 
 
 def test_a_server_that_stops_tells_its_tabs_first() -> None:

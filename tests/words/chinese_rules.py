@@ -22,9 +22,10 @@ WORDS: MappingProxyType[str, tuple[str, ...]] = MappingProxyType({
         "胆[大小怯]", "判决", "指控|被告|证人|无辜", "原谅|承诺|许诺", "独自演化|各行其是"),
     "an idiom": (
         "对症下药|了如指掌|无能为力|前功尽弃|便知分晓|无济于事|毫无|一字不差|无所不知|无从|无妨", "到得了|不妨|而已|全凭|一模一样",
+        "初值错两倍|停在指令旁边|颜色(?:已经)?变成|弹簧是弯|结论为“否”|自报",
         "心急|说了算|露了?馅|孪生|胜负|赛跑|对手", "救[不得]?[回了]|谁也|跑飞|淹没|够不到", "(?:管|镇|顶|稳)得?不?住"),
     "another word than the standard one": (
-        "能观(?![察测看])|能控(?!制)", "请在请在", "选项卡", "舞台|[本这下上一]幕"),
+        "能观(?![察测看])|能控(?!制)", "请在请在", "选项卡", "煤气炉|过渡误差", "舞台|[本这下上一]幕"),
     NUMBERS: PATTERNS[NUMBERS],
 })
 RULES = tuple((name, tuple(re.compile(pattern) for pattern in patterns)) for name, patterns in WORDS.items())

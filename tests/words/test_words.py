@@ -105,3 +105,15 @@ def test_every_kind_of_source_is_read() -> None:
     wanted = {"README.md", "CONTRIBUTING.md", "CHANGELOG.md", "en.md", "path.md", "teacher.md", "phrases.py", "serve.py", "options.py",
               "own.py"}
     assert {name for name in wanted if not any(file.endswith(name) for file in files)} == set()
+
+
+IDIOMS = (  # of captions, verdicts and names, each with what is said now in PLAIN
+    "Caught.", "promised by A − LC", "The line is taken at its word.", "The error is left alone.", "no L saves the estimate",
+    "colour in the innovations", "Answered with no: stable.", "a filter that doubts too much", "HL lies from 2 s on.",
+    "The bank names nobody.", "Unstable in this world: SISO.", "There is nothing to feel above 60 km.", "Both states still speak.",
+    "The rest is rounding, nothing else.", "NIS is content.", "No test finds it out.")
+
+
+@pytest.mark.parametrize("sentence", IDIOMS)
+def test_an_idiom_of_a_caption_is_found(sentence: str) -> None:
+    assert offences(sentence)

@@ -68,6 +68,12 @@ PATTERNS: MappingProxyType[str, tuple[str, ...]] = MappingProxyType({
         r"\b(?:no|what) man\b", r"\bby heart\b", r"\bby the hand\b", r"\bunder the hand\b", r"\bfollows? the hand\b", r"\bhas its way\b",
         r"\bat a stroke\b", r"\bsurprises?\b(?=[.,;]|$)", r"\ball but\b", r"\bshall\b", r"\btill\b",
         r"\bupon\b", r"\bwhereof\b", r"\bthereof\b", r"\bnought\b", r"\bere\b", r"\bsave for\b", r"\bbe it\b",
+        r"^(?:caught|lost|gone)\.", r"\bpromised by\b", r"\b(?:taken|take it) at its word\b", r"\b(?:is|are) (?:not )?left alone\b",
+        r"\bsaves? the (?:pole|estimate|loop|run)\b", r"\bcolour in the\b", r"\bwhat was colour\b", r"\banswered with no\b",
+        r"\bdoubts? too\b", r"\bis content\b", r"\bfinds? (?:it|the filter|them) out\b",
+        r"\bgives? (?:it|the \w+) away\b",
+        r"^\w+ lies from\b", r"\bnames nobody\b", r"\bin this world\b", r"\bnothing to feel\b", r"\btakes? hold\b(?! of)",
+        r"\bstill speaks?\b", r"\bon the bolt\b", r"\bnot dearer\b", r"\brounding, nothing else\b",
         r"\b(?:nothing|not) but\b", r"\bat the bottom of\b", r"\bbecomes? of\b", r"\bcomes? to (?:the same|nothing)\b",
     ),
     "an inverted opening": (

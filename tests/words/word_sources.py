@@ -15,6 +15,7 @@ from syntax import nodes
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = ("README.md", "CONTRIBUTING.md", "CHANGELOG.md", "SECURITY.md")
+PHRASES = ("glossary.md", "questions.md")  # whose lists are words to be found by, not sentences
 SHORT = ("e.g", "i.e", "Fig", "vs", "cf", "No", "Eq", "approx", "resp", "Dr", "Prof", "et al", "p", "pp", "vol")
 INITIAL = re.compile(r"(?:^|(?<![\d$\]]) )[A-Z]\.$")
 STOP = re.compile(r"(?:(?<=[.!?…])|(?<=[.!?…][”\")*]))\s+(?=[“\"(*$\[`]*[A-Z0-9\"“$`\[{‖√∫Σ])")
@@ -139,7 +140,13 @@ def _string(node: ast.expr) -> str:
 def pages() -> list[Path]:
     """The Markdown files that a person reads in English."""
     folder = ROOT / "lessons"
-    return [*(ROOT / name for name in PAGES), *sorted(folder.glob("**/*.md"))]
+    return [*(ROOT / name for name in PAGES), *sorted(folder.glob("**/*.md")), *sorted((ROOT / "app" / "course").glob("**/*.md"))]
+
+
+def _shown(path: Path) -> str:
+    """The text of a page, of a list of phrases without the phrases."""
+    text = path.read_text(encoding="utf-8")
+    return re.sub(r"^(?:- |→).*$", "", text, flags=re.M) if path.name == "questions.md" else text
 
 
 def chinese() -> Iterator[Sentence]:
@@ -147,7 +154,7 @@ def chinese() -> Iterator[Sentence]:
     for path in sorted((ROOT / CHINESE).iterdir()):
         text = path.read_text(encoding="utf-8")
         if path.suffix == ".md":
-            found = markdown(re.sub(r"^- .*$", "", text, flags=re.M) if path.name == "glossary.md" else text, CHINESE + path.name)
+            found = markdown(re.sub(r"^- .*$", "", text, flags=re.M) if path.name in PHRASES else text, CHINESE + path.name)
         else:
             found = (Sentence(one.string, CHINESE + path.name, one.lineno or 0, path.name == "comments.po")
                      for one in read_po(io.StringIO(text)) if one.id and isinstance(one.string, str))
@@ -157,7 +164,7 @@ def chinese() -> Iterator[Sentence]:
 
 def every_sentence() -> list[Sentence]:
     """All of them: pages, messages, errors and help, and what stands in Chinese."""
-    found = [one for path in pages() for one in markdown(path.read_text(encoding="utf-8"), path.relative_to(ROOT).as_posix())]
+    found = [one for path in pages() for one in markdown(_shown(path), path.relative_to(ROOT).as_posix())]
     found += [*messages(), *untranslated(), *chinese()]
     return [*dict.fromkeys(found)]
 

@@ -29,18 +29,27 @@ def test_a_class_places_poles_in_the_lab_and_the_board_shows_their_cloud(enter: 
     for k in range(HIDDEN_BELOW - 1):
         say(follower, f"pole:{vote}:-4:{(-1) ** k * 2}:ballot{k:04d}")
     follower.until(lambda: sum("−4 ± 2j is counted" in note for note in follower.notes) == HIDDEN_BELOW - 1, "four poles")
-    presenter.until(lambda: "fewer than 5 votes" in counts(presenter), "the count")
+    presenter.until(lambda: "4 votes" in counts(presenter), "the count")
     assert "<circle" not in counts(presenter) and not [name for name in presenter.nodes if name.endswith("/placed")]
     say(follower, f"pole:{vote}:-3:0:ballot0009")
-    presenter.until(lambda: "5 votes" in counts(presenter) and counts(presenter).count("<circle") == 3, "the cloud")
-    presenter.until(lambda: "/board/controller/placed" in presenter.nodes, "the cloud on the board")
-    assert "<circle" not in typed(follower) and not [name for name in follower.nodes if name.endswith("/placed")], "nothing before the end"
+    presenter.until(lambda: "5 votes" in counts(presenter), "the count")
     ask(presenter, "vote:close")
+    presenter.until(lambda: f"vote:show:{vote}" in counts(presenter), "the end of the vote")
+    assert "<circle" not in typed(follower) + counts(presenter), "nothing before the presenter shows it"
+    assert not [name for tab in (presenter, follower) for name in tab.nodes if name.endswith("/placed")]
+    ask(presenter, f"vote:show:{vote}")
+    presenter.until(lambda: counts(presenter).count("<circle") == 3, "the cloud")
+    presenter.until(lambda: "/board/controller/placed" in presenter.nodes, "the cloud on the board")
     follower.until(lambda: typed(follower).count("<circle") == 3 and "/board/controller/placed" in follower.nodes, "the cloud for all")
     ask(presenter, "vote:typed")
     again = number_of_the_vote(follower, "pole")
     for k in range(HIDDEN_BELOW):
         say(follower, f"pole:{again}:-6:0:another{k}")
+    follower.until(lambda: sum("−6 is counted" in note for note in follower.notes) == HIDDEN_BELOW, "five poles of the second round")
+    presenter.until(lambda: "5 votes" in counts(presenter).rpartition("<figure")[2], "the count of the second round")
+    ask(presenter, "vote:close")
+    presenter.until(lambda: f"vote:show:{again}" in counts(presenter), "the end of the vote")
+    ask(presenter, f"vote:show:{again}")
     presenter.until(lambda: counts(presenter).count("<figure") == 2 and counts(presenter).count("<circle") == 4, "both clouds side by side")
     assert [dict(each.cloud) for each in RoomStore(tmp_path).votes()[-2:]] == [{-4 + 2j: 4, -3 + 0j: 1}, {-6 + 0j: 5}]
     ask(presenter, "vote:close")

@@ -10,6 +10,8 @@ from lecture import PREDICT, ask, card, counts, number_of_the_vote, opened, part
 
 from observer_lab.classroom.class_runs import seeds_of
 from observer_lab.classroom.kept_room import Place, open_room
+from observer_lab.course.scenes import entry_values
+from observer_lab.lessons import LESSONS
 
 
 def test_a_restart_brings_back_lecture_and_votes(place: Place) -> None:
@@ -102,7 +104,9 @@ def test_each_follower_runs_one_seed_and_the_presenter_sees_the_cloud_of_all(pla
             say(followers[0], "slower")
             followers[0].until(lambda: followers[0].notes, "an answer to the hand")
             assert "average NEES" in cloud() and own(followers[1]), "a follower's press runs nothing"
-            ask(presenter, "turn:1")
+            path, start = LESSONS["kalman"].path, LESSONS["kalman"].start()
+            begun = [entry_values(path, k, start) for k in range(len(path))]
+            ask(presenter, f"scene:{next(k for k, values in enumerate(begun) if values != begun[0])}")
             all_see(lambda tab: not own(tab), "that the run of another design is gone")
             presenter.until(lambda: "average NEES" not in cloud(), "that the cloud of another design is gone")
             followers.pop().close()

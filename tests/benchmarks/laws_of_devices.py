@@ -1,0 +1,81 @@
+"""The law of exported designs: random designs of every lesson give the same bits in every body.
+
+`python tests/benchmarks/laws_of_devices.py [--designs 20] [LESSON …]` prints a row for each lesson: designs tried and refused, and how many
+differ in gcc -O0, gcc -O3, the sanitizers, WebAssembly, FMPy, plain Python, structured text, and in float32.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+
+from device_bodies import SANITIZERS, fmu_differences, run_c, run_python, run_wasm, st_differences, write_files
+from device_designs import random_design
+
+from observer_lab.export.devices.folders import device_design, device_files
+from observer_lab.lessons import LESSONS
+
+BODIES = ("gcc -O0", "gcc -O3", "sanitizers", "wasm", "FMPy", "Python", "ST", "float")
+SAME = "every bit as in the lab's Python."
+
+
+def tried(lesson, outcome, folder: Path, bodies: tuple[str, ...] = BODIES) -> dict[str, bool]:
+    """Whether a design gives the same bits, by body."""
+    design = device_design(lesson, outcome)
+    write_files(folder, device_files(lesson, outcome, "token", "c"))
+    found = {}
+    for body in bodies:
+        if body in ("gcc -O0", "gcc -O3"):
+            found[body] = run_c(folder, [body.split()[1]]).endswith(SAME)
+        elif body == "sanitizers":
+            found[body] = run_c(folder, SANITIZERS).endswith(SAME)
+        elif body == "wasm":
+            found[body] = run_wasm(folder).endswith(SAME)
+        elif body == "Python":
+            found[body] = run_python(write_files(folder / "python", device_files(lesson, outcome, "token", "micropython"))).endswith(SAME)
+        elif body == "ST":
+            found[body] = st_differences(str(device_files(lesson, outcome, "token", "st")["FB_Lab.st"]), design) == 0
+        elif body == "FMPy":
+            unit = write_files(folder / "fmu", device_files(lesson, outcome, "token", "fmu")) / "lab.fmu"
+            found[body] = fmu_differences(unit, design) == 0
+        elif body == "float":
+            single = write_files(folder / "float", device_files(lesson, outcome, "token", "c", single=True))
+            found[body] = run_c(single, ["-O3"]).endswith(SAME)
+    return found
+
+
+def main() -> int:
+    """Print the table."""
+    parser = argparse.ArgumentParser()
+    parser.add_argument("lessons", nargs="*")
+    parser.add_argument("--designs", type=int, default=20)
+    options = parser.parse_args()
+    wrong = 0
+    print(f"{'lesson':<20}{'designs':>8}{'refused':>8}  " + "".join(f"{body:>12}" for body in BODIES))
+    for name, lesson in LESSONS.items():
+        if options.lessons and name not in options.lessons:
+            continue
+        random, done, refused = np.random.default_rng(50), 0, 0
+        differ = dict.fromkeys(BODIES, 0)
+        while done < options.designs and refused < 5 * options.designs:
+            outcome = random_design(lesson, random, device_design)
+            if outcome is None:
+                refused += 1
+                continue
+            done += 1
+            with tempfile.TemporaryDirectory() as folder:
+                for body, same in tried(lesson, outcome, Path(folder)).items():
+                    differ[body] += not same
+        wrong += sum(differ.values())
+        print(f"{name:<20}{done:>8}{refused:>8}  " + "".join(f"{count:>12}" for count in differ.values()), flush=True)
+    return int(wrong > 0)
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

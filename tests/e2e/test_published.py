@@ -1,0 +1,130 @@
+"""A lesson that was published as a folder is walked from its file, with the network off."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager
+from itertools import islice, pairwise
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Browser, Page, Request
+from published_against_live import at_scene, opened, press, states
+from tab import HARMLESS, eventually
+
+from observer_lab.cli.entry import main
+from observer_lab.lessons import LESSONS
+
+LESSON = "separation"
+PATH, WORDS = LESSONS[LESSON].path, LESSONS[LESSON].words["en"]
+STATES = 4  # of the lesson that are compared with the live page; the script compares all
+GRIP = """() => { const viser = window.observerLabViser, name = '/board/observer/grips', canvas = viser?.canvas()?.getBoundingClientRect();
+  const points = canvas && window.__viserMutable.nodeRefFromName[name] && viser.onScreenOf('/board/observer', [-.1333, -.05, .625]);
+  return points ? [canvas.x + points[0] * canvas.width, canvas.y + points[1] * canvas.height] : null; }"""
+CLOCK = "() => Number(document.querySelector('.ol-clock')?.dataset.share ?? 'NaN')"
+DECK = """() => { const held = window.__viserMutable?.nodeRefFromName['/plant/deck'];
+  return (held && 'current' in held ? held.current : held)?.position.toArray() ?? null; }"""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The lesson, published with few points."""
+    folder = tmp_path_factory.mktemp("published")
+    assert main(["publish", LESSON, "-o", str(folder), "--lang", "en", "--theme", "light", "--points", "3", "--grid", "3x2"]) == 0
+    return folder
+
+
+@pytest.fixture
+def page(still_page: Callable[..., Page], folder: Path) -> Iterator[Page]:
+    """A page without a network; nothing fails on it and nothing is asked of anybody."""
+    page, asked, complaints = still_page(1366, 768), list[Request](), list[str]()
+    page.emulate_media(reduced_motion="no-preference")
+    page.context.set_offline(True)
+    page.on("request", lambda request: asked.append(request))
+    page.on("pageerror", lambda error: complaints.append(str(error)))
+    page.on("console", lambda said: complaints.append(said.text)
+            if said.type == "error" and not any(word in said.text for word in HARMLESS) else None)
+    yield page
+    assert not complaints, complaints
+    assert asked and {request.url.split(":")[0] for request in asked} <= {"file", "data", "blob"}
+    home = folder.as_uri()
+    assert all(request.url.startswith(home) for request in asked if request.url.startswith("file:"))
+
+
+def test_the_folder_is_walked_without_a_server(page: Page, folder: Path) -> None:
+    page.goto((folder / "index.html").as_uri())
+    for here, there in pairwise(PATH):
+        at_scene(page, here.id)
+        assert WORDS.scenes[here.id].title in page.inner_text(".ol-card")
+        press(page, "turn:1")
+        at_scene(page, there.id)
+    press(page, "turn:-1")
+    at_scene(page, PATH[-2].id)
+
+
+def test_an_answer_is_performed_and_judged_and_the_run_plays(page: Page, folder: Path) -> None:
+    page.goto((folder / "index.html").as_uri() + "?scene=predict")
+    at_scene(page, "predict")
+    press(page, "option:0")
+    eventually(lambda: page.inner_text(".ol-answer"), lambda said: "right board stayed" in said, "the verdict")
+    before = eventually(lambda: page.evaluate(CLOCK), lambda share: share > 0, "the run in motion")
+    eventually(lambda: page.evaluate(CLOCK), lambda share: share > before, "the run farther on")
+    press(page, "turn:1")
+    at_scene(page, "why")
+    press(page, "turn:-1")
+    at_scene(page, "predict")
+    assert "right board stayed" in page.inner_text(".ol-answer")
+    page.reload()
+    at_scene(page, "predict")
+    eventually(lambda: page.locator(".ol-dot[data-done]").count(), lambda count: count >= 2, "the dots of what was done")
+
+
+def test_a_switch_leads_to_its_recorded_state_and_a_kick_moves_the_deck(page: Page, folder: Path) -> None:
+    page.goto((folder / "index.html").as_uri() + "?scene=command")
+    at_scene(page, "command")
+    page.get_by_label("integral", exact=False).last.click(force=True)
+    eventually(lambda: page.inner_text(".ol-answer"), lambda said: "integrator" in said, "what is said of the integrator")
+    rest = page.evaluate(DECK)
+    page.get_by_role("button", name="kick").click()
+    eventually(lambda: page.evaluate(DECK), lambda at: at != rest, "the deck after the kick")
+
+
+def test_a_pole_is_dragged_to_a_computed_place(page: Page, folder: Path) -> None:
+    page.goto((folder / "index.html").as_uri() + "?scene=drag")
+    at_scene(page, "drag")
+    x, y = eventually(lambda: page.evaluate(GRIP), lambda at: at is not None, "a pole to hold")
+    page.mouse.move(x, y)
+    page.mouse.down()
+    for step in range(1, 9):
+        page.mouse.move(x + 10 * step, y + 3 * step)
+        page.wait_for_timeout(60)
+    page.mouse.up()
+    eventually(lambda: page.inner_text(".ol-answer"), lambda said: "decays more slowly" in said, "what is said of the slower observer")
+
+
+def test_the_page_shows_what_the_live_one_does(browser: Browser, serve: Callable[..., AbstractContextManager[str]], folder: Path) -> None:
+    complaints: list[str] = []
+    with serve(0, "--view", "guide", "--lesson", LESSON) as address:
+        live, published = opened(browser, address, []), opened(browser, (folder / "index.html").as_uri(), complaints)
+        found = dict(islice(states(live, published, LESSON), STATES))
+        for each in (live, published):
+            each.context.close()
+    assert len(found) == STATES and all(different == [] for different in found.values()), found
+    assert not complaints, complaints
+
+
+def test_the_questions_of_a_folder_lead_to_its_scenes(page: Page, folder: Path) -> None:
+    page.goto((folder / "questions-en.html").as_uri())
+    page.locator("input").fill("separation principle")
+    assert page.locator("section:visible h2").all_inner_texts() == ["Can I design controller and observer separately?"]
+    page.locator("section:visible a").click()
+    at_scene(page, "predict")
+
+
+def test_a_second_time_nothing_is_recorded(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    written = {path: path.stat().st_mtime_ns for path in folder.rglob("*.js")}
+    assert main(["publish", LESSON, "-o", str(folder), "--lang", "en", "--theme", "light", "--points", "3", "--grid", "3x2", "--zip"]) == 0
+    assert {path: path.stat().st_mtime_ns for path in folder.rglob("*.js")} == written
+    assert "<iframe src=" in capsys.readouterr().out and folder.with_suffix(".zip").is_file()
+    assert main(["publish", "-o", str(folder)]) == 2 and "--course" in capsys.readouterr().err
+    assert main(["publish", "--course", "nothing", "-o", str(folder)]) == 2 and "estimation" in capsys.readouterr().err
