@@ -1,4 +1,4 @@
-"""Draw the questions of lesson 2: what makes the error decay, a force, a worse start."""
+"""Draw the questions of lesson 2: what makes the error decay, a force, a worse start, a wrong model."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from observer_lab.text import Text, text
 from ..toolkit.questions import driven, size
 
 BETTER = 0.3  # of the copy's error, in the option that says that the observer knows the input better
+SLOWER = 0.5  # pace of the error in the option that says that the force slows it down
 FASTER = 2.0  # by how much a moving block would shorten the transient, in the option that says so
 
 
@@ -52,4 +53,16 @@ def surprise(asked: Asked) -> DrawnQuestion:
     return _drawn(t, (_curve(before, text("now"), "muted"),), (slower, later, 2 * size(error)), _curve(after, text("from twice the start")))
 
 
-QUESTIONS = MappingProxyType({"recall": recall, "predict": predict, "surprise": surprise})
+def printed(asked: Asked) -> DrawnQuestion:
+    """The error of a copy of another block under a constant force: as before, slower, or at rest away from zero."""
+    before, after = asked.entry.run, asked.after.run
+    t, start, error = after.t, before.e[0], asked.after.study.error
+    block, belief = after.scenario.plant, after.scenario.model or after.scenario.plant
+    push = block.B @ after.u_applied[-1]
+    rest = np.linalg.solve(block.A, -push)
+    offset = np.linalg.solve(error, (belief.A - block.A) @ rest)
+    return _drawn(t, (), (size(driven(asked.entry.study.error, start, t)), size(driven(SLOWER * error, start, t)),
+                          size(offset + driven(error, start - offset, t))), _curve(after, text("with the printed pair")))
+
+
+QUESTIONS = MappingProxyType({"recall": recall, "predict": predict, "surprise": surprise, "printed": printed})
