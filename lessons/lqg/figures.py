@@ -16,6 +16,7 @@ from ..toolkit.figures import TIME_TAB, axis_name, within
 from .recovery_figure import RECOVERY_TAB, UNIT_CIRCLE, both_halves, rings_figure
 from .report_rules import REPORT_TAB, rules_figure
 from .robustness import Robustness
+from .robustness import within as gain_within
 from .study import Study, sensor_share
 
 SPECTRUM_TAB, COST_TAB = text("Spectrum"), text("Input and cost")
@@ -164,14 +165,14 @@ def _cost(outcome: Outcome[Study]) -> TableFigure:
 def _nyquist(outcome: Outcome[Study]) -> PlaneFigure:
     s = outcome.study
     ideal, real = both_halves(s.ideal.curve), both_halves(s.real.curve)
-    low, high = s.real.margins.gain
+    low, high = gain_within(s.real.margins.gain)
     return PlaneFigure(
         "nyquist", text("Nyquist, cut at one input"),
         (UNIT_CIRCLE, Curve(same("LQR"), ideal[1], "plant", "dash", 2.0, ideal[0]), Curve(same("LQG"), real[1], "estimate", "solid", 2.0,
                                                                                             real[0])),
         (Point(-1.0, 0.0, "reference", "cross"),), "Re ℓ", "Im ℓ", (-2.6, 1.0), (-1.8, 1.8), equal=True, tab=ROBUST_TAB,
         caption=text("LQG stays stable while the input's gain is between {low} and {high} times the model's.",
-                     low=words(low, 4), high=words(high, 6)))
+                     low=words(low, 10), high=words(high, 10)))
 
 
 def _return(outcome: Outcome[Study]) -> LineFigure:

@@ -14,6 +14,7 @@ from .cases import Case, Factors
 from .loops import Setting, gains, regulator
 
 NYQUIST_STEP, DRAWN_POINTS = 0.1, 240  # of Nyquist's curve: a longer jump counts as this; points drawn
+NEAREST_LIMIT = 1e-9  # of a gain to 1: nearer than this it is not told from 1
 MATRICES_PER_BATCH = 60  # matrices looked at together
 
 
@@ -62,6 +63,23 @@ class Robustness:
     @cached_property
     def _dense(self) -> np.ndarray:
         return self.all.loop.corner(self.all.loop.omega, self.case.plant.m)
+
+
+def within(limits: tuple[float, float]) -> tuple[float, float]:
+    """Both limits of a gain as they are written: rounded toward 1, so that what is named is inside, to two digits of the distance to 1."""
+    low, high = limits
+    return float(np.ceil(low * _parts(low)) / _parts(low)), float(np.floor(high * _parts(high)) / _parts(high))
+
+
+def beyond(high: float) -> float:
+    """The upper limit rounded away from 1: a gain at which the loop is unstable."""
+    return float(np.ceil(high * _parts(high)) / _parts(high))
+
+
+def _parts(limit: float) -> float:
+    """The steps of a written limit in a unit: three decimals, more where it is nearer to 1 than that."""
+    away = abs(limit - 1)
+    return 10.0 ** max(3.0, 1 - np.floor(np.log10(away))) if NEAREST_LIMIT < away < np.inf else 1e3
 
 
 @lru_cache(maxsize=32)

@@ -21,7 +21,7 @@ from ..toolkit.latex import number
 from .cases import DOYLE, Case
 from .knobs import PROCESS_RULE, RECURSIVE, SENSOR_RULE, SPLIT_RULE
 from .loops import Cost, Setting, Trace, cost, estimator, gains, loop, sensor_input, setting_of, trace
-from .robustness import Robustness, ideal, real
+from .robustness import Robustness, ideal, real, within
 
 STILL = 0.05  # of the plant's motion: a ghost that moves less hardly moves
 GHOST_HARDLY_MOVES, SLOW_CORRECTION = text("the ghost hardly moves:"), text("a steady gain corrects a wrong start only slowly")
@@ -179,11 +179,12 @@ def sensor_share(c: Cost) -> tuple[float, float]:
 
 
 def _metrics(s: Study, reg: Optimal, est: Optimal) -> dict[str, float]:
-    c, m, (noise, share) = s.cost, s.real.margins, sensor_share(s.cost)
+    c, m, (noise, share), inner = s.cost, s.real.margins, sensor_share(s.cost), within(s.real.margins.gain)
     out = {
         "stable": float(s.density is not None), "J": c.total, "J_known": c.known, "J_least": c.least, "J_open": c.idle,
         "sensor_input": float(np.sqrt(noise)), "sensor_share": share,
-        "gain_low": m.gain[0], "gain_high": m.gain[1], "phase_deg": float(np.degrees(m.phase)), "delay": m.delay,
+        "gain_low": m.gain[0], "gain_high": m.gain[1], "stable_from": inner[0], "stable_to": inner[1],
+        "phase_deg": float(np.degrees(m.phase)), "delay": m.delay,
         "disk": m.disk.alpha, "nearest": m.nearest, "nearest_lqr": s.ideal.margins.nearest,
         "all_inputs_alpha": s.real.alpha, "all_inputs_nearest": s.real.nearest,
         "riccati_residual": max(reg.residual, est.residual),
@@ -256,12 +257,12 @@ def _formulas(s: Study, setting: Setting) -> tuple[Formula, ...]:
 
 
 def _live(s: Study) -> Text:
-    gain = s.real.margins.gain
+    gain = within(s.real.margins.gain)
     if s.density is None:
-        return text("Unstable: this loop tolerates {gain:.4g} … {gain2:.6g} times the gain of one input.",
+        return text("Unstable: this loop tolerates {gain:.10g} … {gain2:.10g} times the gain of one input.",
                     gain=gain[0], gain2=gain[1])
     if s.suppression is None:
-        return text("Stable up to a gain of {gain:.6g}; nearest approach to −1: {nearest:.3g}.",
+        return text("Stable up to a gain of {gain:.10g}; nearest approach to −1: {nearest:.3g}.",
                     gain=gain[1], nearest=s.real.margins.nearest)
     changes = [round(float(v), 1) for v in -s.suppression]
     named = ", ".join(f"{change:+.1f}" if change else "0.0" for change in changes).replace("-", "−")

@@ -11,7 +11,7 @@ from observer_lab.text import text
 from .cases import DOYLE, REPORT
 from .knobs import NONE, SENSOR_RULE, UNITS_RULE
 from .loops import setting_of
-from .robustness import real
+from .robustness import beyond, real, within
 from .study import Study
 
 BREAKING_GAIN = 1.001  # a gain that breaks the loop of the first task
@@ -34,7 +34,7 @@ def _vanish(outcome: Outcome[Study]) -> Verdict:
     if high > BREAKING_GAIN:
         return Verdict(False, text("It is still stable for a gain of {high:.5g}; an error of 0.1 % should make it unstable.",
                                    high=high))
-    return Verdict(True, text("At {high:.6g} times the model's gain this optimal loop is lost.", high=high))
+    return Verdict(True, text("At {high:.10g} times the model's gain this optimal loop is lost.", high=beyond(high)))
 
 
 def _recover(outcome: Outcome[Study]) -> Verdict:
@@ -42,7 +42,8 @@ def _recover(outcome: Outcome[Study]) -> Verdict:
     if not _on(outcome, DOYLE) or d["q"] < HEAVY or d["sigma"] < HEAVY:
         return Verdict(False, text("Doyle's plant with q and σ of at least 1000, please."))
     low, high = s.real.margins.gain
-    found = text("Gains from {low:.3g} to {high:.4g} keep the loop stable", low=low, high=high)
+    inner = within((low, high))
+    found = text("Gains from {low:.10g} to {high:.10g} keep the loop stable", low=inner[0], high=inner[1])
     if high < MIN_GAIN_UP or low > MAX_GAIN_DOWN:
         return Verdict(False, text("{found}; from 0.5 to 2 is wanted.", found=found))
     if s.density is None:

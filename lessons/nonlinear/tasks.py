@@ -53,7 +53,7 @@ def _deceived(o: Outcome[Study]) -> Verdict:
     if m["nees_ekf"] < 100:
         return _no(text("{said}; the EKF is not yet wrong by a factor of 100.", said=said))
     if m["nees_ukf"] > 4:
-        return _no(text("{said}; the UKF is lost as well.", said=said))
+        return _no(text("{said}; the UKF is over-confident as well.", said=said))
     return Verdict(True, text("{said}: a better start has not helped the EKF.", said=said))
 
 

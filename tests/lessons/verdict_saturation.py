@@ -16,6 +16,7 @@ from observer_lab.engine.simulation import Scenario
 
 FALLEN = np.radians(45.0)
 SMALL, LARGE = 1e-6, 1e4  # of the largest start: at rest below the one, gone beyond the other
+BEYOND = 1e50  # of the largest start: an estimate gone so far does not come back
 LONGEST_S = 600.0
 
 
@@ -65,9 +66,8 @@ def told_of(s: Scenario, angle: int | None, known: bool) -> Told:
     jumps = sorted(s.impulses, key=lambda impulse: impulse[0])
     slowest = max((1 / abs(p.real) for M in (A - B @ K, A - L @ C) for p in np.linalg.eigvals(M) if abs(p.real) > 1e-9), default=1.0)
     begin, clipped = 0.0, False
-    ends = (
-        [t for t, _ in jumps] + [s.horizon * k for k in (1.0, 3.0)] + [s.horizon + 40 * slowest, max(LONGEST_S, s.horizon + 80 * slowest)]
-    )
+    last = max(LONGEST_S, s.horizon + 80 * slowest)
+    ends = [t for t, _ in jumps] + [last, *(s.horizon * 2.0**k for k in range(int(np.log2(last / s.horizon)) + 1))]
     kicks = {t: sum(jump for at, jump in jumps if at == t) for t, _ in jumps}
     for end in sorted(set(ends)):
         if end > begin:
@@ -75,7 +75,10 @@ def told_of(s: Scenario, angle: int | None, known: bool) -> Told:
             asked = -K @ (run.y[:n] if known else run.y[n:])
             clipped |= bool(np.any((asked > high[:, None] * (1 + 1e-7)) | (asked < low[:, None] * (1 + 1e-7))))
             z, begin = run.y[:, -1], end
-            if run.status == 1 or not np.all(np.isfinite(z)):
+            if run.status != 1 and not np.all(np.isfinite(z)):  # an estimate has left every number, or the integrator has failed
+                finite = run.y[:, np.all(np.isfinite(run.y), axis=0)]
+                return Told(False, np.inf, bool(np.abs(finite[:, -1]).max() > BEYOND * size), clipped)
+            if run.status == 1:
                 fell = angle is not None and len(run.t_events[0]) > 0
                 return Told(False, float(run.t[-1]) if fell else np.inf, not fell, clipped)
         if end in kicks:
