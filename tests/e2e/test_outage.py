@@ -23,6 +23,7 @@ from observer_lab.page.words import phrases
 SLIDER = "stiffness error in the model [%]"
 PREDICT = next(k for k, scene in enumerate(LESSONS["separation"].path) if scene.id == "predict")
 NOTICED_S = 10.0  # s in which a dead network is said
+COLUMN = "document.querySelector('.ol-question').closest('[data-ol-view]')"
 UNFOCUSED = "document.hasFocus = () => false"
 expect.set_options(timeout=60_000)
 Serve = Callable[..., AbstractContextManager[str]]
@@ -50,7 +51,7 @@ def push(tab: Tab, times: int) -> None:
 
 
 def scrolled(page: Page) -> float:
-    return page.evaluate("document.querySelector('.ol-question').closest('[data-ol-view]').scrollTop")
+    return page.evaluate(f"{COLUMN}.scrollTop")
 
 
 @pytest.mark.parametrize("kind", ["silent", "lost", "cut"])
@@ -59,7 +60,7 @@ def test_an_outage_loses_no_edit_and_moves_no_column(context: BrowserContext, ca
     tab = Tab(page, cable.address, drawn=False)
     tab.slide(SLIDER, "ArrowRight", 3)
     tab.answered(rests=True)
-    page.evaluate("document.querySelector('.ol-question').closest('[data-ol-view]').scrollTop = 60")
+    page.evaluate(f"{COLUMN}.scrollTop = 60")
     cable.become(kind)
     began = time.monotonic()
     push(tab, 2)
@@ -101,11 +102,13 @@ def test_a_page_whose_attempts_fail_is_loaded_again(context: BrowserContext, ser
         cable.become("cut")
         expect(page.locator(".ol-lost")).to_be_visible()
         push(tab, 2)
+        page.evaluate(f"{COLUMN}.scrollTop = 60")
         cable.become("whole")
         eventually(lambda: page.evaluate("window.stillHere ?? false"), lambda still: not still, "the page as it is loaded again")
         page.wait_for_selector(".ol-question")
         tab.settle()
         eventually(lambda: tab.value(SLIDER), lambda value: value == 2.0, "the design with what was done")
+        eventually(lambda: scrolled(page), lambda top: abs(top - 60) <= 2, "the column as it was scrolled")
 
 
 def test_a_vote_in_a_silent_network_is_counted(context: BrowserContext, browser: Browser, serve: Serve, tmp_path: Path) -> None:

@@ -19,6 +19,7 @@ from ..words.version import version
 APP_NAME = "Observer Lab"
 ADDRESS = "observer-lab-address"  # the key of the token that a tab has put into its address bar
 HELD, RELOADED = "observer-lab-held", "observer-lab-reloaded"  # the keys of what the server has not answered, and of the last resort
+SCROLLED = "observer-lab-scrolled"  # the key of where a page's columns stood when it loaded itself again
 TICKET = "observer-lab-place"  # the key of the ticket by which a tab finds its place again
 REST = "rest"  # the reason of a close after which a page waits for a hand
 SPOKEN = "observer-lab-language"  # the key of the language that a tab spoke last
@@ -36,7 +37,7 @@ def app_page(language: str) -> str:
                               "rests": phrases.PAGE_RESTS(code), "token": phrases.OTHER_TOKEN(code),
                               "stranger": phrases.STRANGER(code)} for code in languages()}
     connection = (web.script_call("lifeline", version=version(), reloads=RELOADED, rest=REST), web.script_call("held", kept=HELD),
-                  web.script_call("link", words=words, language=web_code(language), kept=SPOKEN))
+                  web.script_call("link", words=words, language=web_code(language), kept=SPOKEN, scrolled=SCROLLED))
     return viser_page(APP_NAME, f"<style>{web.coloured_text('link.css')}{web.font_rules()}</style>"
                              f"<script>{web.script_call('viser_dom')}</script>"
                              f"<script>{web.script_call('software')}</script>"

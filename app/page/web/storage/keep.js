@@ -3,7 +3,8 @@
 // place, which has no language.
 ({lesson, large}) => {
   const viser = window.observerLabViser, {column: COLUMN, view: VIEW, folder: FOLDER, folderHead: HEAD, tab: TAB} = viser.parts;
-  const lab = window.observerLabKeep ??= {lesson: '', hand: {}, run: 0}, run = lab.run += 1, STEP = 60, LONGEST = 30000, STILL = 1500;  // ms
+  const lab = window.observerLabKeep ??= {lesson: '', hand: {}, run: 0}, run = lab.run += 1, STEP = 60;  // ms
+  const MOST = 500, STILL = 25;  // looks, not ms: a busy page looks seldom
   const asked = () => document.querySelector('.ol-question,.ol-scene'), old = asked(), KNOBS = `div:has(>.ol-part-knobs)+${FOLDER}`;
   const column = () => asked()?.closest(VIEW);
   const figures = () => document.querySelector(`${COLUMN} ${VIEW}`);
@@ -63,14 +64,13 @@
   lab.folders = folders;
 
   const done = new Set(), hands = ['wheel', 'pointerdown', 'keydown', 'touchstart'];
-  const begun = performance.now();
-  let end = begun + LONGEST, still = begun;
+  let looks = 0, still = 0, ends = false;
   const mine = event => {  // a hand has the last word; a letter alone moves nothing
     scroll.moved ||= event.isTrusted && (event.type !== 'keydown' || event.key === ' ' || event.key.length > 1);
   };
   hands.forEach(kind => addEventListener(kind, mine, {capture: true, passive: true}));
   const settle = () => {
-    if (run !== lab.run || performance.now() > end) {
+    if (run !== lab.run || ends || (looks += 1) > MOST) {
       figure.to ??= undefined;  // what did not come is not waited for
       if (run === lab.run) lab.scroll = null;
       hands.forEach(kind => removeEventListener(kind, mine, {capture: true}));
@@ -78,7 +78,7 @@
     }
     setTimeout(settle, STEP);
     if (!asked() || asked() === old || document.querySelector('.ol-mark')?.dataset.stands !== '1') {  // folders may come or go until then
-      still = performance.now();
+      still = 0;
       return;
     }
     for (const [name, head] of folders()) if (name in lab.hand && !done.has(name)) {
@@ -95,8 +95,8 @@
     const by = scroll.moved ? [] : scroll.wanted.map(([view, at]) => (view() ? away(view(), at) : 0));
     const rests = (figure.at < 0 || figure.to) && by.every(each => Math.abs(each) <= 1);
     by.forEach((each, k) => { if (Math.abs(each) > 1) scroll.wanted[k][0]().scrollTop += each; });
-    if (!rests) still = performance.now();
-    if (performance.now() - still > STILL) end = 0;
+    still = rests ? still + 1 : 0;
+    ends = still > STILL;
   };
   settle();
 }
