@@ -153,22 +153,24 @@ def new_tab(browser: Browser, server: str, spare: list[Tab], request: pytest.Fix
         if lends and left is not None:
             spare.remove(left)
             tab = left
+            LOOKED_AT.append(tab)
             tab.begin_anew(width, height)
         else:
             context = browser.new_context(viewport={"width": width, "height": height},
                                           reduced_motion="no-preference" if motion else "reduce")
             tab = Tab(context.new_page(), server, drawn=False)
         tabs.append(tab)
-        LOOKED_AT.append(tab)
+        if tab not in LOOKED_AT:
+            LOOKED_AT.append(tab)
         if lends:
             lent.append(tab)
         return tab
     yield opened
-    LOOKED_AT[:] = [tab for tab in LOOKED_AT if tab not in tabs]
+    LOOKED_AT.clear()
     complaints = [line for tab in tabs for line in tab.complaints]
     well = not complaints and request.node.stash.get(PASSED, False)
     for tab in tabs:
-        if well and tab in lent and not spare and not tab.page.is_closed():
+        if well and tab in lent and not spare and not tab.page.is_closed() and tab.in_lab():
             spare.append(tab)
         else:
             tab.page.context.close()
@@ -199,7 +201,7 @@ def walk(browser: Browser, server: str, spare: list[Tab]) -> Iterator[list[Tab]]
     tabs: list[Tab] = []
     yield tabs
     for tab in tabs:
-        if spare:
+        if spare or not tab.in_lab():
             tab.page.context.close()
         else:
             spare.append(tab)
@@ -217,7 +219,7 @@ def walking(walk: list[Tab], browser: Browser, server: str, spare: list[Tab], re
     tab = walk[0]
     LOOKED_AT.append(tab)
     yield tab
-    LOOKED_AT.remove(tab)
+    LOOKED_AT.clear()
     complaints, tab.complaints = tab.complaints, []
     if complaints or not request.node.stash.get(PASSED, False):
         walk.pop().page.context.close()

@@ -191,6 +191,10 @@ class Tab:
         """The driving question."""
         return self.page.locator(".ol-question").inner_text()
 
+    def in_lab(self) -> bool:
+        """Whether the lab stands, from which a page can begin anew; the guide has no driving question."""
+        return self.page.locator(".ol-question").count() == 1
+
     def language(self) -> str:
         """The language of the page, as the browser is told."""
         return self.page.evaluate("document.documentElement.lang")
