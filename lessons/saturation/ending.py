@@ -43,10 +43,16 @@ class Proofs:
     modes: np.ndarray
     edge: np.ndarray
     unstable: bool
+    gain: np.ndarray
+    limit: np.ndarray
 
     def rests(self, z: np.ndarray) -> bool:
         """Whether no limit acts any more and the loop decays."""
         return self.P is not None and bool(z @ self.P @ z < self.level)
+
+    def free(self, z: np.ndarray) -> bool:
+        """Whether no input is at its limit: a small limit can hold a state close to rest for ever."""
+        return bool(np.all(np.abs(self.gain @ z) <= self.limit))
 
     def lost(self, x: np.ndarray) -> bool:
         """Whether no input within the limits can bring x back."""
@@ -74,7 +80,7 @@ def proofs_of(s: Scenario) -> Proofs:
     values, left = np.linalg.eig(A.T)
     right = np.real(values) > 1e-9 * max(float(np.abs(values).max()), 1e-300)
     modes = left.T[right]
-    return Proofs(P, level, modes, np.abs(modes @ B) @ limit / np.real(values[right]), unstable)
+    return Proofs(P, level, modes, np.abs(modes @ B) @ limit / np.real(values[right]), unstable, gain, limit)
 
 
 def ending_of(run: Run) -> Ending:
@@ -84,10 +90,10 @@ def ending_of(run: Run) -> Ending:
     x, estimate, early = run.x[-1], run.xhat[-1], run.diverged_at is not None and not s.state_feedback
     while True:
         z = x if s.state_feedback else np.concatenate([x, estimate])
-        home = proofs.rests(z) or float(np.abs(z).max()) <= AT_REST * size
+        home = proofs.rests(z) or (float(np.abs(z).max()) <= AT_REST * size and proofs.free(z))
         lost = proofs.lost(x) or early or float(np.abs(x).max()) > FAR * size
         if home or lost or until >= LONGEST * s.horizon:
-            still = proofs.unstable and float(np.abs(x).max()) > AT_REST * size
+            still = proofs.unstable and (float(np.abs(x).max()) > AT_REST * size or not proofs.free(z))
             return Ending(home and not lost, home or lost or still, until, proofs.unstable)
         dt = COARSER * s.dt
         longer = simulate(replace(s, x0=x, xhat0=x if s.state_feedback else estimate, impulses=(), dt=dt,

@@ -317,3 +317,13 @@ def test_a_hand_goes_on_pulling_where_the_estimate_has_left_all_bounds() -> None
         outcome = lesson.compute(design)
         told = told_of(outcome.run.scenario, 1, False)
         assert np.isfinite(told.fell) and abs(outcome.metrics["stopped_at"] - told.fell) < 0.03
+
+
+@pytest.mark.parametrize("limit", [1e-7, 1e-9, 1e-12, 1e-15])
+def test_a_loop_that_a_small_limit_holds_close_to_rest_does_not_recover(limit: float) -> None:
+    """ẋ = −x + u with u = sat(2x) ends at ±limit, however small that is beside the start."""
+    plant = Plant(np.array([[-1.0]]), np.array([[1.0]]), np.array([[1.0]]), np.array([[0.0]]))
+    for known in (False, True):
+        end = ending_of(simulate(Scenario(plant, np.array([[-2.0]]), np.array([[1.0]]), x0=(1.0,), xhat0=(1.0,), horizon=40.0, dt=0.05,
+                                          u_min=-limit, u_max=limit, fed="applied", state_feedback=known)))
+        assert end.decided and not end.home and end.unstable

@@ -78,18 +78,19 @@ def rightmost(M: np.ndarray) -> float:
     return float(np.max(np.real(np.linalg.eigvals(M))))
 
 
-def by_itself(run: Run) -> float:
-    """How far the run's error leaves e^{(A − LC)t} e(0), over its own peak; kicks start it anew."""
+def by_itself(run: Run, so_far: bool = False) -> float:
+    """How far the run's error leaves e^{(A − LC)t} e(0), over its own peak, or over its largest size so far; kicks start it anew."""
     A, _, _, F, _ = matrices(run)
     jumps = {round(t / run.scenario.dt): jump for t, jump in run.scenario.impulses}
     step = expm((F if A.shape == F.shape else A) * (run.t[1] - run.t[0]))
-    e, off = run.e[0], 0.0
+    e, off = run.e[0], np.zeros(len(run.t))
     for k in range(1, len(run.t)):
         e = step @ e
         if k in jumps or k - 1 in jumps:
             e = run.e[k]
-        off = max(off, float(np.max(np.abs(e - run.e[k]))))
-    return off / max(float(np.max(np.abs(run.e))), 1e-12)
+        off[k] = float(np.max(np.abs(e - run.e[k])))
+    size = np.maximum.accumulate(np.abs(run.e).max(axis=1))
+    return float(np.max(off / np.maximum(size if so_far else size[-1], 1e-12)))
 
 
 def whole(run: Run) -> np.ndarray:

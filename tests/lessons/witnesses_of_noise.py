@@ -282,7 +282,7 @@ def _as_printed_in_algorithm_3(shown: Shown, words: Text) -> None:
 
 
 WITNESSES: Mapping[str, Witness] = {
-    "NEES per state over {runs} runs (1 expected): {each}. The {who} is {words}.": _nees,
+    "NEES per state over {runs} runs (1 expected): {each}. In these runs the {who} is {words}.": _nees,
     "On the linear plant the σ of Algorithm 3 is {more:.1f} % above the Kalman filter's, and its error is {worse:.1f} % larger.":
         _as_printed_in_algorithm_3,
     "As far as {runs} runs tell, no filter could have an error {left:.2g} % smaller than that of the {who}.": _near_the_bound,
