@@ -17,7 +17,7 @@ from ..systems.plant import Plant
 from ..systems.pole_sets import match_poles, sorted_poles
 from ..systems.records import record
 from ..systems.stability import poles_within, stable_poles
-from .decomposition import balanced_staircase
+from .decomposition import balanced_staircase, clearly_reached
 
 __all__ = ["Controllability", "Mode", "Observability", "controllability", "controllability_matrix", "observability", "observability_matrix"]
 
@@ -45,13 +45,22 @@ class Mode:
 
 @record()
 class _Seen:
-    """A pair (A, C), its poles (n,), and which copies of them leave a trace; of controllability the dual."""
+    """A pair (A, C), and A in coordinates whose first `rank` states are seen; of controllability the dual."""
 
     A: np.ndarray
     C: np.ndarray
     dt: float
-    poles: np.ndarray
-    visible: np.ndarray
+    turned: np.ndarray
+    rank: int
+
+    @cached_property
+    def labelled(self) -> tuple[np.ndarray, np.ndarray]:
+        """Every pole (n,), and which of them leave a trace: the diagonal block that a pole comes from says so, which counts repeated
+        poles right."""
+        r = self.rank
+        poles = np.concatenate([sorted_poles(self.turned[:r, :r]), sorted_poles(self.turned[r:, r:])])
+        order = np.lexsort((np.imag(poles), np.real(poles)))
+        return frozen(poles[order]), frozen(order < r)
 
 
 @record()
@@ -81,7 +90,10 @@ class _Report:
 
     @property
     def _hidden(self) -> tuple[complex, ...]:
-        return tuple(complex(pole) for pole in self._seen.poles[~self._seen.visible])
+        if self.rank == len(self._seen.A):
+            return ()
+        poles, visible = self._seen.labelled
+        return tuple(complex(pole) for pole in poles[~visible])
 
     @property
     def _hidden_are_stable(self) -> bool:
@@ -150,22 +162,20 @@ def _distances(A: np.ndarray, C: np.ndarray, poles: np.ndarray) -> np.ndarray:
 
 
 def _seen(A: np.ndarray, C: np.ndarray, dt: float, rtol: float | None) -> _Seen:
-    """Every pole, labelled by the diagonal block of the staircase it comes from: repeated poles count right."""
-    scale, Q, seen = balanced_staircase(A.T, C.T, rtol)
-    turned = Q.T @ (A * scale[:, None] / scale) @ Q
-    poles = np.concatenate([sorted_poles(turned[:seen, :seen]), sorted_poles(turned[seen:, seen:])])
-    order = np.lexsort((np.imag(poles), np.real(poles)))
-    return _Seen(A, C, dt, frozen(poles[order]), frozen(order < seen))
+    if clearly_reached(A.T, C.T, rtol):
+        return _Seen(A, C, dt, A, len(A))
+    scale, Q, rank = balanced_staircase(A.T, C.T, rtol)
+    return _Seen(A, C, dt, Q.T @ (A * scale[:, None] / scale) @ Q, rank)
 
 
 def _modes(seen: _Seen) -> tuple[Mode, ...]:
-    A, C, poles = seen.A, seen.C, seen.poles
+    A, C, (poles, visible) = seen.A, seen.C, seen.labelled
     own, judged = stable_poles(A, dt=seen.dt)
     stable = judged[match_poles(poles, own)[0]]
     size = max((float(np.linalg.norm(M, 2)) for M in (A, C) if M.size), default=0.0)
     distances = _distances(A, C, _sure(A, poles))
     return tuple(
-        Mode(complex(poles[i]), float(distances[i] / size) if size else 0.0, float(distances[i]), bool(seen.visible[i]),
+        Mode(complex(poles[i]), float(distances[i] / size) if size else 0.0, float(distances[i]), bool(visible[i]),
              bool(stable[i]))
         for i in range(len(poles))
     )
@@ -225,7 +235,7 @@ def observability(plant: Plant, *, rtol: float | None = None) -> Observability:
     1
     """
     found = _seen(plant.A, plant.C, plant.dt, rtol)
-    return Observability(int(np.count_nonzero(found.visible)), found)
+    return Observability(found.rank, found)
 
 
 @takes(plant=DRIVEN, rtol=number())
@@ -239,4 +249,4 @@ def controllability(plant: Plant, *, rtol: float | None = None) -> Controllabili
     1
     """
     found = _seen(plant.A.T, plant.B.T, plant.dt, rtol)
-    return Controllability(int(np.count_nonzero(found.visible)), found)
+    return Controllability(found.rank, found)

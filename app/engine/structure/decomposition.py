@@ -9,6 +9,7 @@ from __future__ import annotations
 from itertools import pairwise
 
 import numpy as np
+from scipy.linalg.lapack import dgeqrf, dormqr  # pyright: ignore[reportAttributeAccessIssue]
 
 from ..systems.arrays import frozen
 from ..systems.balance import balance, natural_scale, state_scale
@@ -21,6 +22,8 @@ from ..systems.records import record
 __all__ = ["KalmanDecomposition", "kalman_decomposition", "reachable_subspace", "unobservable_subspace"]
 
 DEFAULT_RTOL = 1e-10
+FEW_STATES = 30  # beyond it the powers of A hide what is reached
+EPS = float(np.finfo(float).eps)
 
 
 def tolerance(rtol: float | None) -> float:
@@ -29,12 +32,6 @@ def tolerance(rtol: float | None) -> float:
     if not 0 <= value < 1:
         raise EngineError("rtol must be at least 0 and below 1; it is {value:g}.", value=value)
     return value
-
-
-def _significant(block: np.ndarray, bound: float) -> tuple[np.ndarray, int]:
-    """Orthogonal U whose first r columns span the block's range; r counts singular values above the bound."""
-    U, s, _ = np.linalg.svd(block)
-    return U, int(np.count_nonzero(s > bound))
 
 
 def _unit_columns(B: np.ndarray) -> np.ndarray:
@@ -50,21 +47,31 @@ def _size(A: np.ndarray) -> float:
 def _staircase(A: np.ndarray, B: np.ndarray, rtol: float, size: float) -> tuple[np.ndarray, int]:
     """Orthogonal Q and r: the first r columns of Q span the subspace that B reaches through A.
 
-    Zero means below rtol for B (its columns have length one), below rtol·size for a block of A.
+    Zero means below rtol for B (its columns have length one), below rtol·size for a block of A. A step turns a block to a triangle
+    by Householder's reflections, which reach the whole of A in n² operations a column, and takes the singular values of that.
     """
     n = A.shape[0]
-    Q, A, done = np.eye(n), A.copy(), 0
+    Q, A, done = np.eye(n, order="F"), np.array(A, order="F"), 0
     block, bound = B, rtol
     while done < n and block.size:
-        U, step = _significant(block, bound)
+        reflections, tau = dgeqrf(block)[:2]
+        U, s, _ = np.linalg.svd(np.triu(reflections[:len(tau)]))
+        step = int(np.count_nonzero(s > bound))
         if step == 0:
             break
-        A[done:] = U.T @ A[done:]
-        A[:, done:] = A[:, done:] @ U
-        Q[:, done:] = Q[:, done:] @ U
+        reflections, top = reflections[:, :len(tau)], slice(done, done + len(tau))
+        A[done:] = _reflected("L", "T", reflections, tau, A[done:])
+        A[top] = U.T @ A[top]
+        for M in (A, Q):
+            M[:, done:] = _reflected("R", "N", reflections, tau, M[:, done:])
+            M[:, top] = M[:, top] @ U
         block, bound = A[done + step:, done:done + step], rtol * size
         done += step
     return Q, done
+
+
+def _reflected(side: str, turned: str, reflections: np.ndarray, tau: np.ndarray, M: np.ndarray) -> np.ndarray:
+    return dormqr(side, turned, reflections, tau, M, 64 * max(M.shape))[0]
 
 
 def balanced_staircase(A: np.ndarray, B: np.ndarray, rtol: float | None = None) -> tuple[np.ndarray, np.ndarray, int]:
@@ -72,6 +79,24 @@ def balanced_staircase(A: np.ndarray, B: np.ndarray, rtol: float | None = None) 
     scale = state_scale(A, B)
     balanced = A * scale / scale[:, None]
     return scale, *_staircase(balanced, _unit_columns(B / scale[:, None]), tolerance(rtol), _size(balanced))
+
+
+def clearly_reached(A: np.ndarray, B: np.ndarray, rtol: float | None = None) -> bool:
+    """Whether Kalman's rank test alone shows that B reaches every state: a first look, for few states.
+
+    In balanced states with ‖A‖ = 1, rank [B, AB, …, Aⁿ⁻¹B] = n for all pairs that differ from (A, B) by what the staircase takes for
+    zero, √n·rtol. Such a change moves the matrix, and so its least singular value, by at most n²·√m·rtol.
+    """
+    n, zero = len(A), max(tolerance(rtol), len(A) * EPS)
+    if not 0 < n <= FEW_STATES or not B.size:
+        return n == 0
+    scale = state_scale(A, B)
+    balanced = A * scale / scale[:, None]
+    powers = [_unit_columns(B / scale[:, None])]
+    F = balanced / (_size(balanced) or 1.0)
+    for _ in range(n - 1):
+        powers.append(F @ powers[-1])
+    return bool(np.linalg.svd(np.hstack(powers), compute_uv=False)[-1] > n**2 * np.sqrt(B.shape[1]) * zero)
 
 
 @takes(A=matrix("n n"), B=matrix("n m"), rtol=number())

@@ -7,6 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from observer_lab.engine import EngineError, Plant, controllability, observability
+from observer_lab.engine.structure.decomposition import balanced_staircase, clearly_reached
 
 SEEDS = st.integers(0, 2**32 - 1)
 
@@ -185,3 +186,30 @@ def test_absurd_tolerance_is_refused(rtol):
 def test_overflowing_powers_are_a_sentence():
     with pytest.raises(EngineError, match="unit of time"):
         observability(Plant(1e200 * np.eye(3), np.ones((3, 1)), np.ones((1, 3)))).matrix  # noqa: B018
+
+
+@settings(max_examples=60)
+@given(seed=SEEDS, seen=st.integers(1, 6), hidden=st.integers(1, 4), p=st.integers(1, 3), size=st.floats(-6, 6))
+def test_the_first_look_never_sees_a_hidden_state(seed, seen, hidden, p, size):
+    plant, _ = with_hidden_part(np.random.default_rng(seed), seen, hidden, p)
+    assert not clearly_reached(plant.A.T * 10**size, plant.C.T / 10**size)
+
+
+@settings(max_examples=60)
+@given(seed=SEEDS, n=st.integers(1, 8), p=st.integers(1, 3), rtol=st.sampled_from([0.0, 1e-10, 1e-3]))
+def test_the_first_look_says_what_the_staircase_says(seed, n, p, rtol):
+    rng = np.random.default_rng(seed)
+    A, B = rng.standard_normal((n, n)), rng.standard_normal((n, p))
+    assert not clearly_reached(A, B, rtol) or balanced_staircase(A, B, rtol)[2] == n
+
+
+@settings(max_examples=40)
+@given(seed=SEEDS, seen=st.integers(1, 40), hidden=st.integers(0, 20), p=st.integers(1, 4))
+def test_the_staircase_turns_states_and_leaves_none_between(seed, seen, hidden, p):
+    rng = np.random.default_rng(seed)
+    plant, _ = with_hidden_part(rng, seen, hidden, p)
+    scale, Q, rank = balanced_staircase(plant.A.T, plant.C.T)
+    turned = Q.T @ (plant.A.T * scale / scale[:, None]) @ Q
+    np.testing.assert_allclose(Q.T @ Q, np.eye(plant.n), atol=1e-12)
+    assert np.abs(turned[rank:, :rank]).max(initial=0.0) <= 1e-8 * np.linalg.norm(turned)
+    assert np.abs((Q.T @ (plant.C.T / scale[:, None]))[rank:]).max(initial=0.0) <= 1e-8 * np.abs(plant.C.T / scale[:, None]).max()
