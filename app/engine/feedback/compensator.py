@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import field
+from functools import cached_property
+
 import numpy as np
 
 from ..systems.arrays import frozen
@@ -43,7 +46,8 @@ class ClosedLoop:
     poles: eig(A_xxhat). controller_poles, observer_poles: eig(A − BK), eig(A − LC) of the model, what the designer
     believes. union_error: largest matched distance between poles and that union, relative to the largest pole, all three
     as double precision finds them: never (much) below the true one, but multiple poles scatter by rounding (like ε^(1/k)), so
-    for them read polynomial_error: the two characteristic polynomials compared around the spectrum, relative.
+    for them read polynomial_error: the two characteristic polynomials compared around the spectrum, relative. Both errors, and
+    what the compensator is by itself, are computed when they are asked for.
     """
 
     A_xxhat: np.ndarray
@@ -52,12 +56,34 @@ class ClosedLoop:
     poles: Poles
     controller_poles: Poles
     observer_poles: Poles
-    union_error: float
-    polynomial_error: float
     compensator: Plant
-    compensator_poles: Poles
-    compensator_stable: bool
     stable: bool
+    _boards: tuple[np.ndarray, np.ndarray] = field(repr=False)  # A − BK and A − LC
+
+    @cached_property
+    def union_error(self) -> float:
+        """Largest distance between matched poles of the loop and of the union, relative to the largest pole."""
+        distance = match_poles(np.concatenate([self.controller_poles, self.observer_poles]), self.poles)[1]
+        return distance / self._largest if self._largest > 0 else distance
+
+    @cached_property
+    def polynomial_error(self) -> float:
+        """max |det(sI − loop) / (det(sI − A + BK) det(sI − A + LC)) − 1| on a circle around the spectrum."""
+        return _polynomial_error(self.A_xxhat, self._boards, self._largest)
+
+    @cached_property
+    def compensator_poles(self) -> Poles:
+        """Poles of the compensator by itself (n,)."""
+        return _spectrum(self.compensator.A)
+
+    @cached_property
+    def compensator_stable(self) -> bool:
+        """Whether the compensator is stable by itself."""
+        return is_stable(self.compensator.A, dt=self.compensator.dt)
+
+    @property
+    def _largest(self) -> float:
+        return float(np.abs(np.concatenate([self.controller_poles, self.observer_poles])).max(initial=0.0))
 
 
 @takes(plant=PLANT, K=matrix(), L=matrix())
@@ -95,25 +121,17 @@ def closed_loop(plant: Plant, K: object, L: object, *, model: Plant | None = Non
     A_xxhat = np.block([[plant.A, -BK], [LC, observer]])
     A_xe = np.block([[plant.A - BK, BK], _error_rows(plant, believed, K, L)])
     identity, zero = np.eye(n), np.zeros((n, n))
-    union = _spectrum(regulated), _spectrum(observed)
-    poles = _spectrum(A_xxhat)
-    distance = match_poles(np.concatenate(union), poles)[1]
-    largest = float(np.abs(np.concatenate(union)).max(initial=0.0))
-    built = compensator(believed, K, L)
-    edge = _spectrum(built.A)
+    judged = (regulated, observed) if model is None else (A_xe,)  # of the plant itself A_xe is block triangular
     return ClosedLoop(
         A_xxhat=frozen(A_xxhat),
         A_xe=frozen(A_xe),
         T=frozen(np.block([[identity, zero], [identity, -identity]])),
-        poles=poles,
-        controller_poles=union[0],
-        observer_poles=union[1],
-        union_error=distance / largest if largest > 0 else distance,
-        polynomial_error=_polynomial_error(A_xxhat, (regulated, observed), largest),
-        compensator=built,
-        compensator_poles=edge,
-        compensator_stable=is_stable(built.A, dt=plant.dt),
-        stable=is_stable(A_xe, dt=plant.dt),
+        poles=_spectrum(A_xxhat),
+        controller_poles=_spectrum(regulated),
+        observer_poles=_spectrum(observed),
+        compensator=compensator(believed, K, L),
+        stable=all(is_stable(part, dt=plant.dt) for part in judged),
+        _boards=(frozen(regulated), frozen(observed)),
     )
 
 

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from observer_lab.engine import Plant, ShapeError, closed_loop, compensator, lqe, lqr, observer_gain, place
 from observer_lab.engine.feedback import to_tf
-from observer_lab.engine.systems import match_poles
+from observer_lab.engine.systems import is_stable, match_poles
 
 
 def random_plant(seed, n, m, p, through=0.0, dt=0.0):
@@ -177,3 +177,15 @@ def test_gains_and_models_that_do_not_fit_are_refused():
     ):
         with pytest.raises(ShapeError):
             call()
+
+
+@settings(max_examples=40)
+@given(seed=st.integers(0, 10_000), n=st.integers(1, 5), dt=st.sampled_from([0.0, 0.1]))
+def test_a_loop_on_its_own_model_is_judged_as_its_matrix_is(seed, n, dt):
+    plant = random_plant(seed, n, 1, 1, through=1.0, dt=dt)
+    rng = np.random.default_rng(seed)
+    for K, L in ((rng.standard_normal((1, n)), rng.standard_normal((n, 1))), (np.zeros((1, n)), np.zeros((n, 1)))):
+        loop = closed_loop(plant, K, L)
+        assert loop.stable == is_stable(loop.A_xe, dt=dt)
+        assert loop.compensator_stable == is_stable(compensator(plant, K, L).A, dt=dt)
+        np.testing.assert_array_equal(loop.compensator_poles, compensator(plant, K, L).poles)
