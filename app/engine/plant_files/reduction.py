@@ -8,7 +8,7 @@ from scipy.linalg import matrix_balance, schur, solve_sylvester
 from ..systems.errors import EngineError
 from ..systems.gates.argument_checks import count, takes
 from ..systems.gates.plant_gate import PLANT
-from ..systems.lyapunov import settled_factor
+from ..systems.lyapunov import settled_factors
 from ..systems.plant import Plant
 from .notes import note
 
@@ -75,7 +75,7 @@ def _split(plant: Plant) -> tuple[tuple[np.ndarray, np.ndarray], np.ndarray, np.
 
 def _balanced(A: np.ndarray, B: np.ndarray, C: np.ndarray, dt: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Hankel values of a stable plant, and the columns and rows of its balancing transformation; both of rank k at most."""
-    Rc, Ro = settled_factor(A, B, dt), settled_factor(A.T, C.T, dt)
+    Rc, Ro = settled_factors(A, B, C, dt)
     U, sigma, Vt = np.linalg.svd(Ro.T @ Rc)
     root = np.sqrt(np.maximum(sigma, np.finfo(float).tiny))
     return sigma, Rc @ Vt.T / root, (Ro @ U / root).T

@@ -6,6 +6,9 @@ rounding of Wc·Wo.
 
 from __future__ import annotations
 
+from dataclasses import field
+from functools import cached_property
+
 import numpy as np
 from scipy.linalg import expm, schur, solve_sylvester
 
@@ -15,10 +18,10 @@ from ..systems.errors import EngineError, phrase
 from ..systems.exact_roots import MAX_STATES
 from ..systems.gates.argument_checks import HORIZON, INTEGER, takes
 from ..systems.gates.plant_gate import PLANT
-from ..systems.lyapunov import settled_covariance, settled_factor
+from ..systems.lyapunov import settled_covariances, settled_factors
 from ..systems.plant import Plant
 from ..systems.records import record
-from ..systems.stability import poles_within, stable_poles
+from ..systems.stability import is_stable, poles_within, stable_poles
 from .decomposition import in_new_states
 from .projection_error import projection_rounding_error
 
@@ -54,16 +57,24 @@ class Truncation:
     """A reduced plant: x ≈ T z (n×r), z = left x (r×n), left T = I.
 
     `hankel`: all Hankel values of the stable part, largest first. `error_bound` = 2 Σ of those cut away and what rounding
-    may add, an upper bound of ‖G − G_r‖_∞. `kept`: how many unstable states were set aside first and kept untouched; they come
-    last in z and have no Hankel value.
+    may add, an upper bound of ‖G − G_r‖_∞, computed when it is asked for. `kept`: how many unstable states were set aside first
+    and kept untouched; they come last in z and have no Hankel value.
     """
 
     plant: Plant
     T: np.ndarray
     left: np.ndarray
-    error_bound: float
     hankel: np.ndarray
     kept: int
+    _of: tuple[Plant, Plant, float] = field(repr=False)  # the plant, its stable part, and what rounding does to a Hankel value
+
+    @cached_property
+    def error_bound(self) -> float:
+        """2 Σ of the Hankel values cut away, and what rounding may add."""
+        whole, stable, dust = self._of
+        cut = self.hankel[self.plant.n - self.kept:]
+        rounding = projection_rounding_error(whole, self.plant, self.T, self.left)
+        return float(2 * cut.sum()) * (1 + _unsure(stable)) + 2 * len(cut) * dust + rounding
 
 
 def _unstable_pole(plant: Plant) -> complex | None:
@@ -73,15 +84,13 @@ def _unstable_pole(plant: Plant) -> complex | None:
 
 
 def _require_stable(plant: Plant, advice: str) -> None:
+    if is_stable(plant.A, dt=plant.dt):
+        return
     pole = _unstable_pole(plant)
     if pole is not None:
         shown = f"{pole.real:.4g}" if pole.imag == 0 else f"{pole.real:.4g} {pole.imag:+.4g}j"
         raise EngineError("The pole at {shown} is not stable, so the integral to infinity diverges; {advice}.",
                           shown=shown, advice=advice)
-
-
-def _factors(plant: Plant) -> tuple[np.ndarray, np.ndarray]:
-    return settled_factor(plant.A, plant.B, plant.dt), settled_factor(plant.A.T, plant.C.T, plant.dt)
 
 
 @takes(plant=PLANT)
@@ -96,8 +105,7 @@ def gramians(plant: Plant) -> Gramians:
     array([[0.5]])
     """
     _require_stable(plant, phrase("use observability_gramian or reachability_gramian with a finite horizon"))
-    return Gramians(frozen(settled_covariance(plant.A, plant.B, dt=plant.dt)),
-                    frozen(settled_covariance(plant.A.T, plant.C.T, dt=plant.dt)))
+    return Gramians(*map(frozen, settled_covariances(plant.A, plant.B, plant.C, plant.dt)))
 
 
 @takes(plant=PLANT)
@@ -112,7 +120,7 @@ def hankel_singular_values(plant: Plant) -> np.ndarray:
     array([0.5])
     """
     _require_stable(plant, phrase("take the Hankel values of split_stable(plant).stable"))
-    Rc, Ro = _factors(plant)
+    Rc, Ro = settled_factors(plant.A, plant.B, plant.C, plant.dt)
     return np.linalg.svd(Ro.T @ Rc, compute_uv=False)
 
 
@@ -132,9 +140,9 @@ def split_stable(plant: Plant) -> StableSplit:
         return StableSplit(plant, plant, np.eye(0))
     own = balance(plant.A, plant.B, plant.C)
     A = own.A(plant.A)
-    poles, stable = stable_poles(A, dt=plant.dt)
-    if stable.all() and n > MAX_STATES:  # of many states a triangular form would take digits
+    if n > MAX_STATES and is_stable(A, dt=plant.dt):  # of many states a triangular form would take digits
         return StableSplit(plant, _part(plant, np.zeros((n, 0)), np.zeros((0, n)), None, "unstable part"), frozen(np.eye(n)))
+    poles, stable = stable_poles(A, dt=plant.dt)
 
     def inside(re: float, im: float) -> bool:
         return bool(stable[np.argmin(np.abs(poles - complex(re, im)))])
@@ -155,7 +163,7 @@ def _diagonal_part(plant: Plant, A: np.ndarray, right: np.ndarray, left: np.ndar
 def _balance(plant: Plant, order: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
     """Hankel values, the r columns and rows of a balancing transformation of a stable plant, and what rounding does to a Hankel
     value."""
-    Rc, Ro = _factors(plant)
+    Rc, Ro = settled_factors(plant.A, plant.B, plant.C, plant.dt)
     U, sigma, Vt = np.linalg.svd(Ro.T @ Rc)
     sign = _signs((Ro @ U).T, plant.B)
     U, Vt = U * sign, Vt * sign[:, None]
@@ -205,12 +213,7 @@ def balanced_truncation(plant: Plant, order: int) -> Truncation:
     T = np.hstack([split.T[:, :k] @ right, split.T[:, k:]])
     L = np.vstack([left @ inverse[:k], inverse[k:]])
     reduced = _part(plant, T, L, plant.D, f"cut to {order}")
-    bound = (
-        float(2 * sigma[r:].sum()) * (1 + _unsure(split.stable))
-        + 2 * len(sigma[r:]) * dust
-        + projection_rounding_error(plant, reduced, T, L)
-    )
-    return Truncation(reduced, frozen(T), frozen(L), bound, frozen(sigma), kept)
+    return Truncation(reduced, frozen(T), frozen(L), frozen(sigma), kept, (plant, split.stable, dust))
 
 
 def _unsure(stable: Plant) -> float:

@@ -18,16 +18,25 @@ __all__ = ["lyapunov_solution", "settled_covariance", "settled_factor"]
 
 EPS = float(np.finfo(float).eps)
 UNEVEN = 1e-4  # deviations further apart than this, in balanced states, cost the small ones digits
+ALIKE = 2.0  # bits between the scales of a plant and those of its dual
 DIM = 1e-7  # squares tell deviations down to this share of the largest
 STIFF, FEW = 1e5, 60  # ratio of the rates; states up to which they are asked for
-MAX_FACTOR_WIDTH = 4  # times as many columns as states, before a factor is compressed
 MAX_FACTOR = 1e150  # a factor as large as this has variances that overflow
 
 
 @takes(A=matrix("n n"), G=matrix("n q"), dt=PERIOD)
 def settled_covariance(A: np.ndarray, G: np.ndarray, *, dt: float = 0.0) -> np.ndarray:
     """P (n×n) ⪰ 0 with A P + P Aᵀ + G Gᵀ = 0, or A P Aᵀ − P + G Gᵀ = 0 where dt > 0, for stable A n×n and G n×q."""
-    R = settled_factor(A, G, dt)
+    return _covariance(A, G, dt, settled_factor(A, G, dt))
+
+
+def settled_covariances(A: np.ndarray, B: np.ndarray, C: np.ndarray, dt: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
+    """Both Gramians of a stable plant (n×n)."""
+    Rc, Ro = settled_factors(A, B, C, dt)
+    return _covariance(A, B, dt, Rc), _covariance(A.T, C.T, dt, Ro)
+
+
+def _covariance(A: np.ndarray, G: np.ndarray, dt: float, R: np.ndarray) -> np.ndarray:
     exact = _stiff(A, G) if dt == 0 and 1 < len(A) <= FEW else None
     return R @ R.T if exact is None else exact
 
@@ -87,16 +96,33 @@ def settled_factor(A: np.ndarray, G: np.ndarray, dt: float = 0.0) -> np.ndarray:
     as far as squares can; where a factor shows them too late it is done again.
     Raises EngineError where a power of A grows.
     """
-    if not len(A):
-        return np.zeros((0, 0))
+    scale = _driven(A, G)
+    return _tried(A, G, dt, scale, _Triangular.of(A, G, scale)) if len(A) else np.zeros((0, 0))
+
+
+def settled_factors(A: np.ndarray, B: np.ndarray, C: np.ndarray, dt: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
+    """The factors of both Gramians, of (A, B) and of (Aᵀ, Cᵀ), in one Schur form where inputs and outputs balance the states alike."""
+    states, seen = _driven(A, B), _driven(A.T, C.T)
+    if not len(A) or np.ptp(np.log2(states * seen)) > ALIKE:
+        return settled_factor(A, B, dt), settled_factor(A.T, C.T, dt)
+    pair = _Triangular.of(A, B, states)
+    return _tried(A, B, dt, states, pair), _tried(A.T, C.T, dt, 1 / states, pair.dual(C.T * states[:, None]))
+
+
+def _driven(A: np.ndarray, G: np.ndarray) -> np.ndarray:
+    """The scales of states that G drives."""
+    return balance(A, np.linalg.norm(G, axis=1)[:, None]).states
+
+
+def _tried(A: np.ndarray, G: np.ndarray, dt: float, scale: np.ndarray, pair: _Triangular) -> np.ndarray:
     try:
-        return _factor(A, G, dt, balance(A, np.linalg.norm(G, axis=1)[:, None]).states)
+        return _factor(A, G, dt, scale, pair)
     except EngineError:  # powers that grow in the one scale need not in the other
-        return _factor(A, G, dt, plain_scale(A))
+        scale = plain_scale(A)
+        return _factor(A, G, dt, scale, _Triangular.of(A, G, scale))
 
 
-def _factor(A: np.ndarray, G: np.ndarray, dt: float, scale: np.ndarray) -> np.ndarray:
-    pair = _Triangular.of(A, G, scale)
+def _factor(A: np.ndarray, G: np.ndarray, dt: float, scale: np.ndarray, pair: _Triangular) -> np.ndarray:
     spread = pair.deviations() if dt == 0 else None
     if spread is not None and DIM * spread.max() < spread.min() < UNEVEN * spread.max():
         scale = _units(scale, spread)
@@ -129,6 +155,11 @@ class _Triangular:
             raise np.linalg.LinAlgError
         return _Triangular(T, Z, Z.T @ (G / scale[:, None]), np.hypot(real, imag))
 
+    def dual(self, G: np.ndarray) -> _Triangular:
+        """Of Aᵀ, driven by G in its scaled states: the same form read backwards."""
+        Z = self.Z[:, ::-1]
+        return _Triangular(np.asfortranarray(self.T.T[::-1, ::-1]), Z, Z.T @ G, self.sizes[::-1])
+
     def deviations(self) -> np.ndarray | None:
         """Square roots of the variances by Bartels and Stewart, which lose those below √ε of the largest; None where they overflow."""
         P, shrunk, _ = dtrsyl(self.T, self.T, self.G @ self.G.T, tranb="T")
@@ -152,7 +183,7 @@ class _Triangular:
                     raise EngineError("Rounding hides whether the loop is stable, so its variances cannot be computed; choose smaller "
                                       "gains or other units.")
                 R = np.concatenate([R, more], axis=1)
-                if R.shape[1] > MAX_FACTOR_WIDTH * n:
+                if R.shape[1] > n:
                     R = _compress(R)
                 power = power @ power
         found = self.Z @ _compress(R)
@@ -172,4 +203,4 @@ def _unsorted(*_: float) -> None:
 
 def _compress(R: np.ndarray) -> np.ndarray:
     """A factor of R Rᵀ with no more columns than rows."""
-    return np.tril(dgeqrf(R.T)[0][:min(R.shape)].T) if R.size else R
+    return np.tril(dgeqrf(R.T, lwork=64 * len(R))[0][:min(R.shape)].T) if R.size else R

@@ -10,6 +10,7 @@ import warnings
 
 import numpy as np
 from scipy.linalg import eig, solve_continuous_lyapunov, solve_discrete_lyapunov
+from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 
 from .arrays import symmetric
@@ -33,7 +34,11 @@ def all_stable(poles: np.ndarray, *, dt: float = 0.0) -> bool:
 def is_stable(A: np.ndarray, *, dt: float = 0.0) -> bool:
     """Whether every eigenvalue of A (n×n) is stable by more than rounding can move it; see `stable_poles`."""
     clear = _clear(A, dt)
-    return all(bool(stable.all()) for _, stable in _judged(A, dt)) if clear is None else clear
+    if clear is not None:
+        return clear
+    if len(A) > MAX_STATES and _stays_stable(A * (plain := plain_scale(A)) / plain[:, None], dt):
+        return True
+    return all(bool(stable.all()) for _, stable in _judged(A, dt))
 
 
 @takes(A=matrix("n n"), dt=PERIOD)
@@ -66,7 +71,7 @@ def irreducible_blocks(A: np.ndarray) -> list[np.ndarray]:
     """The diagonal blocks of A whose states act on each other both ways; together they have the eigenvalues of A."""
     if len(A) < 2 or np.all(A != 0):
         return [A] if len(A) else []
-    count, label = connected_components(A != 0, directed=True, connection="strong")
+    count, label = connected_components(csr_array(A != 0), directed=True, connection="strong")
     if count == 1:
         return [A]
     members = [np.flatnonzero(label == k) for k in range(count)]
@@ -103,6 +108,9 @@ def _judged(A: np.ndarray, dt: float) -> list[tuple[np.ndarray, np.ndarray]]:
 
 def _judge(A: np.ndarray, dt: float) -> tuple[np.ndarray, np.ndarray]:
     """Poles of an irreducible block and which of them are stable."""
+    if len(A) == 1:
+        poles = A[0].astype(complex)
+        return poles, _depth(poles, dt) > EPS * np.abs(A[0])
     balanced, scale = _balanced(A)
     plain = plain_scale(A)
     poles, slack, own = _within(balanced, scale)

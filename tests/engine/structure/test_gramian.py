@@ -10,6 +10,7 @@ from scipy.linalg import expm, solve_continuous_lyapunov, solve_discrete_lyapuno
 
 from observer_lab.engine import EngineError, Plant, balanced_truncation, gramians, hankel_singular_values
 from observer_lab.engine.structure import observability_gramian, reachability_gramian, split_stable
+from observer_lab.engine.systems.lyapunov import settled_factor, settled_factors
 
 SEEDS = st.integers(0, 2**32 - 1)
 ZETA, OMEGA = st.floats(1e-3, 0.9), st.floats(1e-2, 1e3)
@@ -259,3 +260,16 @@ def test_records_are_read_only():
     cut, both = balanced_truncation(plant, 1), gramians(plant)
     for array in (cut.T, cut.left, cut.hankel, both.controllability, both.observability, split_stable(plant).T):
         assert not array.flags.writeable
+
+
+@settings(max_examples=40)
+@given(seed=SEEDS, n=st.integers(1, 12), dt=st.sampled_from([0.0, 0.1]), apart=st.floats(0, 4))
+def test_both_gramians_in_one_schur_form_are_those_found_apart(seed, n, dt, apart):
+    rng = np.random.default_rng(seed)
+    plant, d = stable(rng, n, dt=dt), 10 ** (apart * rng.uniform(-1, 1, n))
+    A, B, C = plant.A * d / d[:, None], plant.B / d[:, None], plant.C * d
+    for R, (F, G) in zip(settled_factors(A, B, C, dt), ((A, B), (A.T, C.T)), strict=True):
+        alone = settled_factor(F, G, dt)
+        wanted = alone @ alone.T
+        size = np.sqrt(np.diag(wanted))
+        np.testing.assert_allclose(R @ R.T / size / size[:, None], wanted / size / size[:, None], atol=1e-8)
