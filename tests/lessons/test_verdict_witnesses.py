@@ -23,9 +23,15 @@ CASES: tuple[tuple[str, str, Mapping[str, Any], str], ...] = (
     ("noise", STIFF, {"belief": 27.0, "w": 3.78, "v": 0.0419, "start": 0.89}, "least"),
     # the second of two faults is named
     ("fault-diagnosis", "", {"kind": "stuck", "place2": "u1", "window": 150.0, "force": 0.0, "tone": 5.0, "stiffer": 20.0}, "identified"),
+    # nothing fails, a kick is taken for a fault, and the check says so
+    ("fault-diagnosis", "", {"place": "none", "statistic": "mean", "window": 142, "rate": 0.00366, "loop": "switch", "force": 3.41,
+                             "tone": 1.79, "stiffer": 0.545, "seed": 2331, "kick": 6.81}, "identified"),
     # the largest of 27 samples, and a filter that a rare run loses
     ("nonlinear", "", {"case": "pendulum", "hardening": 0.0184, "weakening": 0.571, "force": 0.441, "size": 1.54, "wind": 0.113,
                        "sensor": 0.64, "alpha": 0.735, "beta": 0.357, "kappa": 2.43, "seed": 2855, "kick": 11.31}, "consistent"),
+    # eight runs whose mean NEES is below 1, where that of 100 runs is not
+    ("nonlinear", "", {"filter": "ukf", "weakening": 0.0, "force": 4.0, "size": 0.2, "wind": 0.1, "sensor": 0.1, "beta": 4.0,
+                       "kappa": -1.0, "line": "S", "seed": 0}, "under-confident"),
     # a gain that was written as a limit lay beyond it
     ("lqg", "", {"case": "doyle", "alpha_r": 1e4, "beta_q": 1e-3, "sensor": 1e12, "q": 1e4, "sigma": 1e4, "gain": 0.5}, "stable"),
     # in an unstable loop a limit of 1e-8 holds the state close to rest
