@@ -20,6 +20,7 @@ from .filters import COMPARED_STEPS, UNTESTED_SAMPLES
 from .knobs import CARRIED, DT
 from .loop import loop_of
 from .noise_identification import FIT_TAB, fit_figure
+from .one_number import NUMBER_TAB, number_figure
 from .p_values import chance, coloured
 from .report_lines import REPORT_TAB, report_figure
 from .study import Study, bias_is_judged, expected, holds
@@ -45,6 +46,7 @@ def figures(outcome: Outcome[Study]) -> FigureSet:
         tab_figures(REPORT_TAB, lambda: (report_figure(outcome),)),
         tab_figures(FIT_TAB, lambda: (fit_figure(outcome),)),
         tab_figures(SHEET_TAB, lambda: (estimators_figure(outcome), sheet_figure(outcome))),
+        tab_figures(NUMBER_TAB, lambda: (number_figure(outcome),)),
         tab_figures(DIAGRAM, lambda: (loop_of(outcome),)),
     )
 

@@ -70,5 +70,9 @@ KNOBS = (
            text("One-sided density of the unknown force. The tab Data sheet makes Q of it.")),
     _sheet("period", "T", text("sampling period of the sheet"), "s", 0.001, 0.2, DT,
            text("Only for the tab Data sheet; the run keeps its 0.04 s.")),
+    *(Number(name, symbol, label, low=0.5, high=16.0, default=default, scale="log", group=text("One number"), hint=hint)
+      for name, symbol, label, default, hint in (
+          ("one_p", "P^-", text("variance of the estimate P⁻"), 4.0, text("How unsure the estimate of one number is before the reading.")),
+          ("one_r", "R", text("variance of the reading R"), 2.0, text("Small: a good sensor. Only for the tab One number.")))),
     *run_knobs(HORIZON),
 )

@@ -21,6 +21,7 @@ from ..toolkit.latex import matrix, number
 from .body import DECK_BODY, STATE_COUNT, ellipsoids
 from .filters import ADC, UNTESTED_SAMPLES, Forms, Truth, Watcher, compare, truth, tuned, watch, watcher
 from .knobs import CARRIED, DT, SAMPLE_COUNT, SINGLE, UPDATE, WHITE
+from .one_number import one_reading
 
 VZ_INDEX = 4  # of v_z in the state
 
@@ -96,7 +97,7 @@ def compute(design: Design) -> Outcome[Study]:
     who = watcher(design["noise"], design["q"], design["r"], design["p0"])
     track = watch(who, what)
     study = Study(what, who, track, (design["q"], design["r"], design["p0"], design["arithmetic"] == SINGLE))
-    metrics = LazyMap(lambda: _metrics(study, int(design["k"])))
+    metrics = LazyMap(lambda: _metrics(study, int(design["k"])) | one_reading(design).metrics)
     t = DT * np.arange(len(what.x))
     spread = 3 * SCALE_OF_STAGE * MOTION_GAIN * np.sqrt(track.variances[:, 1])
     return Outcome(design, {"M": track.schedule.gains[-1], "M_riccati": who.steady.filter_gain},
