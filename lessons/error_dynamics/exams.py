@@ -41,9 +41,18 @@ def _push(lot: SeededDraws) -> ExamItem:
     return ExamItem({"b": b, "k": k, "p": p, "r": r, "d": d}, l1 * d / (p * r), {"l1": l1, "e1": d / (p * r)})
 
 
+def _direct(lot: SeededDraws) -> ExamItem:
+    """y = A₂ x + u, ŷ without u: at rest C e + u = u/(1 − l₂) and e₁ = −(b l₁ + l₂)(C e + u)/k. Stable for l₂ < 1, k l₁ < b (1 − l₂)."""
+    b, k, u = lot.part(1, 9), float(lot.whole(1, 6)), float(lot.whole(2, 9))
+    l1, l2 = -lot.part(5, 30), -float(lot.whole(1, 7))
+    seen = u / (1 - l2)
+    return ExamItem({"b": b, "k": k, "u": u, "L": np.array([[l1], [l2]])}, -(b * l1 + l2) / k * seen, {"l1": l1, "l2": l2, "seen": seen})
+
+
 EXAMS = (
     Exam("double", decimals(2), _double),
     Exam("decay", decimals(2), _decay),
     Exam("form", WHOLE_NUMBER, _form),
     Exam("push", decimals(2), _push),
+    Exam("direct", decimals(2), _direct),
 )

@@ -13,7 +13,7 @@ from observer_lab.text import format_number, same, text
 
 from ..toolkit.diagram import loop
 from ..toolkit.figures import TIME_TAB, error_words, state_figures
-from .notes_page import notes_figures
+from .notes_page import PLANT, notes_figures
 from .study import Setting, Study, left_alone
 
 ERROR_TAB = text("Error")
@@ -23,10 +23,10 @@ def figures(here: Setting, outcome: Outcome[Study]) -> tuple[Figure, ...]:
     """Signals and force; the error with and without the force; the page of the notes."""
     run, twin = outcome.run, outcome.study
     assert run is not None
-    page = notes_figures(outcome.design["line"], outcome.gains["L"]) if here.notes else ()
+    page = notes_figures(outcome.design["line"], outcome.gains["L"]) if here.notes and twin.plant is PLANT else ()
     return (*state_figures(here.model, run, 2), _force(here, run), _size(outcome, run, twin.quiet),
             _components(here, outcome, run, twin.quiet), _proof(here, outcome, run, twin.quiet), *page,
-            loop(here.model.plant, run, outcome.gains["L"]))
+            loop(twin.plant, run, outcome.gains["L"], model=twin.belief))
 
 
 def _force(here: Setting, run: Run) -> LineFigure:

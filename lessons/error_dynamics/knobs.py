@@ -15,6 +15,7 @@ HORIZON, DT = 15.0, 0.03
 MOST_FORCE = 2.0
 BY_POLES, BY_NUMBERS = "poles", "numbers"
 AS_PRINTED, NO_FORCE = "printed", "none"
+POSITION, ACCELEROMETER, FORGOTTEN = "position", "accelerometer", "forgotten"
 KNOBS = (
     Choice("input", "u", text("force"), default="sine", options=(
         (NO_FORCE, text("none")), ("step", text("step")), ("sine", text("sine")),
@@ -41,6 +42,10 @@ KNOBS = (
            hint=text("How strongly y − ŷ corrects the position.")),
     Number("l2", r"l_2", same("l₂"), "1/s²", low=-10.0, high=20.0, default=0.0, step=0.05, when=("method", (BY_NUMBERS,)),
            hint=text("How strongly y − ŷ corrects the velocity.")),
+    Choice("sensor", "y", text("what is measured"), default=POSITION, when=("method", (BY_POLES, BY_NUMBERS)), options=(
+        (POSITION, text("position, y = C x")), (ACCELEROMETER, text("accelerometer, y = C x + D u")),
+        (FORGOTTEN, text("the same, ŷ without D u"))),
+        hint=text("The force acts on the reading of an accelerometer at once.")),
     Number("guess_q", r"\hat q(0)", text("guessed position"), "m", low=-2.0, high=2.0, default=0.0, step=0.05,
            hint=text("The block really starts at 1 m.")),
     Number("guess_v", r"\hat v(0)", text("guessed velocity"), "m/s", low=-2.0, high=2.0, default=0.0, step=0.05,

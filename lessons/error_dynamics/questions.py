@@ -15,6 +15,7 @@ from ..toolkit.questions import driven, size
 
 BETTER = 0.3  # of the copy's error, in the option that says that the observer knows the input better
 SLOWER = 0.5  # pace of the error in the option that says that the force slows it down
+UNSTABLE = 1.65  # 1/s by which all poles lie farther right, in the option that says unstable: then at +0.15
 FASTER = 2.0  # by how much a moving block would shorten the transient, in the option that says so
 
 
@@ -65,4 +66,15 @@ def printed(asked: Asked) -> DrawnQuestion:
                           size(offset + driven(error, start - offset, t))), _curve(after, text("with the printed pair")))
 
 
-QUESTIONS = MappingProxyType({"recall": recall, "predict": predict, "surprise": surprise, "printed": printed})
+def direct(asked: Asked) -> DrawnQuestion:
+    """The error of the position without D u in ŷ: as with it, to the rest that −L D u gives, or along a pole on the right."""
+    before, after, study = asked.entry.run, asked.after.run, asked.entry.study
+    t, e0, F = before.t, before.e[0], study.error
+    leak = -after.u_applied @ (asked.after.gains["L"] @ study.plant.D).T
+    curves = tuple(driven(*given)[:, 0] for given in ((F, e0, t), (F, e0, t, leak), (F + UNSTABLE * np.eye(len(F)), e0, t, leak)))
+    return question_over_time(text("error of the position"), t, (Curve(text("with D u"), before.e[:, 0], "muted"),), curves,
+                              Curve(text("without D u"), after.e[:, 0], "error"), "e₁ [m]", span=(-1.0, 3.0))
+
+
+QUESTIONS = MappingProxyType({"recall": recall, "predict": predict, "surprise": surprise, "printed": printed,
+                              "direct": direct})

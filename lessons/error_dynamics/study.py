@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 
 import numpy as np
 
@@ -19,22 +20,27 @@ from ..toolkit.boards import bolts, listed, stage
 from ..toolkit.figures import error_with_jumps, settle_time
 from ..toolkit.knobs import kicks
 from ..toolkit.latex import gain_words, matrix
-from .knobs import AS_PRINTED, BY_NUMBERS, BY_POLES, DT, HORIZON, MODEL
+from .knobs import ACCELEROMETER, AS_PRINTED, BY_NUMBERS, BY_POLES, DT, FORGOTTEN, HORIZON, MODEL, POSITION
 from .notes_page import PLANT, PRINTED_GAIN, poles_of, printed_model
 
 FORCE_HOLD_STEPS = 20  # steps for which a random force is held
 ERROR_ROUNDING = 1e-9  # an error moved by less than this share of the largest state is moved by rounding alone, in whatever units
 PRINTED_MODEL = printed_model()
+ACCELERATION = replace(PLANT, C=PLANT.A[1:], D=PLANT.B[1:], output_names=("acceleration",),
+                       units=(*((name, unit) for name, unit in PLANT.units if name != "position"), ("acceleration", "m/s²")))
+PLANTS = MappingProxyType({POSITION: PLANT, ACCELEROMETER: ACCELERATION, FORGOTTEN: ACCELERATION})
+BELIEFS = MappingProxyType({**PLANTS, FORGOTTEN: replace(ACCELERATION, D=np.zeros((1, 1)))})
 
 
 @dataclass(frozen=True, eq=False)
 class Setting:
-    """The plant of the lesson, what is believed of it and the gain in a design, the first guess, how long it runs.
+    """The plant of the lesson with its sensor, what is believed of it and the gain in a design, the first guess, how long it runs.
 
     `notes`: whether the page of the notes is about this plant. `whose`: what the left board is called.
     """
 
     model: Model
+    plant: Callable[[Design], Plant]
     horizon: float
     dt: float
     belief: Callable[[Design], Plant]
@@ -47,10 +53,17 @@ class Setting:
 
 @dataclass(frozen=True, eq=False)
 class Study:
-    """The same run without any input, and the matrix that drives the error."""
+    """The same run without any input, and the matrix that drives the error; the plant as it is measured, and as it is believed."""
 
     quiet: Run
     error: np.ndarray
+    plant: Plant
+    belief: Plant
+
+    @property
+    def forgets(self) -> bool:
+        """Whether the observer leaves out how the input acts on the reading."""
+        return not np.array_equal(self.plant.D, self.belief.D)
 
 
 def force(design: Design, horizon: float = HORIZON, dt: float = DT) -> np.ndarray:
@@ -78,18 +91,24 @@ def gain(design: Design) -> np.ndarray:
         return PRINTED_GAIN
     if design["method"] == BY_NUMBERS:
         return np.array([[design["l1"]], [design["l2"]]])
-    return observer_gain(PLANT.A, PLANT.C, design["observer_poles"]).gain
+    return observer_gain(PLANT.A, PLANTS[design["sensor"]].C, design["observer_poles"]).gain
+
+
+def _sensor(design: Design) -> str:
+    """What is measured: the page of the notes is about the position."""
+    return POSITION if design["method"] == AS_PRINTED else design["sensor"]
 
 
 BLOCK_SETTING = Setting(
-    MODEL, HORIZON, DT, lambda design: PRINTED_MODEL if design["method"] == AS_PRINTED else PLANT, gain,
+    MODEL, lambda design: PLANTS[_sensor(design)], HORIZON, DT,
+    lambda design: PRINTED_MODEL if design["method"] == AS_PRINTED else BELIEFS[_sensor(design)], gain,
     lambda design: (design["guess_q"], design["guess_v"]), ((same("e₁"), "m"), (same("e₂"), "m/s")),
     text("the block's own poles  eig(A)"), notes=True)
 
 
 def compute(here: Setting, design: Design) -> Outcome[Study]:
     """One run with the chosen force and one without any, from the same start and with the same kick."""
-    model, plant = here.model, here.model.plant
+    model, plant = here.model, here.plant(design)
     L, belief = here.gain(design), here.belief(design)
     error = belief.A - L @ belief.C
     push = np.zeros((round(here.horizon / here.dt) + 1, plant.m))
@@ -106,9 +125,9 @@ def compute(here: Setting, design: Design) -> Outcome[Study]:
               metrics["slowest_observer"]),
     )
     return Outcome(design, {"L": L}, {"observer": poles, "plant": plant.poles}, metrics, checks, run,
-                   _boards(here, design, poles, error), stage(model, run, design), _formulas(here, design, L, error),
+                   _boards(here, design, poles, error), stage(model, run, design), _formulas(design, plant, belief, L),
                    _live(metrics, bool(kicks(design, model))),
-                   Study(quiet, error))
+                   Study(quiet, error, plant, belief))
 
 
 def _metrics(run: Run, quiet: Run) -> dict[str, float]:
@@ -120,7 +139,7 @@ def _metrics(run: Run, quiet: Run) -> dict[str, float]:
         "state_moved": float(np.max(np.abs(run.x[:count] - quiet.x[:count]))) if np.any(run.u_applied) else 0.0,
         "largest": float(max(np.max(np.abs(run.x)), np.max(np.abs(run.xhat)))),
         "final_error": float(np.max(size[-max(len(size) // 10, 1):])), "largest_error": float(np.max(size)),
-        "settled_after": np.inf if settled is None else settled}
+        "settled_after": np.inf if settled is None else settled, "final_e1": float(run.e[-1, 0])}
 
 
 def _boards(here: Setting, design: Design, poles: np.ndarray, error: np.ndarray) -> tuple[Board, Board]:
@@ -135,11 +154,14 @@ def _boards(here: Setting, design: Design, poles: np.ndarray, error: np.ndarray)
     )
 
 
-def _formulas(here: Setting, design: Design, L: np.ndarray, error: np.ndarray) -> tuple[Formula, ...]:
-    gain_now = Formula("L", gain_words("L", L))
+def _formulas(design: Design, plant: Plant, belief: Plant, L: np.ndarray) -> tuple[Formula, ...]:
+    gain_now, error = Formula("L", gain_words("L", L)), belief.A - L @ belief.C
     if design["method"] != AS_PRINTED:
-        return (Formula("law", r"\dot e = (A - LC)\,e"), gain_now, Formula("error", gain_words("A - LC", error)))
-    plant = here.model.plant
+        forgets = not np.array_equal(plant.D, belief.D)
+        through = (Formula("through", gain_words("LD", L @ plant.D)) if forgets else
+                   Formula("through", gain_words("B - LD", plant.B - L @ plant.D)),) if np.any(plant.D) else ()
+        law = r"\dot e = (A - LC)\,e - LD\,u" if forgets else r"\dot e = (A - LC)\,e"
+        return (Formula("law", law), gain_now, Formula("error", gain_words("A - LC", error)), *through)
     leak = plant.A - L @ plant.C - error
     return (Formula("law", r"\dot e = M e + (A - LC - M)\,x"), gain_now, Formula("error", rf"M = {matrix(error)}"),
             Formula("leak", rf"A - LC - M = {matrix(leak)}"))

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import wraps
+
 import numpy as np
 
 from observer_lab.course.exercises.typed_answers import Typed
@@ -10,7 +13,7 @@ from observer_lab.text import format_number, text
 
 from ..toolkit.knobs import untouched
 from .knobs import AS_PRINTED, BY_NUMBERS, BY_POLES, NO_FORCE
-from .notes_page import FIRST_LINE, GAIN_LINE, MATRIX_LINE, NONE, RIGHT_GAIN, signed
+from .notes_page import FIRST_LINE, GAIN_LINE, MATRIX_LINE, NONE, PLANT, RIGHT_GAIN, signed
 from .study import Study
 
 SETTLING_BAND_S, MAX_SPEED_M_S = (2.1, 2.25), 0.7  # s and m/s
@@ -21,6 +24,17 @@ def _gain_words(outcome: Outcome[Study]) -> str:
     return f"({format_number(l1, '.4g')}, {format_number(l2, '.4g')})"
 
 
+def _measured_position(verdict: Callable[[Outcome[Study]], Verdict]) -> Callable[[Outcome[Study]], Verdict]:
+    """A task about the sensor of the notes."""
+    @wraps(verdict)
+    def judged(outcome: Outcome[Study]) -> Verdict:
+        if outcome.study.plant is not PLANT:
+            return Verdict(False, text("This task is about the position: choose it as what is measured."))
+        return verdict(outcome)
+    return judged
+
+
+@_measured_position
 def double_pole(outcome: Outcome[Study]) -> Verdict:
     """Both observer poles at −1: λ² + 2λ + 1, compared by coefficients, which are exact where a double pole is not."""
     error = outcome.study.error
@@ -34,6 +48,7 @@ def double_pole(outcome: Outcome[Study]) -> Verdict:
                                damping=signed(damping), square=signed(square)))
 
 
+@_measured_position
 def first_slip(outcome: Outcome[Study]) -> Verdict:
     """The line where the notes first go wrong, and the gain that follows once it is mended."""
     line, words = outcome.design["line"], _gain_words(outcome)
@@ -52,6 +67,7 @@ def first_slip(outcome: Outcome[Study]) -> Verdict:
     return Verdict(False, text("That line holds with the right gain; look at the others in the tab Notes."))
 
 
+@_measured_position
 def mixed_matrix(outcome: Outcome[Study]) -> Verdict:
     """The gain to which the printed matrix belongs: l₁ of the slip with the true l₂."""
     words = _gain_words(outcome)
@@ -65,6 +81,7 @@ def mixed_matrix(outcome: Outcome[Study]) -> Verdict:
                                words=words))
 
 
+@_measured_position
 def calm_speed(outcome: Outcome[Study]) -> Verdict:
     """Settled within a band of time, the velocity's error kept small; the force does not matter."""
     d, after = outcome.design, outcome.metrics["settled_after"]
@@ -83,6 +100,7 @@ def calm_speed(outcome: Outcome[Study]) -> Verdict:
                               peak=peak))
 
 
+@_measured_position
 def confused(outcome: Outcome[Study]) -> Verdict:
     """An input that moves the error: only possible if the matrix in the computer is not A − LC."""
     moved = outcome.metrics["error_moved"]
@@ -100,6 +118,11 @@ UNKNOWN_PUSH = Typed("(2*p-b)*d/p^2", ("p", "b", "d"), slips=(
     ("d/p^2", text("That is the error of the position; ask the first row for that of the velocity.")),
     ("2*d/p", text("You left out the damper: l₁ = 2 p − b."))))
 
+REST_WITHOUT_INPUT = Typed("-(b*l1+l2)*u/(k*(1-l2))", ("b", "k", "l1", "l2", "u"), slips=(
+    ("(b*l1+l2)*u/(k*(1-l2))", text("The sign: the error follows −L D u, not + L D u.")),
+    ("l1*u/(1-l2)", text("That is the error of the velocity; ask the first entry of A⁻¹ L."))))
+
+
 TASKS = (
     Task("double-pole", double_pole, {"method": BY_POLES, "observer_poles": (-1.0, -1.0)}),
     Task("first-slip", first_slip, {"method": BY_NUMBERS, "l1": 1.5, "l2": -0.75, "line": FIRST_LINE}),
@@ -107,4 +130,5 @@ TASKS = (
     Task("confused", confused, {"method": AS_PRINTED, "input": "step"}, Typed(lambda _: 2 / 3)),
     Task("calm-speed", calm_speed, {"observer_poles": (-2 - 1.3j, -2 + 1.3j)}),
     typed_task("unknown-push", UNKNOWN_PUSH),
+    typed_task("direct", REST_WITHOUT_INPUT),
 )

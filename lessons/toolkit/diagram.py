@@ -52,17 +52,19 @@ class Limit:
 
 
 def loop(plant: Plant, run: Signals, L: np.ndarray, K: np.ndarray | None = None, press: Press | None = None,
-         limit: Limit | None = None, gain: str = "L", sampled: bool = False) -> DiagramFigure:
+         limit: Limit | None = None, gain: str = "L", sampled: bool = False, model: Plant | None = None) -> DiagramFigure:
     """The loop of a run with observer gain L (n, p) and, where the estimate is fed back, controller gain K (m, n).
 
-    `gain` is the symbol of L; a continuous plant may be run in a `sampled` loop.
+    `gain` is the symbol of L; a continuous plant may be run in a `sampled` loop. `model` is the plant
+    that the observer copies, where that is another one.
     """
     unit, sampled, count = dict(plant.units or ()), sampled or bool(plant.dt), len(run.t)
     of_input, of_output = (unit.get(names[0], "") if names else "" for names in (plant.input_names, plant.output_names))
     opened, innovation = not np.any(L), run.y - run.yhat
     blocks = [
-        Block("plant", (130.0, 30.0, 100.0, 40.0), text("plant"), SAMPLED_PLANT if sampled else PLANT_LAW),
-        Block("observer", (130.0, 130.0, 100.0, 44.0), text("observer"), (SAMPLED_OBSERVER if sampled else OBSERVER_LAW) % gain),
+        Block("plant", (130.0, 30.0, 100.0, 40.0), text("plant"), _with_input(SAMPLED_PLANT if sampled else PLANT_LAW, plant.D, sampled)),
+        Block("observer", (130.0, 130.0, 100.0, 44.0), text("observer"),
+              _with_input((SAMPLED_OBSERVER if sampled else OBSERVER_LAW) % gain, (model or plant).D, sampled)),
         Block("L", (262.0, 134.0, 30.0, 32.0), gain, gain_words(gain, L), off=opened),
         *(() if K is None else (Block("K", (10.0, 100.0, 40.0, 32.0), "−K", r"u = -K\hat x,\quad " + gain_words("K", K)),)),
         *(() if limit is None else (Block("limit", LIMIT_BOX, text("limit"), r"|u| \le u_{\max}"),)),
@@ -82,6 +84,14 @@ def loop(plant: Plant, run: Signals, L: np.ndarray, K: np.ndarray | None = None,
     return DiagramFigure("diagram", text("the loop, with its signals now"), run.t, tuple(blocks), wires, (SUM,),
                          (("+", (350.0, 136.0)), ("−", (350.0, 168.0))),
                          text("The thicker a line, the larger its signal now. A number in brackets says how many signals share the line."))
+
+
+def _with_input(law: str, D: np.ndarray, sampled: bool) -> str:
+    """A law of the plant or the observer in which the input acts on the reading as well, where D is not zero."""
+    if not np.any(D):
+        return law
+    return law.replace(r"C\hat x_k^-", r"C\hat x_k^- - Du_k").replace("= Cx_k", "= Cx_k + Du_k") if sampled else (
+        law.replace(r"C\hat x)", r"C\hat x - Du)").replace("= Cx", "= Cx + Du"))
 
 
 def _inputs(run: Signals, start: tuple[tuple[float, float], ...], limit: Limit | None, unit: str) -> tuple[Wire, ...]:

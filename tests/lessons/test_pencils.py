@@ -39,6 +39,12 @@ def unknown_push(v: Letters) -> float:
     return float(np.linalg.solve(A - np.outer(L, FIRST), [0.0, -v["d"]])[1])
 
 
+def direct(v: Letters) -> float:
+    """The error at rest with its own equation solved as it stands."""
+    A, L = np.array([[0.0, 1.0], [-v["k"], -v["b"]]]), np.array([v["l1"], v["l2"]])
+    return float(np.linalg.solve(A - np.outer(L, A[1]), L * v["u"])[0])
+
+
 def blind_angle(v: Letters) -> float:
     A, C = np.array([[v["a"], v["b"]], [v["c"], v["d"]]]), np.array([1.0, v["g"]])
     return float(np.linalg.det(np.array([C, C @ A])))
@@ -282,6 +288,7 @@ def back(v: Letters) -> float:
 
 COMPUTED: Mapping[tuple[str, str], Callable[[Letters], float]] = {
     ("virtual-sensor", "match"): match, ("error-dynamics", "unknown-push"): unknown_push,
+    ("error-dynamics", "direct"): direct,
     ("observability", "blind-angle"): blind_angle, ("observability", "toll"): toll, ("separation", "spring"): spring,
     ("separation", "wrong-belief"): wrong_belief, ("duality", "read-off"): read_off, ("duality", "listen"): listen,
     ("hidden-modes", "unlike"): unlike, ("saturation", "last-start"): last_start,

@@ -55,6 +55,15 @@ def push(g: Given) -> float:
     return -np.linalg.solve(A - L @ POSITION, [0.0, g["d"]])[1]
 
 
+def accelerometer(g: Given) -> float:
+    """Where the run itself ends: the block and an observer that leaves the force out of its reading, by matrix exponential."""
+    A, L, B = spring(g["b"], g["k"]), g["L"], np.array([[0.0], [1.0]])
+    C = A[1:]
+    whole = np.block([[A, np.zeros((2, 2)), B], [L @ C, A - L @ C, B + L], [np.zeros((1, 5))]])  # ŷ = C x̂, y = C x + u
+    end = expm(1e4 * whole) @ np.array([0.0, 0.0, 1.0, 0.0, g["u"]])
+    return end[0] - end[2]
+
+
 # --- observability -----------------------------------------------------------------------------------------------------
 def start(g: Given) -> float:
     return np.linalg.solve(np.vstack([[1.0, 0.0], g["A"][0]]), [g["y"], g["dy"]])[1]
@@ -170,6 +179,7 @@ ORACLES: dict[tuple[str, str], Callable[[Given], float]] = {
     ("error-dynamics", "decay"): decay,
     ("error-dynamics", "form"): form,
     ("error-dynamics", "push"): push,
+    ("error-dynamics", "direct"): accelerometer,
     ("observability", "start"): start,
     ("observability", "blind"): blind,
     ("observability", "stroboscope"): stroboscope,
