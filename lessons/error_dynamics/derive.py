@@ -27,7 +27,8 @@ def derived(here: Setting, outcome: Outcome[Study]) -> Mapping[str, Value]:
         return {}
     F = plant.A - L @ plant.C
     known: dict[str, Value] = {
-        "A": plant.A, "C": plant.C, "B": plant.B, "D": plant.D, "LD": L @ plant.D, "BLD": plant.B - L @ plant.D, "L": L, "LC": L @ plant.C, "F": F, "x0": run.x[:1].T, "xhat0": run.xhat[:1].T, "e0": run.e[:1].T}
+        "A": plant.A, "B": plant.B, "C": plant.C, "D": plant.D, "L": L, "LC": L @ plant.C, "LD": L @ plant.D, "BLD": plant.B - L @ plant.D,
+        "F": F, "x0": run.x[:1].T, "xhat0": run.xhat[:1].T, "e0": run.e[:1].T}
     index = round(COMPARISON_RUN_SHARE * here.horizon / here.dt)
     if not run.scenario.impulses and index < len(run.t):
         time = float(run.t[index])

@@ -57,7 +57,8 @@ def adapted(lesson: Lesson, model: Model) -> Lesson:
     plant = model.plant
     parts = tuple((text("e: {name}", name=s.name), s.unit) for s in model.watched[:2])
     here = Setting(
-        model, lambda design: plant, model.horizon, model.dt, lambda design: plant, lambda design: injection(plant, design["observer_poles"], model),
+        model, lambda design: plant, model.horizon, model.dt, lambda design: plant,
+        lambda design: injection(plant, design["observer_poles"], model),
         lambda design: tuple(design["guess"] * v for v in model.x0), parts, text("the plant's own poles  eig(A)"))
     return replace(lesson, knobs=own_knobs(model), compute=partial(compute, here), figures=partial(figures, here), tasks=(),
                    derived=partial(derived, here))
