@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from observer_lab.course.exercises.exam import WHOLE_NUMBER, Exam, ExamItem, SeededDraws, decimals
+from observer_lab.course.exercises.exam import Exam, ExamItem, SeededDraws, decimals
 
 
 def _double(lot: SeededDraws) -> ExamItem:
@@ -24,13 +24,6 @@ def _decay(lot: SeededDraws) -> ExamItem | None:
     if k + l2 + b * l1 <= 1.2 * sigma**2:
         return None
     return ExamItem({"b": b, "k": k, "L": np.array([[l1], [l2]]), "N": N}, math.log(N) / sigma, {"l1": l1, "sigma": sigma})
-
-
-def _form(lot: SeededDraws) -> ExamItem:
-    """Observer form: l₁ = c₀ − a₀ with c₀ = σ² + ω²."""
-    a0, a1, re, im = float(lot.whole(-6, 9)), float(lot.whole(-5, 5)), -float(lot.whole(2, 7)), float(lot.whole(2, 6))
-    c0 = re**2 + im**2
-    return ExamItem({"A": np.array([[0.0, -a0], [1.0, -a1]]), "re": re, "im": im}, c0 - a0, {"c0": c0, "a0": a0})
 
 
 def _push(lot: SeededDraws) -> ExamItem:
@@ -52,7 +45,6 @@ def _direct(lot: SeededDraws) -> ExamItem:
 EXAMS = (
     Exam("double", decimals(2), _double),
     Exam("decay", decimals(2), _decay),
-    Exam("form", WHOLE_NUMBER, _form),
     Exam("push", decimals(2), _push),
     Exam("direct", decimals(2), _direct),
 )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any  # the study is computed with this module, so its type is `Any` here
 
 import numpy as np
 

@@ -243,7 +243,7 @@ def driven_error(one: Said, _: re.Match[str]) -> None:
     corner = s.plant.A - s.L @ s.plant.C - m.A + s.L @ m.C
     alike = (
         np.abs(corner).max() < 1e-12
-        and np.abs(s.plant.B - m.B).max() < 1e-12
+        and np.abs(s.plant.B - s.L @ s.plant.D - m.B + s.L @ m.D).max() < 1e-12
         and not s.delay
         and (s.fed == "applied" or not one.outcome.run.saturated)
     )  # type: ignore[union-attr]

@@ -44,11 +44,6 @@ def decay(g: Given) -> float:
     return np.log(g["N"]) / -np.max(np.real(np.linalg.eigvals(spring(g["b"], g["k"]) - g["L"] @ POSITION)))
 
 
-def form(g: Given) -> float:
-    poles = [complex(g["re"], g["im"]), complex(g["re"], -g["im"])]
-    return place_poles(g["A"].T, np.array([[0.0], [1.0]]), poles).gain_matrix[0, 0]
-
-
 def push(g: Given) -> float:
     A = spring(g["b"], g["k"])
     L = place_poles(A.T, POSITION.T, [g["p"], g["r"]]).gain_matrix.T
@@ -177,7 +172,6 @@ ORACLES: dict[tuple[str, str], Callable[[Given], float]] = {
     ("virtual-sensor", "core"): core,
     ("error-dynamics", "double"): double,
     ("error-dynamics", "decay"): decay,
-    ("error-dynamics", "form"): form,
     ("error-dynamics", "push"): push,
     ("error-dynamics", "direct"): accelerometer,
     ("observability", "start"): start,
