@@ -13,8 +13,9 @@ from observer_lab.text import format_number, same, text
 
 from ..toolkit.diagram import loop
 from ..toolkit.figures import TIME_TAB, error_words, state_figures
-from .notes_page import PLANT, notes_figures
-from .study import Setting, Study, left_alone
+from .knobs import POSITION
+from .notes_page import notes_figures
+from .study import Setting, Study, gain, left_alone
 
 ERROR_TAB = text("Error")
 
@@ -23,7 +24,7 @@ def figures(here: Setting, outcome: Outcome[Study]) -> tuple[Figure, ...]:
     """Signals and force; the error with and without the force; the page of the notes."""
     run, twin = outcome.run, outcome.study
     assert run is not None
-    page = notes_figures(outcome.design["line"], outcome.gains["L"]) if here.notes and twin.plant is PLANT else ()
+    page = notes_figures(outcome.design["line"], gain({**outcome.design, "sensor": POSITION})) if here.notes else ()  # whose sensor it is
     return (*state_figures(here.model, run, 2), _force(here, run), _size(outcome, run, twin.quiet),
             _components(here, outcome, run, twin.quiet), _proof(here, outcome, run, twin.quiet), *page,
             loop(twin.plant, run, outcome.gains["L"], model=twin.belief))
