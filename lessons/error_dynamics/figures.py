@@ -14,7 +14,7 @@ from observer_lab.text import format_number, same, text
 from ..toolkit.diagram import loop
 from ..toolkit.figures import TIME_TAB, error_words, state_figures
 from .knobs import POSITION
-from .notes_page import notes_figures
+from .notes_page import PLANT, notes_figures
 from .study import Setting, Study, gain, left_alone
 
 ERROR_TAB = text("Error")
@@ -24,7 +24,7 @@ def figures(here: Setting, outcome: Outcome[Study]) -> tuple[Figure, ...]:
     """Signals and force; the error with and without the force; the page of the notes."""
     run, twin = outcome.run, outcome.study
     assert run is not None
-    page = notes_figures(outcome.design["line"], gain({**outcome.design, "sensor": POSITION})) if here.notes else ()  # whose sensor it is
+    page = notes_figures(outcome.design["line"], gain(outcome.design.with_values(sensor=POSITION)), twin.plant is PLANT) if here.notes else ()
     return (*state_figures(here.model, run, 2), _force(here, run), _size(outcome, run, twin.quiet),
             _components(here, outcome, run, twin.quiet), _proof(here, outcome, run, twin.quiet), *page,
             loop(twin.plant, run, outcome.gains["L"], model=twin.belief))

@@ -6,6 +6,7 @@ characteristic polynomial, two matching equations, the gain and A − LC.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import MappingProxyType
 
 import numpy as np
@@ -13,7 +14,7 @@ import numpy as np
 from observer_lab.course.figures.records import Figure, PlaneFigure, Point, TableFigure
 from observer_lab.engine import Plant
 from observer_lab.plants import spring_damper
-from observer_lab.text import format_number, text
+from observer_lab.text import format_number, joined, text
 
 PLANT = spring_damper.MODEL.plant
 TARGET = (-1.0, -1.0)
@@ -30,6 +31,7 @@ REPORT_LINES = (
     (GAIN_LINE, text("the gain")),
     (MATRIX_LINE, text("the matrix A − LC")),
 )
+OTHER_SENSOR = text("The notes measure the position; here L is the gain for that sensor.")
 PRINTED_FORMULAS = MappingProxyType({
     POLYNOMIAL_LINE: "λ² + (l₁ + 0.5)λ + 1 + 0.5 l₁ + l₂",
     FIRST_LINE: "l₁ − 0.5 = 2",
@@ -58,9 +60,10 @@ def taken_at_its_word(line: str, L: np.ndarray) -> np.ndarray:
     return poles_of(closed)
 
 
-def notes_figures(line: str, L: np.ndarray) -> tuple[Figure, Figure]:
-    """The page line by line beside the present gain, and the poles that the doubted line leads to."""
-    return _page(line, L), _poles(line, L)
+def notes_figures(line: str, L: np.ndarray, theirs: bool = True) -> tuple[Figure, Figure]:
+    """The page line by line beside the present gain, and the poles that the doubted line leads to; `theirs`: with the sensor of the notes."""
+    return tuple(figure if theirs else replace(figure, caption=joined(OTHER_SENSOR, figure.caption))  # type: ignore[return-value]
+                 for figure in (_page(line, L), _poles(line, L)))
 
 
 def _page(line: str, L: np.ndarray) -> TableFigure:
