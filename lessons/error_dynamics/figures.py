@@ -24,7 +24,8 @@ def figures(here: Setting, outcome: Outcome[Study]) -> tuple[Figure, ...]:
     """Signals and force; the error with and without the force; the page of the notes."""
     run, twin = outcome.run, outcome.study
     assert run is not None
-    page = notes_figures(outcome.design["line"], gain(outcome.design.with_values(sensor=POSITION)), twin.plant is PLANT) if here.notes else ()
+    d = outcome.design
+    page = notes_figures(d["line"], gain(d.with_values(sensor=POSITION)), twin.plant is PLANT) if here.notes else ()
     return (*state_figures(here.model, run, 2), _force(here, run), _size(outcome, run, twin.quiet),
             _components(here, outcome, run, twin.quiet), _proof(here, outcome, run, twin.quiet), *page,
             loop(twin.plant, run, outcome.gains["L"], model=twin.belief))

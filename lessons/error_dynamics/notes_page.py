@@ -61,7 +61,10 @@ def taken_at_its_word(line: str, L: np.ndarray) -> np.ndarray:
 
 
 def notes_figures(line: str, L: np.ndarray, theirs: bool = True) -> tuple[Figure, Figure]:
-    """The page line by line beside the present gain, and the poles that the doubted line leads to; `theirs`: with the sensor of the notes."""
+    """The page line by line beside the present gain, and the poles that the doubted line leads to.
+
+    `theirs`: the position is measured, as in the notes.
+    """
     return tuple(figure if theirs else replace(figure, caption=joined(OTHER_SENSOR, figure.caption))  # type: ignore[return-value]
                  for figure in (_page(line, L), _poles(line, L)))
 
