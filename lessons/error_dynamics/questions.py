@@ -76,5 +76,4 @@ def direct(asked: Asked) -> DrawnQuestion:
                               Curve(text("without D u"), after.e[:, 0], "error"), "e₁ [m]", span=(-1.0, 3.0))
 
 
-QUESTIONS = MappingProxyType({"recall": recall, "predict": predict, "surprise": surprise, "printed": printed,
-                              "direct": direct})
+QUESTIONS = MappingProxyType({"recall": recall, "predict": predict, "surprise": surprise, "printed": printed, "direct": direct})
