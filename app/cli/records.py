@@ -66,6 +66,14 @@ def lesson_with(lesson: Lesson, file: str, columns: str | None, how: ReadingOpti
         raise CommandError(str(problem)) from problem
 
 
+def from_record(origin: Lesson, options: argparse.Namespace) -> tuple[Lesson, Design]:
+    """The lesson with the record that the options name, and its design. Raises CommandError, in one sentence."""
+    if options.state is not None:
+        raise CommandError("Give --data without --state: a saved design holds no record.")
+    lesson = lesson_with(origin, options.data, options.columns, reading_options(options), options.plant)
+    return lesson, design_with(lesson, options.changes)
+
+
 def columns_of(words: str) -> tuple[str, tuple[str, ...], tuple[str, ...]]:
     """Time, inputs and outputs as `--columns` names them, several of a kind parted by commas. Raises CommandError."""
     found: dict[str, list[str]] = {kind: [] for kind in KINDS}

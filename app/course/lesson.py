@@ -22,6 +22,7 @@ from .exercises.derivation import Value, no_numbers
 from .exercises.exam import Exam
 from .exercises.second_prediction import SecondPrediction
 from .exercises.typed_answers import Typed
+from .figures.figure_record import Sheet
 from .figures.records import Figure
 from .figures.scene import RUN_LOST as RUN_LOST
 from .figures.scene import Board as Board
@@ -168,6 +169,7 @@ class Lesson(Generic[S]):
     those that a hall needs, at most KEYS of which matter at once: in large print all others are behind "more knobs".
     `code` says what a script of a design starts from and finds again, where the run is no plain loop.
     `device` says what a device computes, and every how many seconds, where the run is no plain loop.
+    `estimates` is the table of what a filter finds along a person's record.
     `derived` gives the numbers of the derivation's places, `place` its place in the course, `again` its second prediction,
     `path` its scenes, which are told on the lesson's own plant. `seeds` runs one design on many seeds.
     A `draft` may lack derivation, exams, second prediction and
@@ -205,6 +207,7 @@ class Lesson(Generic[S]):
     draft: bool = False
     fault: Text = NO_WORDS
     device: Callable[[Outcome[S], float | None], DeviceDesign] | None = None
+    estimates: Callable[[Outcome[S]], Sheet] | None = None
 
     @classmethod
     def from_folder(cls, *modules: ModuleType, **given: Any) -> Lesson[Any]:

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from observer_lab.course.lesson import Outcome
 from observer_lab.course.script_record import Code, GivenValue, ShownValue
 
 from .study import Study
 
+NOT_WITH_GAPS = "The fit, the smoother and the tests of a record with missing readings"
 NOT_IN_SCRIPT = "The search for the most likely Q and R, and B and D by least squares"
 
 
@@ -15,13 +18,19 @@ def code(outcome: Outcome[Study]) -> Code:
     study, d = outcome.study, outcome.design
     record, s, fitted = study.found.record, study.found.subspace, study.found.fitted
     kf, judged = fitted.kalman(factor=d["factor"]), study.judged
-    white = judged.whiteness
+    white, gaps = judged.whiteness, bool(np.isnan(record.y).any())
     return Code(
-        ("record",),
+        ("record_gaps",) if gaps else ("record",),
         (
             GivenValue("u", record.u, "inputs about their level, one row for each time"),
             GivenValue("y", record.y, "outputs about their level"),
             GivenValue("h", record.dt, "s"),
+            GivenValue("delay", study.found.delay, "rows by which an input acts later"),
+            GivenValue("t_start", study.found.trend.start, "s, where the drift is zero"),
+            GivenValue("u_level", study.found.trend.u_level),
+            GivenValue("u_drift", study.found.trend.u_slope, "per s"),
+            GivenValue("y_level", study.found.trend.y_level),
+            GivenValue("y_drift", study.found.trend.y_slope, "per s"),
             GivenValue("first", study.first, "rows that the fit used; the rest judges"),
             GivenValue("rows_fitted", fitted.rows),
             GivenValue("order", len(s.A)),
@@ -34,7 +43,7 @@ def code(outcome: Outcome[Study]) -> Code:
             GivenValue("R", kf.R, "covariance of v, most likely"),
             GivenValue("P_start", judged.track.schedule.prior[0], "covariance of the state before the first row"),
         ),
-        (
+        (ShownValue("means", judged.track.means),) if gaps else (
             ShownValue("singular_values", s.singular_values, 1.0),
             ShownValue("poles", s.poles, poles=True),
             ShownValue("means", judged.track.means),
@@ -45,7 +54,7 @@ def code(outcome: Outcome[Study]) -> Code:
             ShownValue("nis_high", judged.band[1]),
             *(() if white is None else (ShownValue("white_p", white.p_value, 1.0),)),
         ),
-        NOT_IN_SCRIPT,
+        NOT_WITH_GAPS if gaps else NOT_IN_SCRIPT,
         (),
         record.dt,
     )

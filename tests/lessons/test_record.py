@@ -3,7 +3,12 @@
 from __future__ import annotations
 
 import re
+import runpy
+import shutil
+import subprocess
+from pathlib import Path
 
+import numpy as np
 import pytest
 
 from observer_lab.cli.entry import main
@@ -108,3 +113,61 @@ def test_ones_own_plant_filters_ones_own_record(tmp_path, capsys) -> None:
         assert main(run) == code
         said = capsys.readouterr().out
         assert float(re.search(r"sensor = (\S+)", said)[1]) == pytest.approx(TRUTHS["spring"].r, rel=0.2) or code
+
+
+def with_gaps() -> str:
+    """Every seventeenth reading is missing."""
+    head, *rows = csv().splitlines()
+    return "\n".join([head, *(row if k % 17 else row.rpartition(",")[0] + "," for k, row in enumerate(rows, start=1))]) + "\n"
+
+
+def exported(tmp_path: Path, to: str, name: str, text: str, *more: str) -> Path:
+    """What `export record` writes of a person's own log."""
+    (tmp_path / "mine.csv").write_text(text, encoding="utf-8")
+    assert main(["export", "record", "--data", str(tmp_path / "mine.csv"), "--columns", "u=gas y=y", "--to", to,
+                 "-o", str(tmp_path / name), *more]) == 0
+    return tmp_path / name
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("text, more", [(csv(), ()), (with_gaps(), ()), (csv(), ("--set", "delay=4"))], ids=["whole", "gaps", "delay"])
+def test_a_script_of_ones_own_record_filters_new_rows(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, text: str,
+                                                          more: tuple[str, ...]) -> None:
+    """The script proves itself; its `estimate` goes through the second half alone, and soon gives what it gives in the whole record."""
+    monkeypatch.setattr("matplotlib.pyplot.show", lambda: None)
+    names = runpy.run_path(str(exported(tmp_path, "python", "own.py", text, *more)))
+    record = read_record(text, inputs=("gas",), outputs=("y",))
+    half, late = record.rows // 2, slice(-100, None)
+    whole, part = (names["estimate"](record.t[rows], record.u[rows], record.y[rows]) for rows in (slice(None), slice(half, None)))
+    assert len(part[1]) == record.rows - half - int(names["delay"])
+    assert np.allclose(part[1][late], whole[1][late], rtol=0, atol=1e-3)
+    assert np.all(part[2][late] > 0.99 * whole[2][late])  # half the rows leave no less doubt
+    assert np.nanstd(record.y[late] - whole[1][late]) < 2 * TRUTHS["spring"].r  # readings lie beside the estimate by their noise
+    with pytest.raises(ValueError, match=r"made for a step of 0\.1 s"):
+        names["estimate"](2 * record.t, record.u, record.y)
+
+
+def test_the_table_of_estimates_holds_what_the_page_shows(tmp_path: Path) -> None:
+    file = exported(tmp_path, "estimates", "table.csv", with_gaps())
+    heads, *rows = [line.split(",") for line in file.read_text(encoding="utf-8").splitlines()]
+    table = {name: np.array([float(row[k] or "nan") for row in rows]) for k, name in enumerate(heads)}
+    own = with_record(LESSON, read_record(with_gaps(), inputs=("gas",), outputs=("y",)))
+    study = own.compute(own.start()).study
+    assert np.allclose(table["estimate y"][study.first:], study.estimate(False)[:, 0])
+    assert np.allclose(table["smoothed y"][study.first:], study.estimate(True)[:, 0])
+    read = np.isfinite(table["y"])
+    assert 0.9 < read.mean() < 0.95 and np.all(table["sigma of estimate y"] > 0) and table["t [s]"][1] == pytest.approx(0.1)
+    assert table["sigma of estimate y"][~read][2:].mean() > 1.05 * table["sigma of estimate y"][read][40:].mean()  # a gap leaves more doubt
+
+
+def test_other_lessons_have_no_table_of_estimates(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["export", "kalman", "--to", "estimates"]) == 2
+    assert capsys.readouterr().err.count("\n") == 1
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(shutil.which("octave-cli") is None, reason="Octave is not installed")
+def test_a_matlab_file_of_a_record_with_gaps_proves_itself(tmp_path: Path) -> None:
+    exported(tmp_path, "matlab", "own.m", with_gaps())
+    done = subprocess.run(["octave-cli", "--quiet", "--no-init-file", "--eval", "own(false)"], cwd=tmp_path, capture_output=True, text=True)
+    assert done.stdout.count("agree to 1e-06") == 1, done.stderr[-2000:]

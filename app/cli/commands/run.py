@@ -39,7 +39,7 @@ def execute(options: argparse.Namespace) -> int:
     from ..lesson_folder import lessons_of
     from ..outputs import save_page, write_whole_file
     from ..printing import print_json, print_run
-    from ..records import design_with, lesson_with, print_record, reading_options
+    from ..records import from_record, print_record
 
     lessons = lessons_of(options)
     origin = find_lesson(options.lesson, lessons)
@@ -48,11 +48,7 @@ def execute(options: argparse.Namespace) -> int:
         look = read_view(options.state, options.lang, lessons)
         lesson, token = fit_lesson(origin, design.plant), write_token(origin, replace(look, design=design))
     else:
-        if options.state is not None:
-            raise CommandError("Give --data without --state: a saved design holds no record.")
-        look = read_view(None, options.lang)
-        lesson = lesson_with(origin, options.data, options.columns, reading_options(options), options.plant)
-        design, token = design_with(lesson, options.changes), ""  # no token can carry a record
+        (lesson, design), look, token = from_record(origin, options), read_view(None, options.lang), ""  # no token can carry a record
     try:
         outcome = outcome_of(lesson, design, options.final)
         figures = lesson.figures(outcome)

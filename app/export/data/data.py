@@ -12,12 +12,12 @@ from typing import Any
 
 import numpy as np
 
-from ...course.figures.figure_record import Cell
+from ...course.figures.figure_record import Cell, Sheet
 from ...course.figures.records import Figure
 from ...course.lesson import Design, Outcome
 from ...text import languages
 
-__all__ = ["HEADER", "csv_rows", "figure_csv", "figure_json", "json_text", "plain", "run_record", "save_csv"]
+__all__ = ["HEADER", "csv_rows", "figure_csv", "figure_json", "json_text", "plain", "run_record", "save_csv", "save_table"]
 
 HEADER = ("figure", "kind", "series", "x", "y", "value", "x_axis", "y_axis")
 Row = tuple[str, str, str, float, Cell, Cell]
@@ -64,14 +64,27 @@ def figure_csv(figure: Figure, token: str, language: str = "en") -> bytes:
 
     A spreadsheet needs the mark; `pandas.read_csv(name, comment="#")` and numpy's loaders pass both over.
     """
-    heads, rows = figure.table(language)
+    return _table_csv(figure.table(language), f"# Observer Lab, state {token}\n")
+
+
+def save_table(table: Sheet, path: str | Path) -> None:
+    """Write a table as CSV (UTF-8, comma, full precision); the cell of a missing number is empty."""
+    Path(path).write_bytes(_table_csv(table))
+
+
+def _table_csv(table: Sheet, above: str = "") -> bytes:
+    heads, rows = table
     out = io.StringIO()
-    out.write(f"# Observer Lab, state {token}\n")
+    out.write(above)
     writer = csv.writer(out, lineterminator="\n")
     writer.writerow(heads)
-    writer.writerows([repr(cell) if isinstance(cell, float) else cell for cell in row] for row in rows)
+    writer.writerows([_cell(cell) for cell in row] for row in rows)
     written = out.getvalue()
     return written.encode("utf-8" if written.isascii() else "utf-8-sig")
+
+
+def _cell(cell: Cell) -> Cell:
+    return cell if not isinstance(cell, float) else "" if math.isnan(cell) else repr(cell)
 
 
 def figure_json(figure: Figure, token: str, language: str = "en") -> bytes:

@@ -35,10 +35,15 @@ def array_text(name: str, value: object, note: str = "") -> str:
     """An assignment that reads back exactly, a row of a matrix a line."""
     array = np.asarray(value, dtype=float)
     if array.ndim < 2 or not array.size:
-        body = f"np.zeros({array.shape})" if not array.size else repr(array.tolist())
+        body = f"np.zeros({array.shape})" if not array.size else _numbers(array.tolist())
         return f"{name} = np.array({body})" + (f"  # {note}" if note else "") if array.size else f"{name} = {body}"
-    rows = f",\n{' ' * (len(name) + 13)}".join(repr(row) for row in array.tolist())
+    rows = f",\n{' ' * (len(name) + 13)}".join(map(_numbers, array.tolist()))
     return (f"# {note}\n" if note else "") + f"{name} = np.array([{rows}])"
+
+
+def _numbers(row: object) -> str:
+    """A list of numbers as Python reads it; `nan` and `inf` are names of numpy's."""
+    return re.sub(r"\b(nan|inf)\b", r"np.\1", repr(row))
 
 
 def complex_text(poles: Iterable[complex]) -> str:
