@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 import pytest
 from playwright.sync_api import Page, expect
+from tab import ANSWERED, eventually
 
 from observer_lab.course.figures.records import LineFigure
 from observer_lab.course.scenes import Move, Press
@@ -57,9 +58,10 @@ def test_a_still_ring_shows_once_where_to_press_or_drag(page: Page, server: str,
     page.mouse.click(*box)
     expect(hand).to_have_count(0, timeout=PATIENCE)
     for step in (0, -1):  # away, and back to the scene
+        eventually(lambda: page.evaluate(ANSWERED, True), lambda said: said is True, "an answer to what was done")
         page.locator(".ol-way button").nth(step).click()
         page.wait_for_function("([id, there]) => (document.querySelector('.ol-card')?.dataset.scene === id) === there",
-                               arg=[scene, step < 0])
+                               arg=[scene, step < 0], timeout=PATIENCE)
     expect(page.locator(f".ol-card[data-scene={scene}]")).to_be_visible(timeout=PATIENCE)
     assert hand.count() == 0
 

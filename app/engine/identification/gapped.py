@@ -6,41 +6,44 @@ import numpy as np
 
 from ..filters import Belief, KalmanFilter
 from .noise_fit import NoiseFit, fit_noise_to
-from .predictor import Pieces, filled_pieces, pieces_of
+from .predictor import Pieces, gapped_pieces, pieces_of
 from .probe import filled
 from .smoother import smooth
 from .subspace import Subspace, subspace
 from .windows import segments_of
 
-__all__ = ["fit_states", "started"]
+__all__ = ["fit_states", "in_long_stretches", "started"]
 
-ENOUGH = 0.9  # share of the rows in stretches without a gap, from which the stretches alone are fitted
-ROUNDS = 4  # of filling and fitting
+ENOUGH, STRETCHES = 0.9, 8  # share of the rows in the longest stretches without a gap, from which they alone are fitted; how many
+ROUNDS = 3  # of filling and fitting
 
 
 def fit_states(u: np.ndarray, y: np.ndarray, order: int | None) -> tuple[Subspace, NoiseFit, Pieces]:
     """A, C by subspace and B, D, Q, R by likelihood, of inputs and outputs about their level; NaN where a measurement is missing.
 
-    Where long stretches are whole, they are fitted. Otherwise each gap is filled by the smoother of the fit before, as in the EM
-    method, and the likelihood counts measured rows alone. Source: Shumway and Stoffer, Journal of Time Series Analysis 3 (1982) 253–264.
+    Where long stretches are whole, they are fitted. Otherwise each gap is filled for the subspace method by the smoother of the fit
+    before; the likelihood is that of the measured rows, with a gain for each. Source: Shumway and Stoffer, Journal of Time Series
+    Analysis 3 (1982) 253–264.
     """
-    seen = np.isfinite(y).all(axis=1)
-    shortest = 2 * max(5, len(y) // (30 * (u.shape[1] + y.shape[1])) if len(y) else 5)
-    whole = sum(b - a for a, b in segments_of(y, min(shortest, 30)))
-    if whole >= ENOUGH * len(y) or seen.all():
+    if in_long_stretches(y):
         found = subspace(u, y, order=order)
         pieces = pieces_of(u, y, 2 * found.horizon)
         return found, fit_noise_to(found.A, found.C, pieces), pieces
-    work = filled(y)
+    work, pieces = filled(y), gapped_pieces(u, y)
     for _ in range(ROUNDS):
         found = subspace(u, work, order=order)
-        pieces = filled_pieces(u, work, seen)
         noises = fit_noise_to(found.A, found.C, pieces)
         kf = KalmanFilter(found.A, noises.B, found.C, noises.Q, noises.R, noises.D)
         track = kf.run(started(kf, y), y, u if u.shape[1] else None)
         expected = smooth(kf, track).means @ found.C.T + u @ noises.D.T
         work = np.where(np.isfinite(y), y, expected)
     return found, noises, pieces
+
+
+def in_long_stretches(y: np.ndarray) -> bool:
+    """Whether a few stretches without a gap hold nearly all rows: each has a start of its own, which short ones are all about."""
+    lengths = sorted((b - a for a, b in segments_of(y, 1)), reverse=True)
+    return sum(lengths[:STRETCHES]) >= ENOUGH * len(y)
 
 
 def started(kf: KalmanFilter, y: np.ndarray) -> Belief:

@@ -16,9 +16,9 @@ from ..systems.records import record as a_record
 from ..systems.sampling import discretise
 from .conditioning import delayed, slow_outputs, without_outliers
 from .evidence import Evidence, evidence_of
-from .gapped import fit_states, started
+from .gapped import fit_states, in_long_stretches, started
 from .noise_fit import NoiseFit, fit_noise_to
-from .predictor import pieces_of
+from .predictor import gapped_pieces, pieces_of
 from .probe import drifts, outliers
 from .records import MAX_ROWS, Record
 from .regular import Trend, detrend, resample, split_record, trend_of
@@ -155,7 +155,7 @@ def fit_noise(plant: Plant, record: Record) -> FittedFilter:
         raise EngineError("The plant is sampled every {dt:g} s, the record every {step:g} s; resample the record.",
                           dt=plant.dt, step=record.dt)
     sampled = plant if plant.dt else discretise(plant, record.dt)
-    pieces = pieces_of(record.u, record.y, 4 * plant.n)
+    pieces = pieces_of(record.u, record.y, 4 * plant.n) if in_long_stretches(record.y) else gapped_pieces(record.u, record.y)
     noises = fit_noise_to(sampled.A, sampled.C, pieces, (sampled.B, sampled.D))
     return _fitted(sampled, noises, pieces.rows, plant.n * plant.p)
 

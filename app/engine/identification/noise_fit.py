@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.linalg import solve_triangular
 from scipy.optimize import least_squares
 
 from ..systems.arrays import symmetric
@@ -39,9 +38,16 @@ class NoiseFit:
 
 
 def steady_gain(A: np.ndarray, C: np.ndarray, Q: np.ndarray, R: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Predictor gain K = A P Cᵀ S⁻¹ (n×p) and S = C P Cᵀ + R (p×p) of the settled filter. Raises LinAlgError where there is none.
+    """Predictor gain K = A P Cᵀ S⁻¹ (n×p) and S = C P Cᵀ + R (p×p) of the settled filter. Raises LinAlgError where there is none."""
+    P = settled_covariance(A, C, Q, R)
+    S = symmetric(C @ P @ C.T) + R
+    return np.linalg.solve(S, C @ P @ A.T).T, S
 
-    P by doubling, ten times as quick as SciPy's solver at these sizes: after k steps H is P of 2ᵏ samples from P = 0.
+
+def settled_covariance(A: np.ndarray, C: np.ndarray, Q: np.ndarray, R: np.ndarray) -> np.ndarray:
+    """P (n×n) of the settled predictor. Raises LinAlgError where there is none.
+
+    By doubling, ten times as quick as SciPy's solver at these sizes: after k steps H is P of 2ᵏ samples from P = 0.
     Source: Anderson, International Journal of Control 28 (1978) 295–306. R must be positive definite.
     """
     F, G, H, eye = A.T, C.T @ np.linalg.solve(R, C), Q, np.eye(len(A))
@@ -53,9 +59,27 @@ def steady_gain(A: np.ndarray, C: np.ndarray, Q: np.ndarray, R: np.ndarray) -> t
         if not np.isfinite(H).all():
             break
         if np.abs(step).max() <= 1e-11 * np.abs(H).max():
-            S = symmetric(C @ H @ C.T) + R
-            return np.linalg.solve(S, C @ H @ A.T).T, S
+            return H
     raise np.linalg.LinAlgError
+
+
+def gains_of(A: np.ndarray, C: np.ndarray, Q: np.ndarray, R: np.ndarray, pieces: Pieces) -> tuple[np.ndarray, np.ndarray]:
+    """K and S of the predictor: settled, (n, p) and (p, p); where rows are missing K (N, n, p), zero there, and S of each measured row.
+
+    P⁺ = A P Aᵀ + Q − K S Kᵀ from the settled P on, without the last term where a row is missing. Raises LinAlgError.
+    """
+    if pieces.seen is None:
+        return steady_gain(A, C, Q, R)
+    P = settled_covariance(A, C, Q, R)
+    gains, sizes = np.zeros((len(pieces.seen[0]), len(A), len(C))), []
+    for k, seen in enumerate(pieces.seen[0]):
+        across = A @ (P @ C.T)
+        if seen:
+            S = C @ P @ C.T + R
+            gains[k] = across / S if len(S) == 1 else np.linalg.solve(S, across.T).T
+            sizes.append(S)
+        P = A @ P @ A.T + Q - gains[k] @ across.T
+    return gains, np.array(sizes)
 
 
 def fit_noise_to(A: np.ndarray, C: np.ndarray, pieces: Pieces, known: tuple[np.ndarray, np.ndarray] | None = None) -> NoiseFit:
@@ -93,14 +117,18 @@ class _Search:
         ratios = np.exp(np.clip(np.concatenate([[0.0], x[self.n * self.p:]]), -20, 20))
         return G @ G.T + FLOOR * self.unit**2 * np.eye(self.n), np.diag(self.variances * ratios)
 
+    def gains(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """K and S at these noises."""
+        return gains_of(self.A, self.C, *self.noises(x), self.pieces)
+
     def inputs(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """B, D, the starts and the innovations that fit best at these noises."""
-        K, S = steady_gain(self.A, self.C, *self.noises(x))
+        K, S = self.gains(x)
         if self.known is None:
             return fitted_inputs(self.A, self.C, K, self.pieces, S)
         B, D = self.known
         pairs = tuple((np.zeros((len(u), 0)), y - _answer(self.A, B, self.C, D, u)) for u, y in self.pieces.pairs)
-        rest = Pieces(pairs, self.pieces.rows, self.pieces.left_out, self.pieces.counted)
+        rest = replace(self.pieces, pairs=pairs)
         _, _, starts, e = fitted_inputs(self.A, self.C, K, rest, S)
         return B, D, starts, e
 
@@ -117,15 +145,17 @@ class _Search:
             return WORST, nothing, nothing, nothing, nothing
 
     def whitened(self, S: np.ndarray, e: np.ndarray) -> np.ndarray:
-        """r = det(S)^{1/2p} S^{-½} e: its sum of squares is least where log det S + p log tr(S⁻¹ E) is."""
+        """r = g S^{-½} e, g^p the geometric mean of det S^½: its sum of squares is least where Σ log det S + p N log tr(S⁻¹ E) is."""
         root = np.linalg.cholesky(S)
-        return solve_triangular(root, e.T, lower=True).T * np.exp(np.log(np.diag(root)).mean())
+        middle = np.exp(np.log(np.diagonal(root, axis1=-2, axis2=-1)).mean())
+        return middle * (np.linalg.solve(root, e.T).T if S.ndim == 2 else np.linalg.solve(root, e[:, :, None])[:, :, 0])
 
     def level(self, x: np.ndarray, e: np.ndarray) -> tuple[float, float]:
-        """log det S + p log s and the common scale s = tr(S⁻¹ E)/p."""
-        _, S = steady_gain(self.A, self.C, *self.noises(x))
-        scale = float(np.trace(np.linalg.solve(S, e.T @ e / len(e))) / self.p)
-        return float(np.linalg.slogdet(S)[1] + self.p * np.log(max(scale, 1e-300))), scale
+        """Mean of log det S + p log s and the common scale s = mean of eᵀ S⁻¹ e/p."""
+        _, S = self.gains(x)
+        size = float(np.linalg.slogdet(S)[1].mean())
+        scale = float((self.whitened(S, e)**2).mean()) * float(np.exp(-size / self.p))
+        return size + self.p * float(np.log(max(scale, 1e-300))), scale
 
     def improved(self, x: np.ndarray, B: np.ndarray, D: np.ndarray, starts: np.ndarray) -> np.ndarray:
         """The x that is more likely, at these B, D and starts."""
@@ -133,7 +163,7 @@ class _Search:
 
         def cost(z: np.ndarray) -> np.ndarray:
             try:
-                K, S = steady_gain(self.A, self.C, *self.noises(z))
+                K, S = self.gains(z)
                 e = prediction_errors(self.A, B, self.C, D, K, starts, self.pieces)
                 return self.whitened(S, e).reshape(-1) if np.isfinite(e).all() else lost
             except (np.linalg.LinAlgError, ValueError):
@@ -143,7 +173,7 @@ class _Search:
 
     def found(self, x: np.ndarray, B: np.ndarray, D: np.ndarray, starts: np.ndarray) -> NoiseFit:
         """Q and R with their scale."""
-        K, _ = steady_gain(self.A, self.C, *self.noises(x))
+        K, _ = self.gains(x)
         e = prediction_errors(self.A, B, self.C, D, K, starts, self.pieces)
         level, scale = self.level(x, e)
         Q, R = self.noises(x)

@@ -1,4 +1,4 @@
-"""Predict a record one step ahead with a constant gain; B, D and the start by least squares."""
+"""Predict a record one step ahead with given gains; B, D and the start by least squares."""
 
 from __future__ import annotations
 
@@ -10,27 +10,27 @@ from ..systems.errors import EngineError
 from ..systems.recursions import affine_scan
 from .windows import segments_of
 
-__all__ = ["Pieces", "filled_pieces", "fitted_inputs", "pieces_of", "prediction_errors"]
+__all__ = ["Pieces", "fitted_inputs", "gapped_pieces", "pieces_of", "prediction_errors"]
 
 MAX_FIT_ROWS = 20_000  # rows that B, D, Q and R are fitted to
-SETTLING = 2  # rows behind a gap that do not count
+MAX_GAPPED_ROWS = 2_000  # of them where a gain belongs to each row
 
 
 @dataclass(frozen=True, eq=False)
 class Pieces:
-    """Stretches of a record without a gap, as pairs (u, y); `rows` counts all of their rows, `left_out` what was not taken.
+    """Stretches of a record as pairs (u, y); `rows` counts what was measured in them, `left_out` what was not taken.
 
-    `counted` says for each stretch which rows count: those that were measured, where gaps are filled; None where all count.
+    `seen` says for each stretch which rows were measured; None where all were.
     """
 
     pairs: tuple[tuple[np.ndarray, np.ndarray], ...]
     rows: int
     left_out: int
-    counted: tuple[np.ndarray, ...] | None = None
+    seen: tuple[np.ndarray, ...] | None = None
 
     def kept(self, piece: int, rows: np.ndarray) -> np.ndarray:
-        """Of the rows of a piece those that count."""
-        return rows if self.counted is None else rows[self.counted[piece]]
+        """Of the rows of a piece those that were measured."""
+        return rows if self.seen is None else rows[self.seen[piece]]
 
 
 def pieces_of(u: np.ndarray, y: np.ndarray, shortest: int) -> Pieces:
@@ -47,25 +47,23 @@ def pieces_of(u: np.ndarray, y: np.ndarray, shortest: int) -> Pieces:
     return Pieces(tuple(taken), rows, len(y) - rows)
 
 
-def filled_pieces(u: np.ndarray, y: np.ndarray, seen: np.ndarray) -> Pieces:
-    """One stretch whose gaps are filled: a row counts if it was measured and so were the two rows before it.
-
-    The constant gain of the fit is that of a filter without gaps; behind a gap the true one is larger for a few rows.
-    """
-    u, y, seen = u[:MAX_FIT_ROWS], y[:MAX_FIT_ROWS], seen[:MAX_FIT_ROWS]
-    settled = seen.copy()
-    for lag in range(1, 1 + SETTLING):
-        settled[lag:] &= seen[:-lag]
-    counted = settled if settled.sum() >= 0.3 * seen.sum() else seen
-    return Pieces(((u, y),), int(counted.sum()), len(seen) - int(counted.sum()), (counted,))
+def gapped_pieces(u: np.ndarray, y: np.ndarray) -> Pieces:
+    """The first rows as one stretch; a row in which an output is missing corrects nothing."""
+    u, y = u[:MAX_GAPPED_ROWS], y[:MAX_GAPPED_ROWS]
+    seen = np.isfinite(y).all(axis=1)
+    return Pieces(((u, np.where(seen[:, None], y, 0.0)),), int(seen.sum()), len(y) - int(seen.sum()), (seen,))
 
 
 def prediction_errors(A: np.ndarray, B: np.ndarray, C: np.ndarray, D: np.ndarray, K: np.ndarray, starts: np.ndarray,
                       pieces: Pieces) -> np.ndarray:
-    """e = y − C x̂ − D u with x̂⁺ = A x̂ + B u + K e, from one start x̂₀ for each piece (pieces, n): (rows, p)."""
+    """e = y − C x̂ − D u with x̂⁺ = A x̂ + B u + K e, from one start x̂₀ for each piece (pieces, n): (rows, p).
+
+    K (n, p), or (N, n, p) with a gain for each row of the one piece.
+    """
     out = []
     for k, ((u, y), start) in enumerate(zip(pieces.pairs, starts, strict=True)):
-        x = affine_scan(A - K @ C, u @ (B - K @ D).T + y @ K.T, start, len(y))[:-1]
+        forcing = u @ B.T + np.einsum("np,tp->tn" if K.ndim == 2 else "tnp,tp->tn", K, y - u @ D.T)
+        x = _responses(A - K @ C, forcing[:, :, None], start[:, None])[:, :, 0]
         out.append(pieces.kept(k, y - x @ C.T - u @ D.T))
     return np.vstack(out)
 
@@ -74,35 +72,49 @@ def fitted_inputs(A: np.ndarray, C: np.ndarray, K: np.ndarray, pieces: Pieces,
                   S: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """B (n×m), D (p×m), the starts (pieces, n) and the errors e (rows, p) that make Σ eᵀ S⁻¹ e least.
 
-    e is linear in all three where the gain K is given: one column of the least squares is the prediction of each entry alone.
+    e is linear in all three where the gain is given: one column of the least squares is the prediction of each entry alone. K as in
+    `prediction_errors`; S (p, p), or one for each row that counts.
     """
     n, p = len(A), len(C)
     m = pieces.pairs[0][0].shape[1]
-    white = np.linalg.inv(np.linalg.cholesky(S)).T
-    steady, eye = A - K @ C, np.eye(n)
-    count = n * m + p * m + n * len(pieces.pairs)
+    root = np.linalg.cholesky(S)
+    inputs, count = n * m + p * m, n * m + p * m + n * len(pieces.pairs)
     rows, right = [], []
     for k, (u, y) in enumerate(pieces.pairs):
-        table = np.zeros((len(y), p, count))
-        at = 0
+        own = slice(inputs + k * n, inputs + (k + 1) * n)
+        forcing, begin, at_once = np.zeros((len(y), n, count + 1)), np.zeros((n, count + 1)), np.zeros((len(y), p, count + 1))
         for j in range(m):
             for i in range(n):
-                table[:, :, at] = affine_scan(steady, np.outer(u[:, j], eye[i]), np.zeros(n), len(y))[:-1] @ C.T
-                at += 1
-        for j in range(m):
+                forcing[:, i, j * n + i] = u[:, j]
             for l in range(p):
-                table[:, :, at] = affine_scan(steady, -np.outer(u[:, j], K[:, l]), np.zeros(n), len(y))[:-1] @ C.T
-                table[:, l, at] += u[:, j]
-                at += 1
-        for i in range(n):
-            table[:, :, at + k * n + i] = affine_scan(steady, None, eye[i], len(y))[:-1] @ C.T
-        rows.append(np.einsum("tpc,pq->tqc", pieces.kept(k, table), white).reshape(-1, count))
-        past = affine_scan(steady, y @ K.T, np.zeros(n), len(y))[:-1]
-        right.append((pieces.kept(k, y - past @ C.T) @ white).reshape(-1))
+                at = n * m + j * p + l
+                forcing[:, :, at] = -u[:, [j]] * K[..., l]
+                at_once[:, l, at] = u[:, j]
+        begin[:, own] = np.eye(n)
+        forcing[:, :, count] = np.einsum("np,tp->tn" if K.ndim == 2 else "tnp,tp->tn", K, y)
+        table = pieces.kept(k, np.einsum("pn,tnc->tpc", C, _responses(A - K @ C, forcing, begin)) + at_once)
+        table[:, :, count] -= pieces.kept(k, y)
+        if S.ndim == 2:
+            white = np.linalg.solve(root, table.transpose(1, 0, 2).reshape(p, -1)).reshape(p, -1, count + 1).transpose(1, 0, 2)
+        else:
+            white = np.linalg.solve(root, table)
+        rows.append(white[:, :, :count].reshape(-1, count))
+        right.append(-white[:, :, count].reshape(-1))
     left, wanted = np.vstack(rows), np.concatenate(right)
     size = np.sqrt((left**2).sum(axis=0))
     size[size == 0] = 1.0
     found = np.linalg.lstsq(left / size, wanted, rcond=1e-10)[0]
-    e = (wanted - left / size @ found).reshape(-1, p) @ np.linalg.inv(white)
+    e = np.einsum("pq,tq->tp" if S.ndim == 2 else "tpq,tq->tp", root, (wanted - left / size @ found).reshape(-1, p))
     found = found / size
-    return (found[:n * m].reshape(m, n).T, found[n * m:n * m + p * m].reshape(m, p).T, found[n * m + p * m:].reshape(-1, n), e)
+    return (found[:n * m].reshape(m, n).T, found[n * m:inputs].reshape(m, p).T, found[inputs:].reshape(-1, n), e)
+
+
+def _responses(steady: np.ndarray, forcing: np.ndarray, start: np.ndarray) -> np.ndarray:
+    """x⁺ = F x + f for several columns at once: F (n, n) or one for each row, f (N, n, c), x₀ (n, c) → (N, n, c)."""
+    if steady.ndim == 2:
+        return np.stack([affine_scan(steady, forcing[:, :, c], start[:, c], len(forcing))[:-1] for c in range(start.shape[1])], axis=2)
+    out, x = np.empty_like(forcing), start
+    for k, (F, f) in enumerate(zip(steady, forcing, strict=True)):
+        out[k] = x
+        x = F @ x + f
+    return out

@@ -97,20 +97,23 @@ def test_the_likely_noises_of_a_known_plant_are_near_the_true_ones() -> None:
     assert np.mean([steady_gain(A, C, f.Q, f.R)[1][0, 0] for f in found]) == pytest.approx(S[0, 0], rel=0.1)
 
 
-def test_no_noises_near_the_found_ones_are_more_likely() -> None:
-    """−2 log L of the record by its whole covariance matrix, without any filter."""
+@pytest.mark.parametrize("every", [0, 3, 7])
+def test_no_noises_near_the_found_ones_are_more_likely(every: int) -> None:
+    """−2 log L of the measured rows by their whole covariance matrix, without any filter; one row of some is missing."""
     a, count = 0.8, 300
     rng = np.random.default_rng(4)
     x = np.zeros(count)
     for k in range(1, count):
         x[k] = a * x[k - 1] + 0.3 * rng.standard_normal()
     y = x + 0.5 * rng.standard_normal(count)
-    found = fit_noise(Plant([[a]], [[1.0]], [[1.0]], None, 1.0), Record(np.arange(count), np.zeros((count, 1)), y))
-    shrink = (count - 1) / (count + 1)  # what the fit adds for rows to come
+    seen = np.arange(count) % every != 0 if every else np.ones(count, dtype=bool)
+    read = np.where(seen, y, np.nan)
+    found = fit_noise(Plant([[a]], [[1.0]], [[1.0]], None, 1.0), Record(np.arange(count), np.zeros((count, 1)), read))
+    shrink = (seen.sum() - 1) / (seen.sum() + 1)  # what the fit adds for rows to come
 
     def level(q: float, r: float) -> float:
-        S = q / (1 - a**2) * toeplitz(a ** np.arange(count)) + r * np.eye(count)
-        return float(np.linalg.slogdet(S)[1] + y @ np.linalg.solve(S, y))
+        S = (q / (1 - a**2) * toeplitz(a ** np.arange(count)) + r * np.eye(count))[np.ix_(seen, seen)]
+        return float(np.linalg.slogdet(S)[1] + y[seen] @ np.linalg.solve(S, y[seen]))
     q, r = shrink * found.Q[0, 0], shrink * found.R[0, 0]
     best = level(q, r)
     assert all(level(q * g, r * h) > best - 0.3 for g in (0.5, 1.0, 2.0) for h in (0.7, 1.0, 1.4))
@@ -131,6 +134,21 @@ def test_the_smoother_is_the_least_squares_over_the_whole_record(steps: int) -> 
     information = T.T @ W @ T + H.T @ H / R[0, 0]
     np.testing.assert_allclose(found.means.ravel(), np.linalg.solve(information, H.T @ y / R[0, 0]).ravel(), atol=1e-8)
     np.testing.assert_allclose(found.variances.ravel(), np.diag(np.linalg.inv(information)), atol=1e-8)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("which", ["one of seventeen", "one of ten by chance"])
+def test_scattered_gaps_leave_poles_and_noises_where_they_were(which: str) -> None:
+    """Short stretches between the gaps have no start of their own: that would explain what the process noise does."""
+    for seed in range(3):
+        record, rng = PLANTS[0].record(seed), np.random.default_rng(seed)
+        lost = np.arange(record.rows) % 17 == 5 if which == "one of seventeen" else rng.random(record.rows) < 0.1
+        y = np.where(lost[:, None], np.nan, record.y)
+        whole, found = (identify(Record(record.t, record.u, each), order=2, delay=0, degree=0) for each in (record.y, y))
+        assert np.abs(np.sort_complex(found.subspace.poles) - np.sort_complex(whole.subspace.poles)).max() < 0.02
+        sizes = [steady_gain(f.fitted.plant.A, f.fitted.plant.C, f.fitted.Q, f.fitted.R)[1][0, 0] for f in (whole, found)]
+        assert sizes[1] == pytest.approx(sizes[0], rel=0.15) and found.fitted.R[0, 0] == pytest.approx(whole.fitted.R[0, 0], rel=0.25)
+        assert found.judged.mean_nis == pytest.approx(whole.judged.mean_nis, rel=0.25)
 
 
 def test_gaps_are_no_reason_to_stop() -> None:
