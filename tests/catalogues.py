@@ -59,7 +59,7 @@ def _noted(all_nodes: tuple[ast.AST, ...], writer: bool) -> Iterator[str]:
     for node in all_nodes:
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and len(node.args) > (at := NOTED.get(node.func.id, 99)):
             yield from (words for words in _written(node.args[at], filled) if not words.startswith(","))
-        elif isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name) and node.targets[0].id == "NOT_IN_SCRIPT":
+        elif isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name) and node.targets[0].id.startswith("NOT_IN_SCRIPT"):
             yield from _written(node.value, filled)
         elif writer and isinstance(node, ast.Yield) and isinstance(node.value, ast.Tuple):
             yield from _written(node.value.elts[0], filled)

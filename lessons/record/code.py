@@ -9,7 +9,7 @@ from observer_lab.course.script_record import Code, GivenValue, ShownValue
 
 from .study import Study
 
-NOT_WITH_GAPS = "The fit, the smoother and the tests of a record with missing readings"
+NOT_IN_SCRIPT_OF_GAPS = "The fit, the smoother and the tests of a record with missing readings"
 NOT_IN_SCRIPT = "The search for the most likely Q and R, and B and D by least squares"
 
 
@@ -54,7 +54,7 @@ def code(outcome: Outcome[Study]) -> Code:
             ShownValue("nis_high", judged.band[1]),
             *(() if white is None else (ShownValue("white_p", white.p_value, 1.0),)),
         ),
-        NOT_WITH_GAPS if gaps else NOT_IN_SCRIPT,
+        NOT_IN_SCRIPT_OF_GAPS if gaps else NOT_IN_SCRIPT,
         (),
         record.dt,
     )
