@@ -34,7 +34,7 @@ OTHERWISE = {
     "subspace identification n4sid": "identify", "rts": "smoother", "offline smoothing": "smoother", "reduced order": "reduced",
     "functional observers": "functional", "unknown inputs": "unknown", "peaking phenomenon": "peaking", "hankel": "order",
     "balanced model reduction": "order", "discretize": "sampled", "zero order hold": "sampled", "load my own matrices": "own",
-    "decouple mimo loops": "decouple"}
+    "decouple mimo loops": "decouple", "read a csv": "identify", "import log": "identify"}
 
 
 @pytest.mark.parametrize("language", languages())
@@ -81,6 +81,9 @@ def test_find_prints_the_answer_and_how_to_open_it(capsys: pytest.CaptureFixture
     assert printed.startswith("Some measurements are missing.") and "observer-lab link network --view guide --scene packets" in printed
     assert main(["find", "丢包", "--lang", "zh", "--json"]) == 0
     assert json.loads(capsys.readouterr().out)[0]["scene"] == "packets"
+    assert main(["find", "丢包", "--json"]) == 0  # Chinese words need no option
+    assert json.loads(capsys.readouterr().out)[0]["scene"] == "packets"
+    assert main(["find", "ctrb"]) == 0 and "from observer_lab.engine import ctrb" in capsys.readouterr().out
     assert main(["find", "xyzzy"]) == 2 and "try other words" in capsys.readouterr().err
 
 

@@ -15,7 +15,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     from ...text.languages import languages
 
     parser.add_argument("words", nargs="+", metavar="WORD", help="what you would type into a search field, such as missing measurements")
-    parser.add_argument("--lang", choices=languages(), default="en", help="language of the answers")
+    parser.add_argument("--lang", choices=languages(), help="language of the answers (default: that of the words)")
     add_json(parser)
 
 
@@ -25,11 +25,13 @@ def execute(options: argparse.Namespace) -> int:
 
     from observer_lab.lessons import all_lessons
 
-    from ...course.search.finder import finder
+    from ...course.search.finder import find_in_any, finder, functions
+    from ...text import languages
     from ..printing import print_json
 
     asked = " ".join(options.words)
-    found = finder(all_lessons(), options.lang).find(asked, MOST)
+    lessons, more = all_lessons(), functions()
+    found = find_in_any((finder(lessons, code, more) for code in ([options.lang] if options.lang else languages())), asked, MOST)
     if not found:
         raise CommandError(f"Nothing answers {asked[:60]}; try other words, or print all lessons by: observer-lab list.")
     if options.json:

@@ -5,10 +5,11 @@ from __future__ import annotations
 import difflib
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
+from ... import engine
 from ..lesson import Lesson
 from .questions import questions
 
@@ -16,7 +17,8 @@ WORD = re.compile(r"[a-z0-9]+|[\u3400-\u9fff]+")
 DULL = re.compile("an?|and|are|as|be|by|can|does|do|for|from|how|i|in|is|it|my|of|on|or|s|the|to|what|which|why|with")  # tell nothing
 ENDINGS = ("ations", "ation", "ings", "ing", "ers", "er", "ies", "es", "ed", "s", "e")
 SHORTEST_STEM, ALIKE = 3, 0.84  # letters that an ending leaves, and the share of letters in which two words agree
-KINDS: tuple[tuple[str, float], ...] = (("question", 1.0), ("lesson", 0.9), ("term", 0.75), ("scene", 0.7))  # and how much each counts
+KINDS: tuple[tuple[str, float], ...] = (  # and how much each counts
+    ("question", 1.0), ("lesson", 0.9), ("function", 0.8), ("term", 0.75), ("scene", 0.7))
 FROM_TEXT, EXACT = 0.25, 0.5  # what a word counts that stands in the answer alone, and what the very phrase adds
 
 
@@ -104,8 +106,19 @@ def _alike(word: str, form: frozenset[str]) -> float:
     return 0.7 if near else 0.0
 
 
-def finder(lessons: Mapping[str, Lesson], language: str) -> Finder:
-    """What can be found in these lessons in a language, also by its English words."""
+def find_in_any(finders: Iterable[Finder], typed: str, most: int = 8) -> tuple[Hit, ...]:
+    """The hits of the first finder that knows a word: so Chinese words find Chinese answers."""
+    return next((found for each in finders if (found := each.find(typed, most))), ())
+
+
+def functions() -> tuple[Hit, ...]:
+    """The engine's functions and classes, by name and by the line that says what they do."""
+    return tuple(Hit("function", name, name=name, answer=about, forms=(about,)) for name in engine.__all__
+                 if (about := (getattr(engine, name).__doc__ or "").split("\n")[0].strip()))
+
+
+def finder(lessons: Mapping[str, Lesson], language: str, more: Sequence[Hit] = ()) -> Finder:
+    """What can be found in these lessons in a language, also by its English words, and `more`."""
     hits = list[Hit]()
     for own, english in zip(questions()[language].entries, questions()["en"].entries, strict=True):
         forms = tuple(dict.fromkeys((*own.phrases, english.title, *english.phrases)))
@@ -117,4 +130,4 @@ def finder(lessons: Mapping[str, Lesson], language: str) -> Finder:
                      (other.scenes[scene.id].title,)) for scene in lesson.path]
     glossary = next((lesson.words[language].glossary for lesson in lessons.values()), None)
     hits += [] if glossary is None else [Hit("term", each.term, "", "", "", each.text, each.forms) for each in glossary.entries]
-    return Finder(tuple(hits))
+    return Finder((*hits, *more))
