@@ -37,14 +37,15 @@ def shows(tab: WireTab, scene: str) -> bool:
 
 
 def await_equal(presenter: WireTab, follower: WireTab, scene: str) -> None:
-    """Receive until the follower sees what the presenter sees."""
+    """Receive on both until the follower sees what the presenter sees: a run may still play for the presenter, too."""
     left = ["everything"]
 
     def equal() -> bool:
+        presenter.pass_time(0.02)
         left[:] = differences(seen(presenter), seen(follower), TOLERANCE)
         return not left
     try:
-        follower.until(equal, patience=10.0)
+        follower.until(equal)
     except AssertionError as problem:
         raise AssertionError(f"in {scene} the follower's page differs: {left[:5]}") from problem
 
