@@ -158,9 +158,11 @@ def _not_driven(shown: Shown, words: Text) -> None:
 
 def _driven(shown: Shown, words: Text) -> None:
     A, _, C, F, _ = matrices(shown.run)
-    L = shown.run.scenario.L
+    s = shown.run.scenario
+    L, model = s.L, s.plant if s.model is None else s.model
     assert L is not None
-    assert float(np.max(np.abs(A - L @ C - F))) > 1e-9 or rightmost(F) > 0, "the observer copies the plant"
+    leak = max(float(np.max(np.abs(A - L @ C - F))), float(np.max(np.abs(s.plant.B - L @ s.plant.D - model.B + L @ model.D))))
+    assert leak > 1e-9 or rightmost(F) > 0, "the observer copies the plant"
 
 
 def _home(shown: Shown, _: Text) -> None:
