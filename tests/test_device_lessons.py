@@ -35,6 +35,19 @@ def test_lesson_gives_the_page_estimate_and_the_same_bits_in_c(tmp_path, name: s
         assert run_c(write_files(tmp_path, files), flags).endswith("every bit as in the lab's Python.")
 
 
+@pytest.mark.slow
+def test_reduced_order_observer_gives_the_page_estimate_and_the_same_bits_in_c(tmp_path) -> None:
+    """Readings are held over a period on a device, and the page's run is continuous: the two differ by that alone."""
+    lesson = LESSONS["virtual-sensor"]
+    outcome = lesson.compute(lesson.apply(lesson.start(), {"reduced": True}))
+    design = device_design(lesson, outcome)
+    gap = design.gap()
+    assert design.routine.kind == "reduced-order observer" and gap is not None and gap < 0.02
+    for flags in (["-O0"], ["-O3"]):
+        folder = write_files(tmp_path, device_files(lesson, outcome, "token", "c"))
+        assert run_c(folder, flags).endswith("every bit as in the lab's Python.")
+
+
 @pytest.mark.parametrize("gate", [None, 0.99])
 def test_recursive_filter_takes_missing_readings_and_outliers_as_the_engine_does(gate: float | None) -> None:
     random = np.random.default_rng(5)

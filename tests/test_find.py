@@ -56,6 +56,14 @@ def test_other_wordings_find_it_too() -> None:
     assert len(lost) <= 0.05 * len(OTHERWISE), lost
 
 
+@pytest.mark.parametrize(("together", "apart"), [("deadtime", "dead time"), ("statefeedback", "state feedback"),
+                                                  ("poleplacement", "pole placement"), ("timestep", "time step")])
+def test_two_words_written_together_find_what_they_find_apart(together: str, apart: str) -> None:
+    search = finder(LESSONS, "en")
+    assert search.find(together, 3)[:1] == search.find(apart, 3)[:1] != ()
+    assert search.find("xyzzyqwerty") == ()
+
+
 def test_every_question_leads_to_a_scene_and_a_name_that_are_there() -> None:
     for entry in questions()["en"].entries:
         assert entry.scene in [scene.id for scene in LESSONS[entry.lesson].path], entry.id

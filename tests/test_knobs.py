@@ -89,6 +89,17 @@ def test_the_bounds_belong_to_a_number_and_are_named_when_it_is_refused() -> Non
         LINEAR.check(3.0000001)
 
 
+@quick
+@given(st.floats(1e-9, 1e9), st.floats(1.001, 1e6))
+def test_an_end_is_taken_as_it_is_shown(low: float, ratio: float) -> None:
+    knob = Number("limit", "u", text("limit"), low=low, high=low * ratio, default=low, scale="log")
+    for end in (knob.low, knob.high):
+        taken = knob.check(f"{end:g}")
+        assert knob.low <= taken <= knob.high and taken == pytest.approx(end, rel=1e-5)
+    with pytest.raises(KnobError):
+        knob.check(0.99 * low)
+
+
 def test_integers_are_rounded_and_stay_inside() -> None:
     assert INTEGER.check(3.4) == 3.0 and INTEGER.check("7") == 7.0
     with pytest.raises(KnobError):

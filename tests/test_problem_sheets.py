@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,7 @@ from observer_lab.export.sheet import sheet as sheets
 from observer_lab.lessons import LESSONS
 from observer_lab.text import languages
 
+LESSON_FILES = sorted((Path(__file__).parents[1] / "lessons").glob("*/lesson.toml"))
 SAMPLED = ("virtual-sensor", "kalman", "bilinear-observer")
 
 
@@ -62,6 +64,8 @@ def test_the_same_call_writes_the_same_bytes_and_another_key_others(tmp_path: Pa
 
 @pytest.mark.parametrize(("arguments", "words"), [
     (["nothing", "-o", "a.pdf"], "There is no lesson nothing"), (["-o", "a.pdf"], "There is no exam to print"),
+    (["--course", "nothing", "-o", "a.pdf"], "there are first, estimation, platform"),
+    (["--course", "nothing.toml", "-o", "a.pdf"], "course file"),
     (["noise", "-o", "a.txt"], "does not end in .pdf"), (["noise", "-o", "a.pdf", "--solutions", "b.doc"], "does not end in .pdf")])
 def test_what_cannot_be_printed_is_said_in_a_sentence_and_nothing_is_written(arguments: list[str], words: str, tmp_path: Path,
                                                                             monkeypatch: pytest.MonkeyPatch,
@@ -69,3 +73,28 @@ def test_what_cannot_be_printed_is_said_in_a_sentence_and_nothing_is_written(arg
     monkeypatch.chdir(tmp_path)
     assert main(["sheet", *arguments]) == 2
     assert words in capsys.readouterr().err and not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("name", ["first", "estimation", "platform"])
+def test_a_course_of_the_lab_is_printed_by_its_name(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The lessons are those whose `lesson.toml` names the course; one of them alone can be asked for."""
+    table = {path.parent.name.replace("_", "-"): tomllib.loads(path.read_text(encoding="utf-8")) for path in LESSON_FILES}
+    inside = [id for id in LESSONS if name in table[id].get("ways", ())]
+    told = printed(["sheet", "--course", name, "--key", "s1", "-o", str(tmp_path / "sheet.pdf")], monkeypatch)[0][1]
+    for id in LESSONS:
+        for exam in LESSONS[id].exams:
+            statement = exam_parts(LESSONS[id], exam, exam.item(seed_of("s1", id, exam.id, 1)), "en")[1]
+            assert (statement in told) == (id in inside), (id, exam.id)
+    assert len(inside) >= 4
+    one = printed(["sheet", inside[1], "--course", name, "--key", "s1", "-o", str(tmp_path / "one.pdf")], monkeypatch)[0][1]
+    assert LESSONS[inside[1]].words["en"].title in one or len(one) < len(told) / 2
+
+
+def test_a_course_file_is_printed_by_its_name_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Also where the file has the name of a course of the lab."""
+    for name in ("own.toml", "first"):
+        (tmp_path / "s.secret").write_text("ab" * 32)
+        (tmp_path / name).write_text('course = "own"\nsecret-file = "s.secret"\n[[lessons]]\nlesson = "kalman"\nexams = ["nis"]\n')
+        monkeypatch.chdir(tmp_path)
+        told = printed(["sheet", "--course", name, "-o", "sheet.pdf"], monkeypatch)[0][1]
+        assert LESSONS["kalman"].words["en"].exams["nis"].title in told and LESSONS["kalman"].words["en"].exams["sheet"].title not in told

@@ -20,7 +20,7 @@ from observer_lab.published import records
 ROOT = Path(__file__).parents[1]
 PAGE = (ROOT / "assets" / "sources.md").read_text(encoding="utf-8")
 SOURCES = ("000", "001", "002", "003", "004")
-STATES = re.compile(r"works|in part: \S.*|not here: \S.*")
+STATES = re.compile(r"works|(?:in part|not here): \S+(?: \S+){2,}")  # a reason has three words or more
 NUMBERED = {  # what a source counts, and how many of each it has
     ("001", "equations"): 7, ("002", "equations"): 13, ("002", "Figure"): 2, ("002", "Remark"): 4, ("002", "Example"): 2,
     ("003", "equations"): 89, ("003", "figure"): 25, ("003", "Algorithm"): 3, ("003", "rule"): 4,
@@ -111,14 +111,33 @@ def missing(rows: Iterable[Row], source: str) -> list[str]:
     return [place for row in rows for place in row.places if not exists(place, source)]
 
 
+def judged(rows: Iterable[Row]) -> None:
+    """Each row has a state with its reason, and a place unless it is not here."""
+    for row in rows:
+        assert row.part and row.says and STATES.fullmatch(row.state), row
+        assert row.places or row.state.startswith("not here"), row
+
+
 def test_each_source_has_a_table_and_each_row_a_state() -> None:
     found = tables(PAGE)
     assert tuple(found) == SOURCES
     for source, rows in found.items():
         assert len(rows) > 15 and len({row.part for row in rows}) == len(rows), source
-        for row in rows:
-            assert row.part and row.says and STATES.fullmatch(row.state), row
-            assert row.places or row.state.startswith("not here"), row
+        judged(rows)
+
+
+@pytest.mark.parametrize("state", ["in part", "in part:", "in part: ", "in part: later", "not here", "not here: no",
+                                   "partly: because of it", "", "works: almost all of it"])
+def test_a_row_in_part_or_not_here_without_its_reason_is_found_out(state: str) -> None:
+    assert not STATES.fullmatch(state.strip())
+    with pytest.raises(AssertionError):
+        judged([Row("a part", "a fact", ("separation/meet",), state)])
+
+
+def test_rows_that_are_not_whole_all_have_their_reason() -> None:
+    reasons = [row.state for rows in tables(PAGE).values() for row in rows if row.state != "works"]
+    assert len(reasons) >= 20 and all(STATES.fullmatch(each) for each in reasons)
+    assert len(set(reasons)) > len(reasons) - 5, "a reason is that of its row, not one for all"
 
 
 @pytest.mark.parametrize("source", SOURCES)

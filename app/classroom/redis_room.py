@@ -11,7 +11,7 @@ from typing import Any
 
 from .redis_connection import connect, key, machine_name
 from .room_store import SECRET_BYTES, SEED_BITS
-from .votes import HIDDEN_BELOW, Asked, Vote, read_asked
+from .votes import HIDDEN_BELOW, Answer, Asked, Vote, read_asked
 
 GONE_S = 60  # s without a report after which the followers of a worker are no longer counted
 SECRET, STATE, HANDS, SEED, TAKEN = (key(name) for name in ("secret", "state", "hands", "seed", "taken"))
@@ -89,7 +89,7 @@ class RedisRoom:
                 pipe.hset(VOTES, vote.number, _written(marked))
         self._redis.transaction(mark, VOTES)
 
-    def cast(self, ballots: Iterable[tuple[int, str, complex]]) -> list[bool]:
+    def cast(self, ballots: Iterable[tuple[int, str, Answer]]) -> list[bool]:
         """Write ballots down, all in one transaction; for each whether it counts."""
         given = list(ballots)
 

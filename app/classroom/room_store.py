@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from .room_schema import bring_up_to_date
-from .votes import HIDDEN_BELOW, Asked, Vote, read_asked, write_asked
+from .votes import HIDDEN_BELOW, Answer, Asked, Vote, read_asked, write_asked
 
 FILE = "room.sqlite"  # in the folder of --data-dir
 WAIT_S = 10.0  # s that one worker waits for another one's writing
@@ -103,10 +103,10 @@ class RoomStore:
                              (json.dumps(vote.counts), json.dumps(vote.edges), vote.number))
         database.execute("DELETE FROM ballots")
 
-    def cast(self, ballots: Iterable[tuple[int, str, complex]]) -> list[bool]:
+    def cast(self, ballots: Iterable[tuple[int, str, Answer]]) -> list[bool]:
         """Write (vote, ballot, answer) down, all in one transaction; for each whether it counts. A newer one replaces an older one.
 
-        The answer is the index of an option, or a number or a pole (complex) where one was asked for.
+        The answer is the index of an option; where one was asked for a number, a pole (complex), or heights of a drawing.
         """
         with self._writing() as database:
             open_now = {vote.number: vote for vote in self._votes(database, "WHERE open")}

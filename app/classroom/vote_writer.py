@@ -8,11 +8,12 @@ import threading
 from collections.abc import Callable
 
 from .kept_room import KeptRoom
+from .votes import Answer
 
 MAX_BATCH = 1000  # votes of one transaction
 
 log = logging.getLogger(__name__)
-Cast = tuple[int, str, complex, Callable[[bool], object]]  # vote, ballot, answer, who is told
+Cast = tuple[int, str, Answer, Callable[[bool], object]]  # vote, ballot, answer, who is told
 
 
 class VoteWriter:
@@ -30,7 +31,7 @@ class VoteWriter:
         """End it after what waits."""
         self._waiting.put(None)
 
-    def cast(self, vote: int, ballot: str, answer: complex, told: Callable[[bool], object]) -> None:
+    def cast(self, vote: int, ballot: str, answer: Answer, told: Callable[[bool], object]) -> None:
         """Take a vote; `told` is called on the writer's thread once it is on the disk, with whether it counts."""
         self._waiting.put((vote, ballot, answer, told))
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from .pole_grid import PoleGrid
 from .round_steps import round_step
+from .sketch_grid import SketchGrid
 
 DISCUSS_S = 120.0  # s of a discussion between two votes
 HIDDEN_BELOW = 5  # votes, below which counts would tell who has chosen what
@@ -21,32 +22,40 @@ LONGEST_QUESTION, LONGEST_OPTION = 300, 120  # characters of a question that is 
 LARGEST_NUMBER = 1e12  # of an answer
 MAX_BINS = 8  # of the histogram of numbers
 OUTSIDE = 5.0  # percent of the numbers at each end that may lie beyond the middle bins: one absurd number spreads no histogram
-Kind = Literal["choice", "number", "pole"]
+Kind = Literal["choice", "number", "pole", "sketch"]
+Answer = complex | tuple[float, ...]  # an option's index, a number, a pole, or the heights of a drawing
 LONGEST_BALLOT = 64  # characters of the random number by which a browser replaces its own vote
 
 
 @dataclass(frozen=True)
 class Asked:
-    """A question that the presenter asks: options to choose from, a grid to place a pole on, or neither where a number is asked for."""
+    """A question that the presenter asks: options to choose from, a grid to place a pole on, the grid of a drawing, or none of them
+    where a number is asked for."""
 
     question: str
     options: tuple[str, ...] = ()
     grid: PoleGrid | None = None
+    sketch: SketchGrid | None = None
 
     @property
     def kind(self) -> Kind:
         """What the class answers with."""
+        if self.sketch is not None:
+            return "sketch"
         return "pole" if self.grid is not None else "choice" if self.options else "number"
 
     @property
     def places(self) -> int:
         """How many counts an answer can go to: options, or cells of the grid; the bins of numbers come with the numbers."""
-        return len(self.options) if self.grid is None else self.grid.cells
+        grid = self.sketch or self.grid
+        return len(self.options) if grid is None else grid.cells
 
 
 def write_asked(asked: Asked | None) -> str:
     """A question as a store keeps it; "" where the scene's own is asked."""
-    return "" if asked is None else json.dumps(asdict(asked))
+    if asked is None:
+        return ""
+    return json.dumps({name: value for name, value in asdict(asked).items() if name != "sketch" or value is not None})
 
 
 def read_asked(said: Any) -> Asked | None:
@@ -54,7 +63,8 @@ def read_asked(said: Any) -> Asked | None:
     if not said:
         return None
     found = json.loads(said) if isinstance(said, str) else said
-    return Asked(found["question"], tuple(found["options"]), None if found["grid"] is None else PoleGrid(**found["grid"]))
+    return Asked(found["question"], tuple(found["options"]), None if found["grid"] is None else PoleGrid(**found["grid"]),
+                 None if found.get("sketch") is None else SketchGrid(**found["sketch"]))
 
 
 @dataclass(frozen=True)
@@ -88,8 +98,14 @@ class Vote:
         """What the class answers with."""
         return "choice" if self.asked is None else self.asked.kind
 
-    def kept(self, answer: complex) -> float | None:
-        """What is written down of an answer: an option's index, a number, or the cell of a pole. None where it is no answer to this."""
+    def kept(self, answer: Answer) -> float | None:
+        """What is written down of an answer: an option's index, a number, the cell of a pole, or a drawing's number.
+
+        None where it is no answer to this.
+        """
+        sketch = None if self.asked is None else self.asked.sketch
+        if isinstance(answer, tuple) or sketch is not None:
+            return sketch.number_of(answer) if isinstance(answer, tuple) and sketch is not None else None
         if self.asked is not None and self.asked.grid is not None:
             return self.asked.grid.cell_of(answer) if isinstance(answer, complex) else None
         if isinstance(answer, complex):
@@ -102,7 +118,8 @@ class Vote:
         if self.kind == "number":
             edges, counts = histogram(answers)
             return replace(self, edges=edges, counts=counts)
-        found = Counter(answers)
+        sketch = None if self.asked is None else self.asked.sketch
+        found = Counter(answers) if sketch is None else Counter(cell for answer in answers for cell in sketch.cells_of(answer))
         return replace(self, counts=tuple(found[k] for k in range(len(self.counts))))
 
     def sealed(self) -> Vote:
@@ -118,7 +135,8 @@ class Vote:
     @property
     def total(self) -> int:
         """How many have voted."""
-        return sum(self.counts)
+        sketch = None if self.asked is None else self.asked.sketch
+        return sum(self.counts) // (1 if sketch is None else sketch.pieces)
 
     @property
     def shown(self) -> tuple[int, ...] | None:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from types import MappingProxyType, ModuleType
-from typing import Any, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
 
 import numpy as np
 
@@ -34,6 +34,9 @@ from .own_plant_banner import write_banner
 from .reading.lesson_data import read_folder
 from .scenes import NO_PATH, Scene
 from .script_record import Code
+
+if TYPE_CHECKING:
+    from ..engine.identification import Record  # late: it brings scipy.optimize
 
 S = TypeVar("S")  # a lesson's study: what it computes of its own
 Found = TypeVar("R")  # what a lesson's job finds
@@ -157,6 +160,20 @@ class Job(Generic[S, Found]):
             yield fraction, last
 
 
+class LiveDesk(Protocol):
+    """What a page beside a running plant asks: pictures and words for a tab, and what its buttons do."""
+
+    recording: Any
+    driving: Any
+    can_drive: Any
+    shown: Callable[[Hashable, Outcome[Any]], tuple[Outcome[Any], Sequence[Figure]]]
+    said: Callable[[Hashable], Sequence[Text]]
+    toggle_record: Callable[[], object]
+    toggle_drive: Callable[[Hashable], object]
+    hear: Callable[[Hashable, int], object]
+    number: Callable[[Hashable], int]
+
+
 @dataclass(frozen=True, eq=False)
 class Lesson(Generic[S]):
     """One lesson: data and pure functions.
@@ -169,6 +186,7 @@ class Lesson(Generic[S]):
     those that a hall needs, at most KEYS of which matter at once: in large print all others are behind "more knobs".
     `code` says what a script of a design starts from and finds again, where the run is no plain loop.
     `device` says what a device computes, and every how many seconds, where the run is no plain loop.
+    `take_record(lesson, record)` makes the lesson for a person's own record;
     `estimates` is the table of what a filter finds along a person's record.
     `derived` gives the numbers of the derivation's places, `place` its place in the course, `again` its second prediction,
     `path` its scenes, which are told on the lesson's own plant. `seeds` runs one design on many seeds.
@@ -208,6 +226,8 @@ class Lesson(Generic[S]):
     fault: Text = NO_WORDS
     device: Callable[[Outcome[S], float | None], DeviceDesign] | None = None
     estimates: Callable[[Outcome[S]], Sheet] | None = None
+    take_record: Callable[[Lesson, Record], Lesson] | None = None
+    live: LiveDesk | None = None  # of a page beside a running plant
 
     @classmethod
     def from_folder(cls, *modules: ModuleType, **given: Any) -> Lesson[Any]:

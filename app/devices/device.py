@@ -31,7 +31,7 @@ class Device:
                        "floor": np.floor if single else _floor}
         self._code: CodeType = compile(routine.source, f"<{routine.kind}>", "exec")
 
-    def step(self, y: Sequence[float], u: Sequence[float] = ()) -> list[float]:
+    def step(self, y: Sequence[float] | np.ndarray, u: Sequence[float] | np.ndarray = ()) -> list[float]:
         """Take the readings (NaN where one is missing) and, where the device does not drive, the inputs; gives the inputs."""
         number = self._number
         self.tables["y"][:] = [number(v) for v in y]

@@ -12,6 +12,7 @@ from .lines import Sample
 __all__ = ["LiveObserver", "Step"]
 
 MOST_BRIDGED = 1000  # periods without a line that are stepped through; after a longer gap the observer begins anew
+RESET_LINES = 5  # out of order in turn, each after the one before: the device was switched on again
 JITTER_SHARE = 0.25  # of a period: a line that is farther off its grid counts as jittered
 
 
@@ -41,6 +42,7 @@ class LiveObserver:
     _device: Device = field(init=False)
     _last: Sample | None = None
     _due: float = 0.0
+    _behind: list[float] = field(default_factory=list)  # times of the last lines in turn that were out of order
 
     def __post_init__(self) -> None:
         self.routine = watching(self.routine)
@@ -53,8 +55,10 @@ class LiveObserver:
             behind = (sample.t - self._due) / period
             if sample.t <= self._last.t:
                 self.disordered += 1
-                return None
-            if behind > MOST_BRIDGED:
+                if not self._was_reset(sample.t):
+                    return None
+                self._begin_again()
+            elif behind > MOST_BRIDGED:
                 self._begin_again()
             else:
                 gap = max(0, round(behind))
@@ -66,6 +70,7 @@ class LiveObserver:
                 self._due += gap * period
         if self._last is None:
             self._due = sample.t
+        self._behind = []
         self.first = sample.t if self.first is None else self.first
         self._step(sample.y, sample.u)
         if not np.isfinite(self._device.read("xnext" if "xnext" in self._device.tables else "xhat")).all():
@@ -83,11 +88,27 @@ class LiveObserver:
         """Mean time between the lines taken, 0 of fewer than two."""
         return 0.0 if self.steps < 2 or self._last is None or self.first is None else (self._last.t - self.first) / (self.steps - 1)
 
+    @property
+    def last_time(self) -> float:
+        """The time of the last line taken in s, 0 before the first."""
+        return 0.0 if self._last is None else self._last.t
+
+    @property
+    def predicted(self) -> np.ndarray:
+        """The estimate for the next sample, where the routine predicts one."""
+        return self._device.read("xnext" if "xnext" in self._device.tables else "xhat")
+
     def _step(self, y: np.ndarray, u: np.ndarray) -> None:
         try:
             self._device.step(y, u)
         except (ArithmeticError, ValueError):  # a covariance that has lost all sense
             self._begin_again()
+
+    def _was_reset(self, t: float) -> bool:
+        """Whether the clock of the device has begun anew: so many lines in turn are older than the last one and follow one another."""
+        follows = bool(self._behind) and 0 < t - self._behind[-1] < MOST_BRIDGED * self.routine.period
+        self._behind = [*self._behind, t] if follows else [t]
+        return len(self._behind) >= RESET_LINES
 
     def _begin_again(self) -> None:
         self.restarts += 1

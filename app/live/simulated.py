@@ -12,7 +12,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 
-from .sources import Read, SourceError, from_descriptor
+from .sources import Port, SourceError, from_descriptor
 
 __all__ = ["simulated"]
 
@@ -20,8 +20,12 @@ COMPILE_S = 60.0  # how long the compiler may take
 
 
 @contextmanager
-def simulated(files: Mapping[str, str], samples: int, *, lost: float = 0.0, jitter: float = 0.0, paced: bool = True) -> Iterator[Read]:
-    """Bytes of the simulated device. Raises SourceError without a C compiler."""
+def simulated(files: Mapping[str, str], samples: int, *, lost: float = 0.0, jitter: float = 0.0, paced: bool = True,
+              driven: bool = False, knocks: int = 0) -> Iterator[Port]:
+    """Bytes of the simulated device. Raises SourceError without a C compiler.
+
+    One that is `driven` takes u from lines. After each `knocks` samples the first state is added to the present one.
+    """
     compiler = shutil.which("gcc") or shutil.which("cc")
     if compiler is None:
         raise SourceError("The simulated device needs a C compiler; install gcc.")
@@ -34,12 +38,12 @@ def simulated(files: Mapping[str, str], samples: int, *, lost: float = 0.0, jitt
             raise SourceError(f"The compiler refuses the simulated device: {built.stderr[:200]}")
         ours, theirs = pty.openpty()
         tty.setraw(theirs)
-        process = subprocess.Popen([str(Path(folder) / "plant"), str(samples), repr(lost), repr(jitter), str(int(paced))], stdout=theirs,
-                                   stdin=subprocess.DEVNULL)
+        asked = (str(samples), repr(lost), repr(jitter), str(int(paced)), str(int(driven)), str(knocks))
+        process = subprocess.Popen([str(Path(folder) / "plant"), *asked], stdout=theirs, stdin=theirs if driven else subprocess.DEVNULL)
         os.close(theirs)
         try:
-            with from_descriptor(ours) as read:
-                yield read
+            with from_descriptor(ours, answers=driven) as port:
+                yield port
         finally:
             process.terminate()
             process.wait()

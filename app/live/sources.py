@@ -6,12 +6,27 @@ import os
 import select
 import socket
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
 
-__all__ = ["SourceError", "from_descriptor", "from_serial", "from_udp"]
+__all__ = ["Port", "SourceError", "from_descriptor", "from_serial", "from_udp"]
 
 PIECE_BYTES = 65_536  # read at once, at most
 Read = Callable[[float], "bytes | None"]  # waits so many seconds; b"" where nothing came, None at the end
+
+
+@dataclass(frozen=True)
+class Port:
+    """A source of bytes: called, it reads as `Read` says; `send` takes bytes to the device, and is None where nothing can be sent.
+
+    Bytes that the device does not take at once are left out: the next input is newer.
+    """
+
+    read: Read
+    send: Callable[[bytes], object] | None = None
+
+    def __call__(self, seconds: float) -> bytes | None:
+        return self.read(seconds)
 
 
 class SourceError(OSError):
@@ -19,8 +34,8 @@ class SourceError(OSError):
 
 
 @contextmanager
-def from_descriptor(descriptor: int) -> Iterator[Read]:
-    """Bytes of an open file, pipe or pseudo-terminal."""
+def from_descriptor(descriptor: int, *, answers: bool = False) -> Iterator[Port]:
+    """Bytes of an open file, pipe or pseudo-terminal; one that `answers` takes bytes too."""
     def read(seconds: float) -> bytes | None:
         ready, _, _ = select.select([descriptor], [], [], seconds)
         if not ready:
@@ -29,37 +44,50 @@ def from_descriptor(descriptor: int) -> Iterator[Read]:
             return os.read(descriptor, PIECE_BYTES) or None
         except OSError:  # the other end of a pseudo-terminal is gone
             return None
-    yield read
+
+    def send(data: bytes) -> None:
+        if select.select([], [descriptor], [], 0.0)[1]:
+            with suppress(OSError):
+                os.write(descriptor, data)
+    yield Port(read, send if answers else None)
 
 
 @contextmanager
-def from_udp(port: int, host: str = "127.0.0.1") -> Iterator[Read]:
-    """Datagrams to a port, each with whole lines. Raises SourceError."""
+def from_udp(port: int, host: str = "127.0.0.1") -> Iterator[Port]:
+    """Datagrams to a port, each with whole lines; what is sent goes to whom the last one came from. Raises SourceError."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as door:
         try:
             door.bind((host, port))
         except OSError as problem:
             raise SourceError(f"Port {port} cannot be opened ({problem.strerror}); choose another.") from problem
 
+        sender: tuple[str, int] | None = None
+
         def read(seconds: float) -> bytes | None:
+            nonlocal sender
             door.settimeout(seconds)
             try:
-                data, _ = door.recvfrom(PIECE_BYTES)
+                data, sender = door.recvfrom(PIECE_BYTES)
             except TimeoutError:
                 return b""
             return data if data.endswith(b"\n") else data + b"\n"
-        yield read
+
+        def send(data: bytes) -> None:
+            if sender is not None:
+                with suppress(OSError):
+                    door.sendto(data, sender)
+        yield Port(read, send)
 
 
 @contextmanager
-def from_serial(port: str, baud: int) -> Iterator[Read]:
+def from_serial(port: str, baud: int) -> Iterator[Port]:
     """Bytes of a serial port; it is opened again when the cable comes back. Raises SourceError."""
     try:
         import serial
     except ImportError as problem:
         raise SourceError('A serial port needs the package pyserial; run pip install "observer-lab[live]".') from problem
     try:
-        line = serial.Serial(port, baud, timeout=0)
+        line = serial.Serial(port, baud, timeout=0, write_timeout=0)
     except (serial.SerialException, ValueError) as problem:
         raise SourceError(f"{port[:60]} cannot be opened as a serial port; check its name, its rights and the cable.") from problem
 
@@ -73,7 +101,11 @@ def from_serial(port: str, baud: int) -> Iterator[Read]:
             line.close()
             select.select([], [], [], seconds)
             return b""
+
+    def send(data: bytes) -> None:
+        with suppress(serial.SerialException, OSError):
+            line.write(data)
     try:
-        yield read
+        yield Port(read, send)
     finally:
         line.close()

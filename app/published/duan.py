@@ -11,9 +11,10 @@ from typing import Any
 import numpy as np
 
 from ..engine import EngineError, functional_observer, rlo, simulate_functional
-from ..engine.observers import FunctionalObserver, Region, RobustObserver, perturbed_loop, vertices, worst_error_gain
+from ..engine.observers import FunctionalObserver, Region, RobustObserver, existence, perturbed_loop, vertices, worst_error_gain
 from ..engine.structure import coprime_factors
 from ..plants.duan import EXAMPLE_1, EXAMPLE_2, outer_input
+from ..plants.two_carts import CARTS, directions
 from .record import Published
 
 SOURCE = "002 robust observer"
@@ -174,6 +175,33 @@ def stable_poles_needed() -> int:
     return refused
 
 
+def carts(*poles: complex) -> FunctionalObserver:
+    """The observer of the two carts with these poles; L takes no reading of the tachometer."""
+    return functional_observer(CARTS.plant, CARTS.K, len(poles), poles=poles, directions=directions(poles), wrong=CARTS.wrong)
+
+
+def carts_at(re: float, im: float) -> FunctionalObserver:
+    """The same with a complex pair."""
+    return carts(complex(re, -im), complex(re, im))
+
+
+def carts_miss() -> float:
+    """How far the pair −0.5 ± 2j misses T A − F T = L C and K = N T + M C, relative, the larger."""
+    o = carts_at(-0.5, 2.0)
+    return max(o.dynamics_residual, o.output_residual)
+
+
+def least_pair(tall: float) -> tuple[float, float, float]:
+    """Re s, |Im s| and J of the best pair on a grid over −10 ≤ Re s ≤ −0.5 and |Im s| ≤ tall."""
+    J, re, im = min((carts_at(re, im).J, re, im) for re in -np.geomspace(0.5, 10, 12) for im in np.linspace(tall / 8, tall, 8))
+    return re, im, J
+
+
+def order_of_carts() -> tuple[float, float]:
+    """How far one state misses K, relative, at the left end −10 of the rectangle and at −11."""
+    return tuple(existence(CARTS.plant, CARTS.K, [s]).missed for s in (-10.0, -11.0))  # type: ignore[return-value]
+
+
 NORMS = ((1, "1"), (2, "2"), ("inf", "∞"))
 FORMULAS = "F = s, T = [1 s], L = −s² − 4s − 3, N = −30, M = 50 + 30s"
 BOX = {1: "11", 2: "9.828427", "inf": "9"}.items()
@@ -231,4 +259,14 @@ RECORDS = (
               note="M′ has m + p − r* columns"),
     Published(SOURCE, "C1: number of poles that must be stable at order 2", "Re s_i < 0 for i up to l",
               stable_poles_needed, "slip", "2", note="i runs over the p poles, not over the l perturbations"),
+    Published(SOURCE, "two carts: pair −0.5 ± 2j misses both conditions by", "(2b), (2c)", carts_miss, right="0", tolerance=1e-9,
+              note="two outputs and complex poles; the paper has no such example"),
+    Published(SOURCE, "two carts: one state misses K at −10 and at −11 by", "", order_of_carts, "beyond", "0.00593, 0",
+              note="the left end −10 of C′1 makes RLO raise the order to two"),
+    Published(SOURCE, "two carts: best pair for Im s up to 1.5, and J", "C′1 bounds Re s and Im s", lambda: least_pair(1.5),
+              right="-0.5, 1.5, 2.341230", tolerance=1e-6, note="it stands at both bounds"),
+    Published(SOURCE, "two carts: best pair for Im s up to 4, and J", "C′1 bounds Re s and Im s", lambda: least_pair(4.0),
+              right="-0.5, 2, 1.335646", tolerance=1e-6, note="the bound on Im s no longer counts"),
+    Published(SOURCE, "two carts: M of the tachometer at −0.5 ± 1.5j, −0.5 ± 2j", "",
+              lambda: [round(carts_at(-0.5, im).M[0, 1], 9) for im in (1.5, 2.0)], "beyond", "-1.5555556, 0", tolerance=1e-6),
 )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import html
 import json
 import re
@@ -10,7 +9,9 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from ..course.lectures import Lecture
 from ..course.lesson import Lesson
+from ..page.record.lecture_page import lecture_page
 from ..page.record.published_page import published_page
 from ..page.record.questions_page import questions_page
 from ..page.record.recorded_screen import Look
@@ -19,15 +20,15 @@ from .packing import Arrays, Table, data_file, difference, pack_run
 from .points import Points
 from .recorder import RecordedScene, RecordedState, Recorder
 from .screens import Values
+from .store import Write, write_file
 
-DATA = "data"
+DATA, PAGE = "data", "index.html"
 SKETCH = re.compile(r'data-sketch="([^"]*)"')  # in the HTML of a question's figure
-Write = Callable[[str, str], object]  # the name of a file in the folder, and its text
 
 
 def write_lesson(lessons: Mapping[str, Lesson], lesson: str, looks: Sequence[Look], points: Points, write: Write,
                  advance: Callable[[], object] = lambda: None) -> None:
-    """Record one lesson and write its files; `advance` is called after each scene."""
+    """Record one lesson and write its files, named from its own folder; `advance` is called after each scene."""
     recorder = Recorder(lessons, lesson, looks, points)
     recorder.begin(0)
     bases, overlays = recorder.screens.standing(), recorder.overlays()
@@ -46,8 +47,7 @@ def write_lesson(lessons: Mapping[str, Lesson], lesson: str, looks: Sequence[Loo
         content = {"places": places.kept, "values": values.kept, "base": pairs, "overlays": shown, "scenes": scenes,
                    "commands": {shortcut.label(look.language): type(shortcut.command).__name__ + _detail(shortcut.command)
                                 for shortcut in SHORTCUTS}}
-        name = f"{lesson}/{look.name}"
-        write(f"{DATA}/{name}.js", data_file(name, content, arrays.kept))
+        write(f"{look.name}.js", data_file(f"{lesson}/{look.name}", content, arrays.kept))
 
 
 def _detail(command: Any) -> str:
@@ -67,10 +67,8 @@ def _write_scene(lesson: str, scene: RecordedScene, looks: Sequence[Look], bases
         states = [_state(state, k, bases[k], places, values, numbers.get(id(state), -1)) for state in scene.states]
         content = {"places": places.kept, "values": values.kept, "states": states, "knobs": _widgets(scene.states, k),
                    "sketch": _sketch(scene, k)}
-        name = f"{lesson}/{scene.id}/{look.name}"
-        write(f"{DATA}/{name}.js", data_file(name, content))
-    name = f"{lesson}/{scene.id}/arrays"
-    write(f"{DATA}/{name}.js", data_file(name, {"runs": runs}, arrays.kept))
+        write(f"{scene.id}/{look.name}.js", data_file(f"{lesson}/{scene.id}/{look.name}", content))
+    write(f"{scene.id}/arrays.js", data_file(f"{lesson}/{scene.id}/arrays", {"runs": runs}, arrays.kept))
 
 
 def _state(state: RecordedState, look: int, base: Values, places: Table, values: Table, run: int) -> dict[str, Any]:
@@ -104,38 +102,11 @@ def _widgets(states: Sequence[RecordedState], look: int) -> dict[str, list[str]]
     return out
 
 
-def write_folder(lessons: Mapping[str, Lesson], looks: Sequence[Look], folder: Path) -> None:
-    """Write the page of these lessons, and the questions that they answer in each language."""
-    write_file(folder, "index.html", published_page([*dict.fromkeys(look.language for look in looks)], list(lessons),
-                                                    [look.name for look in looks], DATA))
-    for language in dict.fromkeys(look.language for look in looks):
-        write_file(folder, f"questions-{language}.html", questions_page(lessons, language, "index.html"))
-
-
-def write_file(folder: Path, name: str, words: str) -> None:
-    """Write a file of the folder."""
-    path = folder / name
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(words, encoding="utf-8")
-
-
-def key_of(sources: Sequence[Path], *settings: object) -> str:
-    """What the files of a lesson depend on, in one word: all sources of the lab, and how they are recorded."""
-    found = hashlib.sha256(repr(settings).encode())
-    for root in sources:
-        for path in sorted(path for path in root.rglob("*") if path.is_file() and "__pycache__" not in path.parts):
-            found.update(path.relative_to(root).as_posix().encode() + b"\0" + path.read_bytes())
-    return found.hexdigest()
-
-
-def is_written(folder: Path, lesson: str, key: str) -> bool:
-    """Whether the files of a lesson stand in the folder as this key makes them."""
-    note = folder / DATA / lesson / "key.txt"
-    return note.is_file() and note.read_text(encoding="utf-8") == key
-
-
-def record_lesson(lessons: Mapping[str, Lesson], lesson: str, looks: Sequence[Look], points: Points, folder: Path, key: str,
-                  advance: Callable[[], object] = lambda: None) -> None:
-    """Write the files of one lesson into the folder, and at the end the key that they belong to."""
-    write_lesson(lessons, lesson, looks, points, lambda name, words: write_file(folder, name, words), advance)
-    write_file(folder, f"{DATA}/{lesson}/key.txt", key)
+def write_folder(lessons: Mapping[str, Lesson], looks: Sequence[Look], folder: Path, lecture: Lecture | None = None) -> None:
+    """Write the page of these lessons, and in each language the questions that they answer and the scenes of the lecture."""
+    spoken = [*dict.fromkeys(look.language for look in looks)]
+    write_file(folder, PAGE, published_page(spoken, list(lessons), [look.name for look in looks], DATA))
+    for language in spoken:
+        write_file(folder, f"questions-{language}.html", questions_page(lessons, language, PAGE))
+        if lecture is not None:
+            write_file(folder, f"lecture-{language}.html", lecture_page(lecture, lessons, language, PAGE))

@@ -9,15 +9,17 @@ from types import MappingProxyType
 import numpy as np
 
 from observer_lab.course.figures.claims import claim
+from observer_lab.course.figures.diagram import DiagramFigure
 from observer_lab.course.figures.records import Curve, Figure, LineFigure, PlaneFigure, Point, TableFigure
 from observer_lab.course.lesson import Outcome
 from observer_lab.plants.arm import ANGLE_INDEX, CURRENT_INDEX, LOAD_INDEX, MODEL, MOTOR_DATA, SPEED_INDEX
 from observer_lab.text import NO_WORDS, Text, format_number, joined, text
 
+from ..toolkit.diagram import Limit, loop
 from ..toolkit.figures import ERROR_TAB, TIME_TAB, error_figure, input_figure, within
 from ..toolkit.knobs import untouched
 from .knobs import EXACT_ENCODER, JOINT
-from .loop import LOAD_AT
+from .loop import ARM_PLANT, LOAD_AT
 from .study import NOT_DECAYING, RESTED, SOLID, Study, last, sheet_rows
 
 GEAR_TAB, NUMBERS_TAB = text("Gear"), text("Numbers")
@@ -26,7 +28,7 @@ BEYOND = MappingProxyType({"angle": 360.0, "load": 20.0, "speed": 60.0, "current
 
 
 def figures(outcome: Outcome[Study]) -> tuple[Figure, ...]:
-    """Three tabs of curves and one of numbers."""
+    """Three tabs of curves, one of numbers, and the loop."""
     run = outcome.run
     assert run is not None
     limit = outcome.design["u_max"]
@@ -34,7 +36,16 @@ def figures(outcome: Outcome[Study]) -> tuple[Figure, ...]:
     error = replace(error_figure(run, outcome.study.promised), caption=_error_words(outcome))
     lines = (_angle(outcome), _load(outcome), _speed(outcome), voltage, _current(outcome), _gear(outcome))
     angle, load, speed, voltage, current, gear = (within(figure, BEYOND[figure.id]) for figure in lines)
-    return (load, angle, speed, error, voltage, current, gear, _loop(outcome), _speeds(outcome), _sheet(), _rest(outcome))
+    return (load, angle, speed, error, voltage, current, gear, _loop(outcome), _speeds(outcome), _sheet(), _rest(outcome),
+            _diagram(outcome))
+
+
+def _diagram(outcome: Outcome[Study]) -> DiagramFigure:
+    run = outcome.run
+    assert run is not None
+    limit = Limit(run.u_asked, True) if run.saturated else None
+    return loop(ARM_PLANT, run, outcome.gains["L"], outcome.gains["K"], limit=limit, reference=True,
+                law="" if outcome.study.played.linear else r"\dot x = f(x, u),\quad y = h(x)")
 
 
 def _pair(outcome: Outcome[Study], place: int, scale: float = 1.0) -> tuple[Curve, Curve]:

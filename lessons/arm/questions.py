@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
-from math import degrees
+from math import degrees, radians
 from types import MappingProxyType
 
 import numpy as np
 
 from observer_lab.course.figures.records import Curve
 from observer_lab.course.guiding.questions import Asked, DrawnQuestion, question_of_bar_groups, question_over_time
+from observer_lab.devices import design_of_run
 from observer_lab.plants.arm import ANGLE_INDEX, LOAD_INDEX
 from observer_lab.text import text
 
+from ..toolkit.on_board import board_question
 from .loop import LOAD_AT
 
+ROUNDED_TO, LATE = 1.0, 5  # degrees; periods of the device, 20 ms
 PART = 0.5  # of the load that is found, in the option that says that a part is found
 DRIFT = 0.6  # of the load in a second, in the option that says that the estimate drifts
 RECALLED_LOAD = 1.5  # N m, of the recalled question
@@ -53,4 +56,12 @@ def surprise(asked: Asked) -> DrawnQuestion:
                                   (after["load_error"], after["angle_belief"], after["angle_error"]), "error")
 
 
-QUESTIONS = MappingProxyType({"recall": recall, "predict": predict, "surprise": surprise})
+def board(asked: Asked) -> DrawnQuestion:
+    """The error of the load on a board, at the lesson's start."""
+    run = asked.lesson.compute(asked.lesson.start()).run
+    assert run is not None
+    return board_question(text("error of the load on a board"), "N m", design_of_run(run), run.x, LOAD_INDEX, step=radians(ROUNDED_TO),
+                          late=LATE)
+
+
+QUESTIONS = MappingProxyType({"recall": recall, "predict": predict, "surprise": surprise, "board": board})

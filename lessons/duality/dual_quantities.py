@@ -144,8 +144,9 @@ class Twins:
 
     @cached_property
     def horizon(self) -> Horizon:
-        """Both equations in time, over the window."""
-        return horizon_of(self.plant, self.weights, self.S, self.P, self.design["window"])
+        """Both equations in time, over the window, from shares of what they settle to."""
+        share = self.design["terminal"]
+        return horizon_of(self.plant, self.weights, self.S, self.P, self.design["window"], (share * self.S, share * self.P))
 
     @cached_property
     def pair(self) -> Pair:

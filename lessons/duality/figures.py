@@ -84,7 +84,7 @@ def _pairing(twins: Twins, relative: float) -> LineFigure:
 def _horizon(here: Setting, design: Design, twins: Twins) -> LineFigure:
     """In weights: the gain of placed poles solves no Riccati equation."""
     R = weights_of(here, design)[1]
-    return horizon_figure(twins.horizon, twins.S, twins.P, np.linalg.solve(R, here.plant(design).B.T @ twins.S))
+    return horizon_figure(twins.horizon, twins.S, twins.P, np.linalg.solve(R, here.plant(design).B.T @ twins.S), design["terminal"])
 
 
 def _ellipse(W: np.ndarray) -> tuple[np.ndarray, np.ndarray, float, float]:

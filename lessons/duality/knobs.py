@@ -25,6 +25,8 @@ def _weight(name: str, symbol: str, label: Text, default: float, tied: bool) -> 
                   when=None if tied else ("mirror", (False,)), hint=HINTS[name])
 
 
+TERMINAL = Number("terminal", "s_f", text("terminal weight s_f"), low=0.0, high=4.0, default=0.0, step=0.1,
+                  hint=text("The equations in time begin with S_f = s_f S and P₀ = s_f P. With 1 they are settled from the start."))
 KNOBS = (
     Choice("method", "", text("gains by"), default=BY_POLES,
            options=((BY_POLES, text("dragging poles")), (BY_WEIGHTS, text("Q/R weights"))),
@@ -34,8 +36,9 @@ KNOBS = (
           hint=text("Drag a cross on either board: both boards hold the same poles.")),
     Number("sensor", r"\varphi", text("sensor turned by"), "°", low=0.0, high=90.0, default=0.0, step=1.0,
            hint=text("y = q cos φ + v sin φ: the position at 0°, the velocity at 90°.")),
-    Number("window", "T", text("window of the ellipses"), "s", low=0.5, high=12.0, default=4.0, step=0.1,
+    Number("window", "T", text("length T of the window"), "s", low=0.5, high=12.0, default=4.0, step=0.1,
            hint=text("How long the input acts, and how long the output is measured.")),
+    TERMINAL,
     _weight("q", r"\alpha_Q", text("state weight α_Q"), 4.0, True),
     _weight("r", r"\alpha_R", text("input weight α_R"), 1.0, True),
     Switch("mirror", "", text("mirror the weights: W = Q, V = R"), default=True,

@@ -19,7 +19,7 @@ from ..toolkit.knobs import BY_POLES, BY_WEIGHTS, run_knobs
 from .derive import derived
 from .dual_quantities import Setting
 from .figures import figures
-from .knobs import KNOBS
+from .knobs import KNOBS, TERMINAL
 from .study import compute
 
 BY_HAND = 6  # most states for which Ackermann's formula, the observer's own, is trusted
@@ -59,8 +59,8 @@ def own_knobs(model: Model, window: Window, hand: bool) -> tuple[Knob, ...]:
     poles = Poles("poles", "p", text("Poles of both boards"), "rad/s", default=model.controller_poles,
                   re_low=window.re_low, re_high=window.re_high, im_high=window.im_high, when=("method", (BY_POLES,)),
                   hint=text("Drag a cross on either board: both boards hold the same poles."))
-    span = Number("window", "T", text("window of the ellipses"), "s", low=model.horizon / 30, high=model.horizon,
+    span = Number("window", "T", text("length T of the window"), "s", low=model.horizon / 30, high=model.horizon,
                   default=model.horizon / 3, hint=text(
                       "How long the input acts, and how long the output is measured."))
     weights = [k for k in KNOBS if k.name in ("q", "r", "mirror", "w", "v")]
-    return (method, *((poles,) if hand else ()), span, *weights, *run_knobs(model.horizon))
+    return (method, *((poles,) if hand else ()), span, TERMINAL, *weights, *run_knobs(model.horizon))

@@ -14,7 +14,7 @@ import numpy as np
 from observer_lab.course.figures.records import Figure, PlaneFigure, Point, TableFigure
 from observer_lab.engine import Plant
 from observer_lab.plants import spring_damper
-from observer_lab.text import format_number, joined, text
+from observer_lab.text import Text, format_number, joined, text
 
 PLANT = spring_damper.MODEL.plant
 TARGET = (-1.0, -1.0)
@@ -22,6 +22,7 @@ RIGHT_GAIN = np.array([[1.5], [-0.75]])
 PRINTED_GAIN = np.array([[2.5], [-1.25]])
 PRINTED_MATRIX = np.array([[-2.5, 1.0], [-0.25, -0.5]])
 NOTES_TAB = text("Notes")
+ON_AXIS = 1e-12  # 1/s: a real part below it is zero
 NONE, POLYNOMIAL_LINE, FIRST_LINE, SECOND_LINE, GAIN_LINE, MATRIX_LINE = "none", "polynomial", "first", "second", "gain", "matrix"
 REPORT_LINES = (
     (NONE, text("none yet")),
@@ -84,9 +85,29 @@ def _page(line: str, L: np.ndarray) -> TableFigure:
     rows = tuple((text("▸ {names}", names=names[k]) if k == line else names[k], PRINTED_FORMULAS[k], yours[k])
                  for k in PRINTED_FORMULAS)
     return TableFigure("page", text("the page of the notes, line by line"),
-                       (text("line"), text("printed"), text("with your L")), rows,
+                       (text("line"), text("printed"), text("with your L")), (*_before(L), *rows),
                        tab=NOTES_TAB, caption=text("The last column puts the present gain into each line; the "
                                                    "polynomial there is that of A − LC itself."))
+
+
+def _before(L: np.ndarray) -> tuple[tuple[Text, str | Text, str], ...]:
+    """Three statements before the example: e is no derivative, a condition on real parts, and a differential equation with its dot.
+
+    Without its dot the equation gives at rest (u = 1, x = (1, 0)) the ẑ that solves (I − A + LC) ẑ = B u + L y.
+    """
+    A = PLANT.A - L @ PLANT.C
+    poles, rate = poles_of(A), A[:, 0]
+    largest = float(poles.real.max())
+    still = np.eye(2) - A
+    z = np.linalg.solve(still, PLANT.B[:, 0] + L[:, 0]) if abs(np.linalg.det(still)) > 1e-9 else np.full(2, np.inf)
+    sign = "=" if abs(largest) < ON_AXIS else "<" if largest < 0 else ">"
+    return (
+        (text("the definition of the error"), "e := ẋ − x̂̇", f"e = (1, 0), ė = ({_plain(rate[0])}, {_plain(rate[1])})"),
+        (text("the condition of convergence"), text("eigenvalues < 0"),
+         f"s = {_words(poles)}; Re s = " + ("0" if sign == "=" else f"{_plain(largest)} {sign} 0")),
+        (text("the equation of the observer, at rest with u = 1"), "ẑ = Aẑ + Bu + L(y − Cẑ)",
+         f"ẑ = ({_plain(z[0])}, {_plain(z[1])}), x = (1, 0)"),
+    )
 
 
 def _poles(line: str, L: np.ndarray) -> PlaneFigure:

@@ -16,6 +16,7 @@ from observer_lab.text import Text, format_number, same, text, text_in
 from ..toolkit.figures import TIME_TAB
 from ..toolkit.shares import apart
 from .data_sheet import SHEET_TAB, estimators_figure, sheet_figure
+from .figure_eleven import ELEVEN_TAB, eleven_figures
 from .filters import COMPARED_STEPS, UNTESTED_SAMPLES
 from .knobs import CARRIED, DT
 from .loop import loop_of
@@ -44,6 +45,7 @@ def figures(outcome: Outcome[Study]) -> FigureSet:
         tab_figures(TEST_TAB, lambda: (_tests(outcome),)),
         tab_figures(SPECTRUM_TAB, lambda: (_tracking(outcome), _colour(outcome))),
         tab_figures(REPORT_TAB, lambda: (report_figure(outcome),)),
+        tab_figures(ELEVEN_TAB, lambda: eleven_figures(outcome.design)),
         tab_figures(FIT_TAB, lambda: (fit_figure(outcome),)),
         tab_figures(SHEET_TAB, lambda: (estimators_figure(outcome), sheet_figure(outcome))),
         tab_figures(NUMBER_TAB, lambda: (number_figure(outcome),)),

@@ -20,7 +20,7 @@ def _expected(o: Outcome[Study]) -> Expected:
 
 
 def _said(e: Expected) -> Text:
-    return text("Over all records NIS averages {nis:.2f}, NEES {nees:.3g}, and whiteness flags {flagged:.0f} %",
+    return text("Over all records NIS averages {nis:.3g}, NEES {nees:.3g}, and whiteness flags {flagged:.0f} %",
                 nis=e.nis, nees=e.nees, flagged=100 * e.flagged)
 
 
@@ -77,7 +77,7 @@ def _shy(o: Outcome[Study]) -> Verdict:
     if o.design["noise"] != "white":
         return Verdict(False, text("This task is about white sensor noise."))
     e = _expected(o)
-    found = text("Over all records NIS averages {nis:.2f} and whiteness flags {flagged:.2f} %", nis=e.nis, flagged=100 * e.flagged)
+    found = text("Over all records NIS averages {nis:.3g} and whiteness flags {flagged:.2f} %", nis=e.nis, flagged=100 * e.flagged)
     if not NIS_BAND[0] <= e.nis <= NIS_BAND[1] or e.flagged > MAX_FLAGGED_SHARE:
         return Verdict(
             False,

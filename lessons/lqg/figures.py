@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from observer_lab.course.figures.claims import claim
+from observer_lab.course.figures.diagram import DIAGRAM
 from observer_lab.course.figures.records import Curve, LineFigure, PlaneFigure, Point, TableFigure, finite, over_frequency
 from observer_lab.course.lazy import FigureSet, tab_figures
 from observer_lab.course.lesson import Outcome
@@ -13,11 +14,13 @@ from observer_lab.plants.signal_names import signal_name
 from observer_lab.text import Text, format_number, same, squared_unit, text, text_in
 
 from ..toolkit.figures import TIME_TAB, axis_name, within
+from .loop_figure import loop_of
 from .recovery_figure import RECOVERY_TAB, UNIT_CIRCLE, both_halves, rings_figure
 from .report_rules import REPORT_TAB, rules_figure
 from .robustness import Robustness
 from .robustness import within as gain_within
 from .study import Study, sensor_share
+from .tuning_figures import tuning_leaves
 
 SPECTRUM_TAB, COST_TAB = text("Spectrum"), text("Input and cost")
 ROBUST_TAB = text("Robustness")
@@ -37,7 +40,9 @@ def figures(outcome: Outcome[Study]) -> FigureSet:
         tab_figures(RECOVERY_TAB, lambda: (rings_figure(outcome), _loop_gain(outcome))),
         tab_figures(RECOVERY_TAB, lambda: (_price(outcome),), "late"),
         tab_figures(TIME_TAB, lambda: _run(outcome)),
+        tab_figures(DIAGRAM, lambda: (loop_of(outcome),)),
         tab_figures(REPORT_TAB, lambda: (rules_figure(outcome),)),
+        *tuning_leaves(outcome),
     )
 
 

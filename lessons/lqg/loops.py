@@ -63,14 +63,28 @@ def gains(case: Case, setting: Setting) -> tuple[Optimal, Optimal]:
     return regulator(case, f.alpha_q, f.alpha_r), estimator(case, f.beta_q, f.beta_r, setting.recovery)
 
 
-@lru_cache(maxsize=32)
+@lru_cache(maxsize=64)
 def loop(case: Case, setting: Setting) -> NoisyLoop:
     """The loop of the true plant, its inputs `gain` times as strong, under the true noise."""
-    reg, est = gains(case, setting)
-    real = Plant(case.plant.A, setting.gain * case.plant.B, case.plant.C, setting.gain * np.asarray(case.plant.D))
+    return loop_with(case, setting, regulator(case, setting.factors.alpha_q, setting.factors.alpha_r).gain)
+
+
+def loop_with(case: Case, setting: Setting, K: np.ndarray) -> NoisyLoop:
+    """The same loop with another feedback gain K."""
     f = setting.factors
-    return noisy_loop(real, compensator(case.plant, reg.gain, est.gain), case.G, case.true_disturbance(f) * case.W,
+    L = estimator(case, f.beta_q, f.beta_r, setting.recovery).gain
+    real = Plant(case.plant.A, setting.gain * case.plant.B, case.plant.C, setting.gain * np.asarray(case.plant.D))
+    return noisy_loop(real, compensator(case.plant, K, L), case.G, case.true_disturbance(f) * case.W,
                       V=f.sensor * case.V).watching(case.rows)
+
+
+def measured_loop(case: Case, setting: Setting) -> NoisyLoop:
+    """The regulator alone, u = −K x: C is replaced by I, and no sensor is noisy."""
+    n, f = case.plant.n, setting.factors
+    K = regulator(case, f.alpha_q, f.alpha_r).gain
+    real = Plant(case.plant.A, setting.gain * case.plant.B, np.eye(n))
+    feedback = Plant(np.zeros((0, 0)), np.zeros((0, n)), np.zeros((len(K), 0)), -K)
+    return noisy_loop(real, feedback, case.G, case.true_disturbance(f) * case.W, V=np.zeros((n, n))).watching(case.rows)
 
 
 # --- cost ------------------------------------------------------------------------------------------------------------

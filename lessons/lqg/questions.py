@@ -7,15 +7,17 @@ from types import MappingProxyType
 
 import numpy as np
 
-from observer_lab.course.guiding.questions import Asked, DrawnQuestion, question_of_bar_groups, question_of_poles
+from observer_lab.course.guiding.questions import Asked, DrawnQuestion, question_of_bar_groups, question_of_bars, question_of_poles
 from observer_lab.text import text
 
 from ..toolkit.questions import question_of_decades
+from .loops import sensor_input
 
 LATE = 0.7  # of a pole, in the option that says that the late estimate moves it
 FIXED_SHARE = 0.5  # of the margin of LQR, in the option that says so
 GUARANTEED_DEG = 60.0  # phase margin that regulator and filter have in any case, each cut at its own place
 WEIGHTS = (5.0, 100.0)  # q and σ, before and after
+NOISE_SHARES = (3.0, 1.0, 0.3)  # of the input from sensor noise, in the order of the options
 COST_SHARES = (1.0, 0.5, 1.5, 90.0)  # of the cost now, in the order of the options
 
 
@@ -48,4 +50,11 @@ def surprise(asked: Asked) -> DrawnQuestion:
                                (text("with recovery"),), [(share,) for share in COST_SHARES], (after / before,))
 
 
-QUESTIONS = MappingProxyType({"recall": recall, "predict": predict, "surprise": surprise})
+def tune(asked: Asked) -> DrawnQuestion:
+    """The input's part from sensor noise after β_R has grown, as a share of that before: more, as much, or less."""
+    now, then = (sensor_input(each.study.case, each.study.setting) for each in (asked.entry, asked.after))
+    return question_of_bars(text("input from sensor noise"), text("times the value now"), ((text("now"), 1.0),), text("with ten times β_R"),
+                            NOISE_SHARES, then / now)
+
+
+QUESTIONS = MappingProxyType({"recall": recall, "tune": tune, "predict": predict, "surprise": surprise})

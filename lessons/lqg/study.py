@@ -84,7 +84,7 @@ class Study:
     def gained(self) -> tuple[np.ndarray | None, np.ndarray]:
         """Decibels gained at the peak, and at the case's low frequency (k,)."""
         none = np.zeros(len(self.case.names))
-        return (None, none) if self.density is None else _gained(self.case, self.disturbance, self.density)
+        return (None, none) if self.density is None else peak_reductions(self.case, self.disturbance, self.density)
 
     @property
     def suppression(self) -> np.ndarray | None:
@@ -161,7 +161,7 @@ def _note(study: Study, design: Design) -> tuple[Text, ...]:
     )
 
 
-def _gained(case: Case, true: float, density: np.ndarray) -> tuple[np.ndarray | None, np.ndarray]:
+def peak_reductions(case: Case, true: float, density: np.ndarray) -> tuple[np.ndarray | None, np.ndarray]:
     """Decibels that the highest peak in the band, and the density at the low frequency, have come down."""
     if case.open_psd is None:
         return None, np.zeros(density.shape[1])

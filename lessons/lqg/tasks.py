@@ -13,11 +13,15 @@ from .knobs import NONE, SENSOR_RULE, UNITS_RULE
 from .loops import setting_of
 from .robustness import beyond, real, within
 from .study import Study
+from .tuning import channel_reductions, reached, structure
 
+AS_MODELLED = Verdict(False, text("Take the platform with inputs as strong as the model says."))
 BREAKING_GAIN = 1.001  # a gain that breaks the loop of the first task
 HEAVY = 1000.0  # q and σ at least, in the second
 MIN_GAIN_UP, MAX_GAIN_DOWN = 2.0, 0.5  # gain margins asked back
 MIN_SUPPRESSION_DB, MIN_DELAY_MARGIN_S = 20.0, 0.1
+REGULATOR_DB, LOOP_DB = (80.0, 90.0), 60.0  # with the state measured, and with the filter
+MIN_SPARSE_GAIN_DB, SPARSE_DEARER = 20.0, 1.01  # dB of the rotation, times the cost with all of K
 LOUD, DELAY, DEARER = 1e7, (0.12, 0.13), 1.25  # true sensor noise; s of delay margin; of the least cost
 
 
@@ -85,6 +89,42 @@ def _twenty(outcome: Outcome[Study]) -> Verdict:
     return Verdict(True, text("{found}.", found=found))
 
 
+def _as_modelled(outcome: Outcome[Study]) -> bool:
+    """Whether the platform's inputs are as strong as the model says; its optimal loops are stable then."""
+    return _on(outcome, REPORT) and outcome.study.suppression is not None and outcome.design["gain"] == 1.0
+
+
+def _stages(outcome: Outcome[Study]) -> Verdict:
+    s = outcome.study
+    if not _as_modelled(outcome):
+        return AS_MODELLED
+    assert s.suppression is not None
+    measured = reached(s.case, s.setting, True)
+    assert measured is not None and measured.reductions is not None  # LQR is stable, and so is the platform
+    known, kept = float(np.min(measured.reductions)), float(np.min(s.suppression))
+    found = text("The least reduction is {known:.1f} dB with the state measured and {kept:.1f} dB with this filter", known=known, kept=kept)
+    if not REGULATOR_DB[0] <= known <= REGULATOR_DB[1] or kept < LOOP_DB:
+        return Verdict(False, text("{found}; wanted are 80 to 90 dB and then 60 dB.", found=found))
+    return Verdict(True, text("{found}.", found=found))
+
+
+def _sparse(outcome: Outcome[Study]) -> Verdict:
+    s = outcome.study
+    if not _as_modelled(outcome):
+        return AS_MODELLED
+    assert s.suppression is not None
+    both = structure(s.case, s.setting)
+    sparse = channel_reductions(s.case, s.setting, both.sparse)
+    if sparse is None:
+        return Verdict(False, text("Without the cross gains this loop is unstable."))
+    gained, price = float(sparse[1] - s.suppression[1]), both.cost[1] / both.cost[0]
+    found = text("Without the cross gains the rotation's peak is {gained:.1f} dB lower, at {price:.4f} times the cost",
+                 gained=gained, price=price)
+    if gained < MIN_SPARSE_GAIN_DB or price > SPARSE_DEARER:
+        return Verdict(False, text("{found}; wanted are 20 dB and at most 1.01 times.", found=found))
+    return Verdict(True, text("{found}.", found=found))
+
+
 def _rule(outcome: Outcome[Study]) -> Verdict:
     rule, more = outcome.design["rule"], outcome.metrics.get("sensor_more", np.inf)
     if rule == NONE:
@@ -115,4 +155,6 @@ TASKS = (
         "rule", _rule, {"rule": SENSOR_RULE}, Typed(lambda _: 0.1, slips=(("10", text("The other way round: W is to fall as V rises.")),))
     ),
     typed_task("weaker", WEAKER),
+    Task("stages", _stages, {"alpha_r": 100.0, "beta_r": 1e5}),
+    Task("sparse", _sparse, {"alpha_r": 1e4, "beta_r": 1.0}),
 )

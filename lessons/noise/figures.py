@@ -179,7 +179,7 @@ def _variance(outcome: Outcome[Study], i: int) -> LineFigure:
         said = text("No runs yet: press the button under the knobs.")
     else:
         said = text("{count} runs: the variance lies within its 95 % band at {inside:.0f} % of the instants; at "
-                    "the end it is {tried:.3f} of the promise.",
+                    "the end it is {tried:.3f} times the predicted one.",
                     count=count, inside=inside, tried=tried[-1] / promised[-1])
     return LineFigure("variance", text("variance of the {names} error", names=SIGNAL_NAMES[i]), run.t, curves,
                       f"[{squared_unit(SIGNAL_UNITS[i])}]", window=(0.0, float(1.3 * promised[-1])), caption=said, tab=RUNS_TAB)

@@ -8,8 +8,12 @@ import numpy as np
 
 from observer_lab.course.figures.records import Curve, Point
 from observer_lab.course.guiding.questions import Asked, DrawnQuestion, question_of_bars, question_of_poles, question_over_time
+from observer_lab.devices import design_of_run
 from observer_lab.text import text
 
+from ..toolkit.on_board import board_question
+
+ROUNDED_TO, LATE = 0.05, 20  # m; periods of the device, 0.24 s
 FASTER = 2.0  # times that the poles move to the left in the recall
 ALMOST_THREEFOLD = 2.0**1.5  # as much as the option says that σ grows for twice the speed
 
@@ -38,4 +42,12 @@ def surprise(asked: Asked) -> DrawnQuestion:
     return question_of_poles(text("poles of the Kalman filter"), known, [np.asarray(before) * share for share in (1.0, 1 / 16, 0.5)], after)
 
 
-QUESTIONS = MappingProxyType({"recall": recall, "predict": predict, "surprise": surprise})
+def board(asked: Asked) -> DrawnQuestion:
+    """The error of the velocity on a board, at the lesson's start with the Kalman filter's poles."""
+    start = asked.lesson.apply(asked.lesson.start(), {"speed": 1.0})
+    run = asked.lesson.compute(start).run
+    assert run is not None
+    return board_question(text("error of the velocity on a board"), "σ [m/s]", design_of_run(run), run.x, 1, step=ROUNDED_TO, late=LATE)
+
+
+QUESTIONS = MappingProxyType({"recall": recall, "predict": predict, "surprise": surprise, "board": board})

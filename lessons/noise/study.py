@@ -102,7 +102,7 @@ def _observer(design: Design, kalman: Optimal) -> tuple[tuple[complex, ...], np.
     else:
         poles = design["observer_poles"]
     if max(p.real for p in poles) > -0.02:
-        raise KnobError(text("An observer pole is not left of −0.02, so the error has no variance to speak of; "
+        raise KnobError(text("An observer pole is not left of −0.02, so the error has no settled variance; "
                              "drag it left."))
     return poles, observer_gain(SPRING_PLANT.A, SPRING_PLANT.C, poles).gain
 

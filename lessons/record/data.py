@@ -11,7 +11,7 @@ import numpy as np
 
 from observer_lab.course.knobs import KnobError
 from observer_lab.engine import Plant
-from observer_lab.engine.identification import Record, read_record
+from observer_lab.engine.identification import Record, RecordFit, read_record
 from observer_lab.engine.systems import affine_scan, discretise
 from observer_lab.text import text
 
@@ -44,7 +44,8 @@ class Truth:
 class Given:
     """A record, and if it is simulated the output without sensor noise and the plant.
 
-    `own` if a person brought it; `plant` if that person's plant is filtered, and not fitted.
+    `own` if a person brought it; `plant` if that person's plant is filtered, and not fitted; `opening`: the fit with the order that
+    its singular values suggest, with which the lesson opens.
     """
 
     record: Record
@@ -52,6 +53,7 @@ class Given:
     truth: Truth | None = None
     own: bool = False
     plant: Plant | None = None
+    opening: RecordFit | None = None
 
 
 def _plant(A: list[list[float]], B: list[float], C: list[float], dt: float) -> Plant:
@@ -73,7 +75,7 @@ def record_of(data: str, seed: int) -> Given:
         words = (files("observer_lab.plants") / "data" / "gas-furnace.csv").read_text(encoding="utf-8")
         return Given(read_record(words, inputs=("gas rate",), outputs=("CO2",)))
     if data not in TRUTHS:
-        raise KnobError(text("There is no record of your own here; start the lab with --data FILE.csv."))
+        raise KnobError(text("There is no record of your own here; upload it, or start the lab with --data FILE.csv."))
     truth = TRUTHS[data]
     plant, total = truth.plant, truth.rows + BEFORE
     rng = np.random.default_rng(seed)

@@ -131,7 +131,7 @@ def _whiteness(study: Study) -> PlaneFigure:
     high = max(1.2 * float(np.abs(r).max()), 2 * white.band)
     p_value = study.judged.evidence.white
     if p_value >= WHITE:
-        said = text("The innovations are white (p = {p:.2g}): nothing in them can be predicted.", p=p_value)
+        said = text("The innovations are white (p = {p:.2g}), the errors of the fit allowed for.", p=p_value)
     else:
         said = text("The innovations are not white (p = {p:.2g}): a better model could predict a part of them.", p=p_value)
     return PlaneFigure("whiteness", text("autocorrelation of the innovations"), lines, points, text("lag"), text("correlation"),

@@ -6,7 +6,7 @@ from observer_lab.course.knobs import Choice, Number, Switch
 from observer_lab.text import text
 
 SPRING, TANKS, MASSES, FURNACE, OWN = "spring", "tanks", "masses", "furnace", "own"
-MAX_ORDER = 6
+MAX_ORDER, OPENING_SHARE = 6, 0.5
 
 DATA = Choice("data", "", text("record"), default=SPRING,
               options=((SPRING, text("spring and damper (simulated)")), (TANKS, text("two tanks (simulated)")),
@@ -14,11 +14,12 @@ DATA = Choice("data", "", text("record"), default=SPRING,
               hint=text("The true plant behind a simulated record is known; behind a measured one nobody knows it."))
 DELAY = Number("delay", "", text("dead time of the input (rows)"), low=0, high=60, default=0, scale="integer",
                hint=text("By how many rows the output answers later than in the next row. For your own record it is estimated."))
+ORDER = Number("order", "n", text("order of the model"), low=1, high=MAX_ORDER, default=2, scale="integer",
+               hint=text("How many states the fitted model has. The tab Order suggests a number."))
 KNOBS = (
     DATA,
-    Number("order", "n", text("order of the model"), low=1, high=MAX_ORDER, default=2, scale="integer",
-           hint=text("How many states the fitted model has. The tab Order suggests a number.")),
-    Number("share", "", text("share used for the fit"), "%", low=20, high=80, default=50, step=5,
+    ORDER,
+    Number("share", "", text("share used for the fit"), "%", low=20, high=80, default=100 * OPENING_SHARE, step=5,
            hint=text("The first part of the record fits the model; the rest judges the filter.")),
     DELAY,
     Number("factor", "", text("Q by hand / Q by likelihood"), low=0.001, high=1000.0, default=1.0, scale="log",

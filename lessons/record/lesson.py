@@ -4,7 +4,7 @@ from functools import partial
 
 from observer_lab.course.lesson import Lesson
 
-from . import code, derive, device, estimates, exams, figures, knobs, questions, study, tasks
+from . import code, derive, device, estimates, exams, figures, knobs, own, questions, study, tasks
 
-LESSON = Lesson.from_folder(code, derive, device, estimates, exams, figures, knobs, questions, study, tasks,
+LESSON = Lesson.from_folder(code, derive, device, estimates, exams, figures, knobs, own, questions, study, tasks,
                             compute=partial(study.compute, study.from_knobs))

@@ -8,13 +8,13 @@ from dataclasses import replace
 from functools import partial
 
 from observer_lab.course.lesson import Design, Lesson
-from observer_lab.engine import Plant
-from observer_lab.engine.identification import Record, resample
+from observer_lab.engine import EngineError, Plant
+from observer_lab.engine.identification import Record, RecordFit, identify, resample
 from observer_lab.engine.identification.conditioning import delayed
 from observer_lab.text import text
 
 from .data import Given
-from .knobs import DATA, DELAY, OWN
+from .knobs import DATA, DELAY, OPENING_SHARE, ORDER, OWN
 from .study import Study, compute, from_knobs
 
 MAX_SHOWN = 20_000  # rows that the page fits and plays; a longer record gets a coarser step
@@ -30,14 +30,26 @@ def with_record(lesson: Lesson[Study], record: Record, plant: Plant | None = Non
     factor = math.ceil(regular.rows / MAX_SHOWN)
     if factor > 1:
         regular = resample(regular, step=factor * regular.dt)
-    mine = Given(_plain(regular), own=True, plant=plant)
+    plain = _plain(regular)
+    late = replace(DELAY, default=min(delayed(plain, OPENING_SHARE, None)[1], int(DELAY.high)))
+    opening = None if plant is not None else _opening(plain, late.default)
+    mine = Given(plain, own=True, plant=plant, opening=opening)
 
     def source(design: Design) -> Given:
         return mine if design["data"] == OWN else from_knobs(design)
     chosen = replace(DATA, options=(*DATA.options, (OWN, text("your own record"))), default=OWN)
-    late = replace(DELAY, default=min(delayed(mine.record, 0.5, None)[1], int(DELAY.high)))
-    own = {"data": chosen, "delay": late}
+    order = ORDER if opening is None else replace(ORDER, default=len(opening.subspace.A))
+    own = {"data": chosen, "delay": late, "order": order}
     return replace(lesson, knobs=tuple(own.get(knob.name, knob) for knob in lesson.knobs), compute=partial(compute, source))
+
+
+def _opening(record: Record, delay: int) -> RecordFit | None:
+    """The fit of the order that the singular values suggest; None where there is none, which the lesson then says."""
+    try:
+        found = identify(record, share=OPENING_SHARE, delay=delay)
+    except EngineError:
+        return None
+    return found if ORDER.low <= len(found.subspace.A) <= ORDER.high else None
 
 
 def _plain(record: Record) -> Record:

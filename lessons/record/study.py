@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
@@ -12,12 +13,12 @@ from observer_lab.course.figures.latex import matrix
 from observer_lab.course.lazy import LazyMap, LazySequence, LazyValue
 from observer_lab.course.lesson import Check, Design, Formula, Outcome, Stage
 from observer_lab.engine.identification import FilteredRecord, RecordFit, filter_plant, filter_record, identify
-from observer_lab.engine.identification.evidence import INPUT, LEAST_FIT, WHITE
+from observer_lab.engine.identification.evidence import INPUT, LEAST_FIT, MOST_FREE, WHITE
 from observer_lab.plants.bodies.own_body import tubes_body
 from observer_lab.text import NO_WORDS, Text, error_words, joined, text
 
 from .data import Given, record_of
-from .knobs import MAX_ORDER
+from .knobs import MAX_ORDER, OPENING_SHARE
 
 DEVIATIONS = 3.0  # of a pole: within them the true one is expected
 
@@ -62,8 +63,9 @@ class Study:
 
     @property
     def predicted(self) -> np.ndarray:
-        """The one-step prediction of each output in the rows that judge."""
-        return self.level((self.found.record.y - self.judged.track.innovations)[self.first:])
+        """The one-step prediction of each output in the rows that judge, also where nothing was measured."""
+        plant, record = self.found.fitted.plant, self.found.record
+        return self.level((self.judged.track.predicted @ plant.C.T + record.u @ plant.D.T)[self.first:])
 
     @property
     def measured(self) -> np.ndarray:
@@ -84,6 +86,9 @@ def _fitted(given: Given, order: int, share: float, delay: int) -> RecordFit:
     own = given.own
     if given.plant is not None:
         return filter_plant(given.plant, given.record, share=share, delay=delay)
+    opening = given.opening
+    if opening is not None and (order, share, delay) == (len(opening.subspace.A), OPENING_SHARE, opening.delay):
+        return opening
     return identify(given.record, order=order, share=share, delay=delay, degree=None if own else 0, robust=own)
 
 
@@ -139,7 +144,9 @@ def _checks(study: Study) -> tuple[Check, ...]:
               Check("fit", text("the predictions explain a part of the output"), evidence.fit >= LEAST_FIT, evidence.fit)]
     if study.found.record.u.shape[1]:
         checks += [Check("input", text("the innovations do not depend on earlier inputs"), evidence.input >= INPUT, evidence.input),
-                   Check("open", text("the inputs do not depend on the outputs (open loop)"), evidence.open_loop, evidence.feedback)]
+                   Check("open", text("the inputs do not depend on the outputs (open loop)"), evidence.open_loop, evidence.feedback),
+                   Check("free", text("without measurements the model errs about as much as it expects"),
+                         evidence.free_size <= MOST_FREE, evidence.free_size)]
     if study.true_poles is not None:
         checks.append(Check("poles", text("every true pole is within three standard deviations of a fitted one"),
                             study.away <= DEVIATIONS, study.away))
@@ -186,11 +193,15 @@ def _live(study: Study) -> Text:
     else:
         nis = text("Mean NIS {nis:.3g}, inside its band ({low:.2f} to {high:.2f}): the filter is consistent.",
                    nis=judged.mean_nis, low=judged.band[0], high=judged.band[1])
+    free = judged.evidence.free_run
+    alone = NO_WORDS if math.isnan(free) else (
+        text("From the inputs alone the model gives {free:.3g} % of it.", free=100 * free) if free > 0 else
+        text("From the inputs alone the model gives none of it."))
     mine = NO_WORDS if study.given.plant is None else text("The model is your own plant; only Q and R were fitted.")
     other = NO_WORDS if order == suggested else text("The singular values suggest order {suggested}, not {order}.",
                                                      suggested=suggested, order=order)
     information = study.found.subspace.by_information
     criterion = NO_WORDS if information == suggested else text("An information criterion suggests order {order}.", order=information)
     return joined(*map(error_words, failures[:1] if not judged.evidence.stable else ()), nis,
-                  *map(error_words, failures[1:] if not judged.evidence.stable else failures), mine, fit, other, criterion,
+                  *map(error_words, failures[1:] if not judged.evidence.stable else failures), mine, fit, alone, other, criterion,
                   error_words(study.given.record.size), *map(error_words, study.found.record.notes))

@@ -8,7 +8,7 @@ from observer_lab.course.lesson import Design, Outcome
 from observer_lab.course.script_record import Code, GivenValue, ShownValue
 from observer_lab.engine.observers import FunctionalObserver
 
-from .knobs import EXAMPLE_THREE
+from .knobs import EXAMPLE_FOUR, EXAMPLE_THREE
 from .own_loop import WAVES, lengths
 from .own_loop import Story as OwnStory
 from .own_plant import Scaled
@@ -23,13 +23,14 @@ def code(outcome: Outcome[Story]) -> Code:
     case = EXAMPLE_CASES[d["example"]]
     example, o, (dA, dC) = case.example, story.observer, errors(d)
     return Code(
-        ("robust_paper", "robust"),
+        ("robust_two_outputs" if d["example"] == EXAMPLE_FOUR else "robust_paper", "robust"),
         (
             *_plant(o, dA, input_error(d), dC),
             GivenValue("A_1", example.wrong.A[0], "what may be wrong in A"),
             GivenValue("A_2", example.wrong.A[1]),
             GivenValue("C_1", example.wrong.C[0], "and in C"),
             *_weights(d, outcome.poles["observer"], weighted(d).alpha),
+            *((_given_rows(o),) if d["example"] == EXAMPLE_FOUR else ()),
             GivenValue("W", turn(d), "coordinates of the observer"),
             GivenValue("M_open", d["example"] == EXAMPLE_THREE, "whether the conditions leave M open"),
             GivenValue("M_chosen", d["free"], "and what it is then"),
@@ -63,11 +64,7 @@ def own_code(units: Scaled, outcome: Outcome[OwnStory], K: np.ndarray, dA: np.nd
             *_plant(o, dA, 0 * o.plant.B, dC),
             GivenValue("D", np.asarray(o.plant.D)),
             GivenValue("K_all", K, "the controller's gain, of the many with its poles the page's"),
-            GivenValue(
-                "L_free",
-                np.linalg.solve(o.W, o.L),
-                "for each pole a direction may be chosen: the page's choice, in rows of real poles and of Re and Im of pairs",
-            ),
+            _given_rows(o),
             GivenValue("M_open", False),
             GivenValue("M_chosen", 0.0),
             GivenValue("units", units.unit, "typical sizes of the states"),
@@ -105,6 +102,11 @@ def _plant(o: FunctionalObserver, dA: np.ndarray, dB: np.ndarray, dC: np.ndarray
         GivenValue("dC", dC, "and C + dC"),
         GivenValue("K", o.K, "what is wanted: K x"),
     )
+
+
+def _given_rows(o: FunctionalObserver) -> GivenValue:
+    return GivenValue("L_free", np.linalg.solve(o.W, o.L),
+                      "for each pole a direction may be chosen: the page's choice, in rows of real poles and of Re and Im of pairs")
 
 
 def _weights(d: Design, poles: np.ndarray, alpha: np.ndarray | float) -> tuple[GivenValue, ...]:

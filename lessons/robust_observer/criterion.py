@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from observer_lab.course.lesson import Design
+from observer_lab.plants.two_carts import CARTS, STIFFNESS
 
-from .knobs import EXAMPLE_THREE
+from .knobs import EXAMPLE_FOUR, EXAMPLE_THREE
 from .study import EXAMPLE_1, norm_of, turn
 
 
@@ -46,9 +47,29 @@ def criterion_3(s1: np.ndarray, s2: np.ndarray, design: Design) -> np.ndarray:
                      np.full(np.shape(s1), design["gamma"] * abs(design["free"]))])
 
 
+def direct_4(s1: np.ndarray, s2: np.ndarray) -> np.ndarray:
+    """M₂ of the carts, from the tachometer straight into û: k₂ − k₄ − (k₃(s1 + s2) − k₄ s1 s2)/k; zero on a circle for a pair."""
+    k2, k3, k4 = CARTS.K[0, 1:]
+    return k2 - k4 - np.real(k3 * (s1 + s2) - k4 * s1 * s2) / STIFFNESS
+
+
+def criterion_4(s1: np.ndarray, s2: np.ndarray, design: Design) -> np.ndarray:
+    """The three parts of J of the carts over s1, s2 (3, …): both real, or conjugate; J = (α₁ + α₂)‖(s1², s2²)‖/k + γ|M₂|.
+
+    T A₁ and T A₂ are −(s²/k)(1, 0, −1, 0) and one column further; L takes nothing of the tachometer, so L C₁ = 0.
+    """
+    pair = np.iscomplexobj(s1)
+    first, second = s1 * s1 / STIFFNESS, s2 * s2 / STIFFNESS
+    rows = np.array([np.real(first), np.imag(first) if pair else second])
+    norm = norm_of(design)
+    size = (np.abs(rows).sum(axis=0) if norm == 1 else np.sqrt(2) * np.linalg.norm(rows, axis=0) if norm == 2 else
+            2 * np.abs(rows).max(axis=0))
+    return np.array([(1 + design["second"]) * design["alpha"] * size, 0 * size, design["gamma"] * np.abs(direct_4(s1, s2))])
+
+
 def of_two(s1: np.ndarray, s2: np.ndarray, design: Design) -> np.ndarray:
     """The three parts of J over two poles, of the example with two of them that the design shows."""
-    return (criterion_3 if design["example"] == EXAMPLE_THREE else criterion_2)(s1, s2, design)
+    return {EXAMPLE_THREE: criterion_3, EXAMPLE_FOUR: criterion_4}.get(design["example"], criterion_2)(s1, s2, design)
 
 
 def steering(s1: np.ndarray, s2: np.ndarray) -> np.ndarray:

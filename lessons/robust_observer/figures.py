@@ -9,12 +9,15 @@ from observer_lab.course.figures.ranges import round_up_nicely
 from observer_lab.course.figures.records import Curve, LineFigure, MapFigure, PlaneFigure, Point, TableFigure, over_frequency
 from observer_lab.course.lazy import FigureSet, tab_figures
 from observer_lab.course.lesson import Design, Outcome
-from observer_lab.text import Text, format_number, same, text, text_in
+from observer_lab.engine.observers import Attempt
+from observer_lab.text import Text, format_number, joined, same, text, text_in
 
+from ..toolkit.latex import pole_words
 from .criterion import criterion_1, of_two, steering, steering_3
-from .knobs import COLUMNS, EXAMPLE_ONE, EXAMPLE_THREE, NORMS, REMARKS, SENSITIVITY_LINES
+from .knobs import COLUMNS, EXAMPLE_FOUR, EXAMPLE_ONE, EXAMPLE_THREE, EXAMPLE_TWO, NORMS, REMARKS, SENSITIVITY_LINES
 from .paper_slips import PRINTED_SIZES, claimed_columns, free_columns, remark_3, true_size
 from .rank_conditions import paper_ranks
+from .rectangle_map import pair_map
 from .study import DISPLAY_LIMIT, EXAMPLE_CASES, FREQUENCIES, Search, Story
 
 TIME_TAB, J_TAB = text("Time"), text("Criterion J")
@@ -31,7 +34,7 @@ NO_VALUE = same("–")
 def figures(outcome: Outcome[Story]) -> FigureSet:
     """Time, criterion, worst case, paper: at most three in a tab."""
     return FigureSet(tab_figures(TIME_TAB, lambda: (_error(outcome), _input(outcome), _output(outcome))),
-                 tab_figures(J_TAB, lambda: (_criterion(outcome), _map(outcome), _found(outcome))),
+                 tab_figures(J_TAB, lambda: (_criterion(outcome), _map_of(outcome), _found(outcome))),
                  tab_figures(WORST_TAB, lambda: (_frequency(outcome), _sweep(outcome))),
                  tab_figures(PAPER_TAB, lambda: (_numbers(outcome), paper_ranks(outcome, PAPER_TAB), _slips(outcome))))
 
@@ -111,6 +114,8 @@ def _criterion(outcome: Outcome[Story]) -> PlaneFigure:
         title = text("J while one pole moves")
         words = text("J = {j:.4g} in the norm {design}; J does not include N, which grows where the poles meet.",
                      j=J, design=_norm(design))
+    if design["example"] == EXAMPLE_TWO:
+        words = joined(words, text("Here W has w = {w:g}; another W gives the same observer another J.", w=design["w12"]))
     top = round_up_nicely(2.2 * max(J, 4.0))
     curves = [Curve(c.name, np.minimum(c.y, 1.5 * top), c.role, c.dash, c.width, c.x) for c in curves]
     for end in ("region_low", "region_high"):
@@ -129,9 +134,14 @@ def _optimum(search: Search | None, design: Design, top: float) -> tuple[Point, 
     """Where RLO found the least J in the chosen norm."""
     for name, found in search.found if search is not None else ():
         if name == design["norm"]:
-            return tuple(Point(float(p.real), min(found.value, top), "force", "cross", same("RLO"))
+            turned = design["example"] == EXAMPLE_TWO and design["w12"]
+            return tuple(Point(float(p.real), min(found.value, top), "force", "cross", text("RLO, W = I") if turned else same("RLO"))
                          for p in found.observer.poles)
     return ()
+
+
+def _map_of(outcome: Outcome[Story]) -> MapFigure:
+    return pair_map(outcome, J_TAB) if outcome.design["example"] == EXAMPLE_FOUR else _map(outcome)
 
 
 def _map(outcome: Outcome[Story]) -> MapFigure:
@@ -164,7 +174,8 @@ def _map(outcome: Outcome[Story]) -> MapFigure:
 
 def _found(outcome: Outcome[Story]) -> TableFigure:
     """What algorithm RLO found in each norm, or that it has not run."""
-    columns = (text("norm"), text("order"), text("poles"), text("least J"),
+    turned, carts = outcome.design["example"] == EXAMPLE_TWO, outcome.design["example"] == EXAMPLE_FOUR
+    columns = (text("norm"), text("order"), text("poles"), text("least J (W = I)") if turned else text("least J"),
                text("orders tried"))
     search: Search | None = outcome.study.search
     rows: list[tuple[Text | str, ...]] = []
@@ -174,15 +185,23 @@ def _found(outcome: Outcome[Story]) -> TableFigure:
         if found is None:
             rows.append((shown, NO_VALUE, NO_VALUE, NO_VALUE, NO_VALUE))
             continue
-        tried = ", ".join(f"{a.order}: {'✓' if a.feasible else f'✗ {a.gap:.2g}'}" for a in found.attempts)
-        poles = ", ".join(format_number(p.real, ".5g") for p in found.observer.poles)
+        tried = ", ".join(f"{a.order}{' ±' if a.pairs else ''}: {_tried(a, carts)}" for a in found.attempts)
+        real = not np.any(found.observer.poles.imag)
+        poles = pole_words(found.observer.poles) if not real else ", ".join(format_number(p.real, ".5g") for p in found.observer.poles)
         rows.append((shown, str(found.observer.order), poles, f"{found.value:.6g}", tried))
     caption = (text("Not run yet: press the button “Run algorithm RLO”.")
                if search is None or not search.found else
                text("✗ with the share of K that every observer of that order misses, whatever its poles in the region; then the order "
                     "is raised."))
+    if carts:
+        caption = joined(caption, text("Behind ±: a complex pair. One state exists only with its pole at −11; the left end a decides."))
     return TableFigure("found", text("algorithm RLO inside the region"), columns, tuple(rows),
                        caption=caption, tab=J_TAB)
+
+
+def _tried(attempt: Attempt, with_J: bool) -> str:
+    """What an order came to: the share of K that it misses, or that it exists."""
+    return f"✗ {attempt.gap:.2g}" if not attempt.feasible else f"✓ J = {attempt.J:.3g}" if with_J else "✓"
 
 
 # --- worst case ------------------------------------------------------------------------------------------------------
@@ -226,7 +245,8 @@ def _numbers(outcome: Outcome[Story]) -> TableFigure:
     """Ours in both signs."""
     rows = [(name, _row(outcome.gains[name]), _row(outcome.gains[name] * (-1 if name in "KNM" else 1)))
             for name in ("F", "T", "L", "N", "M", "K")]
-    rows += [("J", f"{outcome.metrics['J']:.6g}", f"{outcome.metrics['J']:.6g}"),
+    named = f"J (w = {outcome.design['w12']:g})" if outcome.design["example"] == EXAMPLE_TWO else "J"
+    rows += [(named, f"{outcome.metrics['J']:.6g}", f"{outcome.metrics['J']:.6g}"),
              ("Σ‖·‖∞", f"{outcome.metrics['error_index']:.6g}", f"{outcome.metrics['error_index']:.6g}")]
     return TableFigure("numbers", text("the observer in both signs"),
                        (text("matrix"), text("here, u = −K x̂"),

@@ -13,7 +13,8 @@ from observer_lab.engine import functional_observer
 from observer_lab.engine.observers import FunctionalObserver, Region, RobustObserver, rlo_steps, vertices, worst_error_gain
 from observer_lab.text import text
 
-from .knobs import EXAMPLE_ONE, EXAMPLE_THREE, NORMS
+from .knobs import EXAMPLE_FOUR, EXAMPLE_ONE, EXAMPLE_THREE, NORMS
+from .rectangle import best_in_rectangle
 from .study import DISPLAY_LIMIT, EXAMPLE_CASES, Search, Story, deltas, observer_of, weighted
 
 WORST_CONDITION = 50.0  # of [T; C]: J does not see N, so RLO must be told how large it may grow
@@ -23,7 +24,8 @@ NORM_PROGRESS_SHARE = 0.25  # of the progress bar, for each norm
 
 def key(design: Design) -> Hashable:
     """What the search rests on; poles, norm, W and the start are not among it."""
-    names = ("example", "free", "alpha", "second", "beta", "gamma", "region_low", "region_high", *EXAMPLE_CASES[design["example"]].deltas)
+    names = ("example", "free", "alpha", "second", "beta", "gamma", "region_low", "region_high", *EXAMPLE_CASES[design["example"]].deltas,
+             *(("region_tall",) if design["example"] == EXAMPLE_FOUR else ()))
     return tuple(design[name] for name in names)
 
 
@@ -35,8 +37,9 @@ def search(outcome: Outcome[Story]) -> Iterator[tuple[float, Search | None]]:
     region = Region(design["region_low"], design["region_high"])
     for name, norm in NORMS.items():
         best: RobustObserver | None = None
-        for part, found in rlo_steps(example.plant, example.K, wrong=wrong, norm=norm, region=region,
-                                     worst_condition=WORST_CONDITION):
+        steps = (best_in_rectangle(design, name, WORST_CONDITION) if design["example"] == EXAMPLE_FOUR else
+                 rlo_steps(example.plant, example.K, wrong=wrong, norm=norm, region=region, worst_condition=WORST_CONDITION))
+        for part, found in steps:
             best = found
             yield before + NORM_PROGRESS_SHARE * part, None
         assert best is not None
@@ -56,7 +59,7 @@ def swept(design: Design, s: float) -> FunctionalObserver:
     """The observer with its pole at s, or its poles at s and s − 1."""
     case = EXAMPLE_CASES[design["example"]]
     poles = (complex(s),) if design["example"] == EXAMPLE_ONE else (complex(s), complex(s - 1))
-    if design["example"] == EXAMPLE_THREE:
+    if design["example"] in (EXAMPLE_THREE, EXAMPLE_FOUR):
         return observer_of(design.with_values(**{case.poles: poles}))
     return functional_observer(case.example.plant, case.example.K, len(poles), poles=poles, wrong=weighted(design))
 
@@ -65,6 +68,7 @@ def shown(outcome: Outcome[Story], result: Search) -> Outcome[Story]:
     """The outcome with what the search knows."""
     more = {f"J_rlo_{name}": float(found.value) for name, found in result.found}
     more |= {f"s_rlo_{name}": float(np.max(found.observer.poles.real)) for name, found in result.found}
+    more |= {f"im_rlo_{name}": float(np.max(found.observer.poles.imag)) for name, found in result.found}
     if len(result.s):
         more |= {"least_worst": float(np.min(result.worst)), "s_least_worst": float(result.s[np.argmin(result.worst)])}
     more["search_done"] = result.done

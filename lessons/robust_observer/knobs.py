@@ -8,7 +8,7 @@ from observer_lab.course.knobs import Choice, Number, Poles, Switch
 from observer_lab.engine.observers import Norm
 from observer_lab.text import Text, same, text
 
-EXAMPLE_ONE, EXAMPLE_TWO, EXAMPLE_THREE = "1", "2", "3"
+EXAMPLE_ONE, EXAMPLE_TWO, EXAMPLE_THREE, EXAMPLE_FOUR = "1", "2", "3", "4"
 NORMS: MappingProxyType[str, Norm] = MappingProxyType({"1": 1, "2": 2, "inf": "inf"})
 REMARKS = MappingProxyType({
     "printed": "(F, ΛF, ΛL, ΛNΛ⁻¹, M)",
@@ -43,13 +43,14 @@ def weight_knobs() -> tuple[Number, ...]:
 KNOBS = (
     Choice("example", "", text("example"), default=EXAMPLE_ONE,
            options=((EXAMPLE_ONE, text("Example 1: two states")), (EXAMPLE_TWO, text(
-               "Example 2: three states")), (EXAMPLE_THREE, text("Example 1 with one observer state more"))),
-           hint=text("The two plants of the paper, each with its gain K; the third choice leaves M′ free.")),
+               "Example 2: three states")), (EXAMPLE_THREE, text("Example 1 with one observer state more")),
+                    (EXAMPLE_FOUR, text("Two carts: two outputs"))),
+           hint=text("The two plants of the paper, each with its gain K; the third choice leaves M′ free. The fourth plant is ours.")),
     Poles("pole", "s", text("Observer pole"), "rad/s", default=(-5 + 0j,), re_low=RE_LOW, re_high=RE_HIGH,
           im_high=IM_HIGH, role="estimate", when=("example", (EXAMPLE_ONE,)),
           hint=text("Drag s along its axis and watch J.")),
     Poles("pair", r"s_1, s_2", text("Observer poles"), "rad/s", default=(-4 + 0j, -2.5 + 0j), re_low=RE_LOW,
-          re_high=RE_HIGH, im_high=IM_HIGH, role="estimate", when=("example", (EXAMPLE_TWO, EXAMPLE_THREE)),
+          re_high=RE_HIGH, im_high=IM_HIGH, role="estimate", when=("example", (EXAMPLE_TWO, EXAMPLE_THREE, EXAMPLE_FOUR)),
           hint=text("Drag s₁ and s₂; they must differ, and may be a pair.")),
     Number("free", "M'", text("free number M′"), low=-100.0, high=100.0, default=0.0, step=1.0, when=("example", (EXAMPLE_THREE,)),
            hint=text("The freedom that the conditions leave: M = M′, and N = (K − M′C)T⁻¹ follows.")),
@@ -59,6 +60,9 @@ KNOBS = (
     _delta("b1", r"\delta_a^1", (EXAMPLE_TWO,), text("δ of a₁"), 0.5, 0.01),
     _delta("b2", r"\delta_a^2", (EXAMPLE_TWO,), text("δ of a₂"), 0.5, 0.05),
     _delta("d", r"\delta_c", (EXAMPLE_TWO,), text("δ of the sensor"), 0.1, 0.03),
+    _delta("stiff", r"\delta_a^1", (EXAMPLE_FOUR,), text("δ of the spring, N/m"), 1.0, 0.5),
+    _delta("damp", r"\delta_a^2", (EXAMPLE_FOUR,), text("δ of the damping, N s/m"), 0.5, 0.2),
+    _delta("tacho", r"\delta_c", (EXAMPLE_FOUR,), text("δ of the tachometer"), 0.1, 0.05),
     Number("input", r"\delta_b", text("δ of the input"), low=-0.5, high=0.5, default=0.0, step=0.01, group=ERRORS_GROUP,
            hint=text("By what share the input acts more strongly on the true plant than on the model. J does not include it, and no sign "
                      "pattern has it.")),
@@ -67,7 +71,7 @@ KNOBS = (
            hint=text("The observer's coordinates: F = W diag(s₁, s₂) W⁻¹.")),
     Switch("carried", "", text("carry z(0) along with W"), when=("example", (EXAMPLE_TWO,)),
            hint=text("On: z(0) becomes W z(0). Off: the same numbers whatever W is, as in the paper.")),
-    Choice("norm", "", text("norm in J"), default="2", group=SEARCH, when=("example", (EXAMPLE_TWO, EXAMPLE_THREE)),
+    Choice("norm", "", text("norm in J"), default="2", group=SEARCH, when=("example", (EXAMPLE_TWO, EXAMPLE_THREE, EXAMPLE_FOUR)),
            options=tuple((name, same("∞" if name == "inf" else name)) for name in NORMS),
            hint=text("Column sum, spectral or row sum norm; in Example 1 all three agree.")),
     *weight_knobs(),
@@ -77,6 +81,8 @@ KNOBS = (
            step=0.5, group=SEARCH, hint=text("RLO keeps every pole right of this.")),
     Number("region_high", "b", text("region for RLO, right end"), "rad/s", low=-3.5, high=-0.2, default=-0.5,
            step=0.1, group=SEARCH, hint=text("RLO keeps every pole left of this.")),
+    Number("region_tall", "d", text("region for RLO, largest |Im s|"), "rad/s", low=0.0, high=IM_HIGH, default=1.5, step=0.1, group=SEARCH,
+           when=("example", (EXAMPLE_FOUR,)), hint=text("With both ends a and b, a rectangle for the poles. 0: real poles only.")),
     Choice("remark", "", text("remark 3 should read"), default="printed", group=SLIPS_GROUP, when=("example", (EXAMPLE_TWO,)),
            options=tuple((name, same(words)) for name, words in REMARKS.items()),
            hint=text("Five matrices that are to meet the observer conditions again; Λ is any regular matrix.")),

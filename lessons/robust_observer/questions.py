@@ -14,6 +14,7 @@ from .study import EXAMPLE_CASES, errors
 
 POLES_OF_A_WHOLE_OBSERVER = (-2.0, -2.5)  # rad/s, of the observer that the recalled question is about
 SLOWER = 2.0  # how much more error a slow pole leaves, in the option that calls the fast one best
+FARTHER = 2.0  # how much larger J is in the option that calls poles farther out worse
 SHARE_LEFT = 0.5  # of two errors of about one size, in the option that takes one away
 
 
@@ -43,4 +44,14 @@ def surprise(asked: Asked) -> DrawnQuestion:
                             (before / (1 - SHARE_LEFT / 2), SHARE_LEFT * before, 0.0), asked.after.metrics["late_error"], "error")
 
 
-QUESTIONS = MappingProxyType({"recall": recall, "predict": predict, "surprise": surprise})
+def blind(asked: Asked) -> DrawnQuestion:
+    """J with a larger imaginary part: in proportion to |s|², unchanged, or less, since the path of the tachometer shrinks."""
+    before, after = (each.design["pair"][-1] for each in (asked.entry, asked.after))
+    J = asked.entry.metrics["J"]
+    return question_of_bars(text("criterion J of the carts"), "J",
+                            ((text("pair {re:.2g} ± {im:.2g}j", re=before.real, im=abs(before.imag)), J),),
+                            text("pair {re:.2g} ± {im:.2g}j", re=after.real, im=abs(after.imag)),
+                            (FARTHER * J, J, asked.after.metrics["J"]), asked.after.metrics["J"], "plant")
+
+
+QUESTIONS = MappingProxyType({"recall": recall, "predict": predict, "surprise": surprise, "blind": blind})

@@ -20,7 +20,7 @@ from .own_loop import wanted_of
 from .own_plant import Here
 from .study import EXAMPLE_CASES, Story
 
-LADDER_POLES = (-4.0, -2.5, -6.0)  # poles of the orders that the board does not show
+LADDER_POLES = (-4.0, -2.5, -6.0, -7.5)  # poles of the orders that the board does not show
 Ladder = tuple[tuple[tuple[complex, ...], Existence], ...]  # the poles of each order and what they allow
 
 

@@ -31,12 +31,13 @@ from observer_lab.engine.observers import (
 from observer_lab.plants.bodies.body import Body
 from observer_lab.plants.bodies.duan_body import rack_body
 from observer_lab.plants.duan import EXAMPLE_1, EXAMPLE_2, Example, outer_input
+from observer_lab.plants.two_carts import CARTS, directions
 from observer_lab.text import Text, joined, text
 
 from ..toolkit.boards import listed
 from ..toolkit.latex import pole_words
 from .formulas import formulas_of
-from .knobs import EXAMPLE_ONE, EXAMPLE_THREE, EXAMPLE_TWO, IM_HIGH, NORMS, RE_HIGH, RE_LOW
+from .knobs import EXAMPLE_FOUR, EXAMPLE_ONE, EXAMPLE_THREE, EXAMPLE_TWO, IM_HIGH, NORMS, RE_HIGH, RE_LOW
 
 HORIZON, DT = 6.0, 0.015
 BEST_POLE = -5 / 3  # least J of example 1 with unit weights
@@ -61,6 +62,7 @@ EXAMPLE_CASES: MappingProxyType[str, Case] = MappingProxyType({
     EXAMPLE_ONE: Case(EXAMPLE_1, rack_body(2, 1, (3.0, 3.0, 3.0, 20.0)), "pole", ("a1", "a2", "c")),
     EXAMPLE_TWO: Case(EXAMPLE_2, rack_body(3, 2, (0.6, 0.6, 0.6, 3.0, 3.0, 5.0)), "pair", ("b1", "b2", "d")),
     EXAMPLE_THREE: Case(replace(EXAMPLE_1, z0=(-0.3, -0.3)), rack_body(2, 2, (3.0, 3.0, 3.0, 3.0, 20.0)), "pair", ("a1", "a2", "c")),
+    EXAMPLE_FOUR: Case(CARTS, rack_body(4, 2, (0.5, 1.5, 0.5, 1.5, 2.0, 2.0, 20.0)), "pair", ("stiff", "damp", "tacho")),
 })
 
 
@@ -115,6 +117,8 @@ def observer_of(design: Design, W: np.ndarray | None = None) -> FunctionalObserv
                         text("The two poles coincide, and with them both rows of T, so the second state adds nothing; move them apart."))
     found = partial(functional_observer, case.example.plant, case.example.K, len(poles), poles=poles,
                     W=turn(design) if W is None else W, wrong=weighted(design), norm=norm_of(design))
+    if design["example"] == EXAMPLE_FOUR:
+        return found(directions=directions(poles))
     if design["example"] != EXAMPLE_THREE:
         return found()
     plain, moved = (float(found(free=[[step]]).M[0, 0]) for step in (0.0, 1.0))  # M follows the engine's free number in a line
@@ -279,8 +283,9 @@ def _stage(body: Body, run: FunctionalRun) -> Stage:
 
 
 def _live(design: Design, metrics: Mapping[str, float]) -> Text:
-    poles = pole_words([complex(p.real, abs(p.imag)) for p in design[EXAMPLE_CASES[design["example"]].poles]][:2])
-    start = text("Observer at {poles}: J = {j:.3g}.", poles=poles, j=metrics["J"])
+    poles = pole_words(design[EXAMPLE_CASES[design["example"]].poles])
+    start = (text("Observer at {poles}: J = {j:.3g} for w = {w:g}.", poles=poles, j=metrics["J"], w=design["w12"])
+             if design["example"] == EXAMPLE_TWO else text("Observer at {poles}: J = {j:.3g}.", poles=poles, j=metrics["J"]))
     end = claim(text("On the true plant û misses the wanted input by up to {late_error:.2g} at the end.",
                      late_error=metrics["late_error"]), metrics["slowest_loop"], below=0.0,
                 otherwise=text("With the true plant the loop is unstable."))

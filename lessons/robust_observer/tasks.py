@@ -8,11 +8,12 @@ from observer_lab.course.exercises.typed_answers import Typed
 from observer_lab.course.lesson import Outcome, Task, Verdict, typed_task
 from observer_lab.text import text
 
-from .knobs import COLUMNS, EXAMPLE_ONE, EXAMPLE_THREE, EXAMPLE_TWO, REMARKS, SENSITIVITY_LINES
+from .knobs import COLUMNS, EXAMPLE_FOUR, EXAMPLE_ONE, EXAMPLE_THREE, EXAMPLE_TWO, REMARKS, SENSITIVITY_LINES
 from .paper_slips import PRINTED_SIZES, claimed_columns, free_columns, remark_3, true_size
 from .study import BEST_POLE, Story, turn
 
 FLOOR_J = 38 / 9
+RIGHT_END, CIRCLE_J = -1.0, 5.2  # of the circle: Re s and J
 NO_EFFECT_SHARE = 0.01  # of the larger entry of N: a state that has no say
 SLOWEST_POLE_RAD_S, DIRECT, DIRECT_TOLERANCE, STEERS = -1.1, 3.5, 0.2, 2.2  # of the two roads: Re s, |M| and how near, entries of N
 
@@ -100,6 +101,18 @@ def _no_say(outcome: Outcome[Story]) -> Verdict:
                               first=N[0], second=N[1], left=left))
 
 
+def _circle(outcome: Outcome[Story]) -> Verdict:
+    d, J, slowest = outcome.design, outcome.metrics["J"], float(outcome.poles["observer"].real.max())
+    if d["example"] != EXAMPLE_FOUR or d["norm"] != "2" or any(d[name] != 1.0 for name in ("alpha", "second", "beta", "gamma")):
+        return Verdict(False, text("Take the two carts, the norm 2 and all weights at 1."))
+    if slowest > RIGHT_END:
+        return Verdict(False, text("The slowest pole is at {slowest:.3g}; both must be at −1 or left of it.", slowest=slowest))
+    if J > CIRCLE_J:
+        return Verdict(False, text("J is {j:.3g}; {most:g} or less is wanted.", j=J, most=CIRCLE_J))
+    return Verdict(True, text("J is {j:.3g}, and from the tachometer straight into û goes only {direct:.2g}.", j=J,
+                              direct=abs(outcome.gains["M"][0, 1])))
+
+
 WRONG_SENSOR = Typed("(k-a)*(l-a)/(k*l)", ("a", "k", "l"), slips=(
     ("(k-a)/k", text("That is for y fed back at once, u = −k y; the observer costs a factor as well.")),
     ("1-(k-a)*(l-a)/(k*l)", text("That is the share that must still be read; d is what may be missing."))))
@@ -116,4 +129,7 @@ TASKS = (
         ("50 + 30*s", text("That is M in the paper's sign, u = +K x; the page has u = −K x̂.")),))),
     typed_task("wrong-sensor", WRONG_SENSOR),
     Task("two-roads", _two_roads, {"example": EXAMPLE_TWO, "pair": (-1.1 - 1.05j, -1.1 + 1.05j)}),
+    Task("circle", _circle, {"example": EXAMPLE_FOUR, "pair": (-1 - 3.77j, -1 + 3.77j)}, Typed("-27/4 - 22*s", ("s",), (
+        ("-27/4 - 11*s", text("A pair has s₁ + s₂ = 2 Re s; one of the two is missing.")),
+        ("27/4 + 22*s", text("Check the sign: Re s is negative and |s|² is positive.")),))),
 )

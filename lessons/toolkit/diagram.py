@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any, Protocol  # a knob takes values of several kinds: `Any`
+from typing import Any, NamedTuple, Protocol  # a knob takes values of several kinds: `Any`
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from .latex import gain_words
 
 PLANT_LAW, OBSERVER_LAW = r"\dot x = Ax + Bu,\quad y = Cx", r"\dot{\hat x} = A\hat x + Bu + %s\,(y - C\hat x)"
 SAMPLED_PLANT, SAMPLED_OBSERVER = r"x_{k+1} = Ax_k + Bu_k,\quad y_k = Cx_k", r"\hat x_k = \hat x_k^- + %s\,(y_k - C\hat x_k^-)"
+FED_BACK, FED_REFERENCE = r"u = -K\hat x,\quad ", r"u = r - K\hat x,\quad "
 SUM, LIMIT_BOX = (330.0, 150.0), (72.0, 36.0, 36.0, 28.0)
 
 
@@ -43,6 +44,16 @@ class Press:
     words: Text
 
 
+class LoopSignals(NamedTuple):
+    """The signals of a loop whose run is no `Run`."""
+
+    t: np.ndarray
+    u_applied: np.ndarray
+    y: np.ndarray
+    yhat: np.ndarray
+    xhat: np.ndarray
+
+
 @dataclass(frozen=True, eq=False)
 class Limit:
     """A limit between controller and plant: the input that is asked for (N, m), and whether the observer gets what is applied."""
@@ -52,21 +63,25 @@ class Limit:
 
 
 def loop(plant: Plant, run: Signals, L: np.ndarray, K: np.ndarray | None = None, press: Press | None = None,
-         limit: Limit | None = None, gain: str = "L", sampled: bool = False, model: Plant | None = None) -> DiagramFigure:
+         limit: Limit | None = None, gain: str = "L", sampled: bool = False, model: Plant | None = None,
+         reference: bool = False, law: str = "") -> DiagramFigure:
     """The loop of a run with observer gain L (n, p) and, where the estimate is fed back, controller gain K (m, n).
 
     `gain` is the symbol of L; a continuous plant may be run in a `sampled` loop. `model` is the plant
-    that the observer copies, where that is another one.
+    that the observer copies, where that is another one. With a `reference` r the controller gives u = r − K x̂. A plant
+    that is not linear has a `law` of its own.
     """
     unit, sampled, count = dict(plant.units or ()), sampled or bool(plant.dt), len(run.t)
     of_input, of_output = (unit.get(names[0], "") if names else "" for names in (plant.input_names, plant.output_names))
     opened, innovation = not np.any(L), run.y - run.yhat
     blocks = [
-        Block("plant", (130.0, 30.0, 100.0, 40.0), text("plant"), _with_input(SAMPLED_PLANT if sampled else PLANT_LAW, plant.D, sampled)),
+        Block("plant", (130.0, 30.0, 100.0, 40.0), text("plant"),
+              law or _with_input(SAMPLED_PLANT if sampled else PLANT_LAW, plant.D, sampled)),
         Block("observer", (130.0, 130.0, 100.0, 44.0), text("observer"),
               _with_input((SAMPLED_OBSERVER if sampled else OBSERVER_LAW) % gain, (model or plant).D, sampled)),
         Block("L", (262.0, 134.0, 30.0, 32.0), gain, gain_words(gain, L), off=opened),
-        *(() if K is None else (Block("K", (10.0, 100.0, 40.0, 32.0), "−K", r"u = -K\hat x,\quad " + gain_words("K", K)),)),
+        *(() if K is None else (Block("K", (10.0, 100.0, 40.0, 32.0), "−K",
+                                      (FED_REFERENCE if reference else FED_BACK) + gain_words("K", K)),)),
         *(() if limit is None else (Block("limit", LIMIT_BOX, text("limit"), r"|u| \le u_{\max}"),)),
     ]
     if press is not None:

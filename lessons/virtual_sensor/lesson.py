@@ -2,6 +2,6 @@
 
 from observer_lab.course.lesson import Lesson
 
-from . import derive, exams, figures, knobs, own, questions, study, tasks
+from . import derive, device, exams, figures, knobs, own, questions, study, tasks
 
-LESSON = Lesson.from_folder(derive, exams, figures, knobs, own, questions, study, tasks)
+LESSON = Lesson.from_folder(derive, device, exams, figures, knobs, own, questions, study, tasks)

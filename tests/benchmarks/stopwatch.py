@@ -42,19 +42,23 @@ class Row:
 HEAD = "| work | ours [ms] | peer [ms] | ratio | goal | against a reference |\n|---|---|---|---|---|---|"
 
 
-def median(work: Callable[[], object], patience: float = 0.6, least: int = 3, *, wall: bool = False) -> float:
+def median(work: Callable[..., object], patience: float = 0.6, least: int = 3, *, wall: bool = False,
+           each: Callable[[int], object] | None = None) -> float:
     """Median seconds of a call, after one to warm up: of the processor (one thread, so a busy machine hardly counts), or by the wall.
 
-    `least` calls and more until `patience` seconds have passed, at most MOST.
+    `least` calls and more until `patience` seconds have passed, at most MOST. `each`: makes the argument of call k, outside the time;
+    with a new one in each call no answer can be kept from the call before.
     """
     clock = time.perf_counter if wall else time.process_time
     times: list[float] = []
-    if least > 1:
-        work()
+    spent = -1 if least > 1 else 0
     while len(times) < least or sum(times) < patience:
+        given = () if each is None else (each(spent + 1),)
         began = clock()
-        work()
-        times.append(clock() - began)
+        work(*given)
+        if spent >= 0:
+            times.append(clock() - began)
+        spent += 1
         if len(times) >= MOST:
             break
     return statistics.median(times)

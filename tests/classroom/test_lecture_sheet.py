@@ -16,6 +16,7 @@ from observer_lab.classroom.kept_room import KeptRoom
 from observer_lab.classroom.pole_grid import PoleGrid
 from observer_lab.classroom.room import UNSOLVED
 from observer_lab.classroom.room_store import RoomStore
+from observer_lab.classroom.sketch_grid import SketchGrid
 from observer_lab.classroom.votes import HIDDEN_BELOW, Asked, Vote
 from observer_lab.cli import main
 from observer_lab.lessons import LESSONS
@@ -51,12 +52,13 @@ class Cells(HTMLParser):
 
 
 def lecture(store: KeptRoom) -> None:
-    """Two votes on a scene, a typed one, poles, one with too few, one that is open; people at two places, too few at a third."""
+    """Two votes on a scene, a typed one, poles, drawings, one with too few, one that is open; people at two places, too few at a third."""
     for answers in ([0, 0, 1, 2, 2, 2], [1] * 7):
         store.open_vote("separation", "predict", 3)
         store.cast([(store.votes()[-1].number, f"ballot{k:04d}", answer) for k, answer in enumerate(answers)])
     for asked, answers in ((Asked("=1+1", ("+A", "@B")), [0] * 5), (Asked("", (), GRID), [-4 + 2j] * 4 + [-1 + 0j]),
-                           (Asked("How large?"), [1.5] * 6), (Asked("few", ("x", "y")), [0] * 4), (Asked("open", ("x", "y")), [1] * 9)):
+                           (Asked("How large?"), [1.5] * 6), (Asked("", sketch=SketchGrid(2, bars=True)), [(0.1, 0.9)] * 7),
+                           (Asked("few", ("x", "y")), [0] * 4), (Asked("open", ("x", "y")), [1] * 9)):
         store.open_vote("separation", "drag", 0, asked)
         store.cast([(store.votes()[-1].number, f"ballot{k:04d}", answer) for k, answer in enumerate(answers)])
     store.report(0, {PLACE: 3, TASK: 6, "kalman": 4}, 0)
@@ -72,7 +74,7 @@ def test_the_sheet_has_every_count_of_five_or_more_once(store: KeptRoom) -> None
         ("separation", "predict", 8), ("kalman", TASK.rpartition("/")[2], 6)}
     first = [row for row in rows if row.scene == "predict" and row.answer]
     assert [row.count for row in first] == [2, 1, 3, 0, 7, 0] and ["Vote 1" in row.what for row in first] == [True] * 3 + [False] * 3
-    assert sorted(row.count for row in rows if row.scene == "drag") == [0, 1, 4, 5, 6]
+    assert sorted(row.count for row in rows if row.scene == "drag") == [0, 1, 4, 5, 6, 7]
     assert not [row for row in rows if "few" in row.what or "open" in row.what]
 
 

@@ -6,10 +6,13 @@ import sqlite3
 import threading
 from collections.abc import Callable
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from observer_lab.classroom.class_runs import ClassRuns, OwnRun, read_runs, seeds_of
 from observer_lab.classroom.kept_room import KeptPages, KeptRoom
@@ -19,6 +22,7 @@ from observer_lab.classroom.redis_connection import RoomProblem
 from observer_lab.classroom.room import LECTURE, MAX_PLACES, UNSOLVED, overview
 from observer_lab.classroom.room_schema import STEPS
 from observer_lab.classroom.room_store import FILE, RoomStore
+from observer_lab.classroom.sketch_grid import COLUMNS, LEVELS, LONGEST_SKETCH, SketchGrid
 from observer_lab.classroom.vote_writer import VoteWriter
 from observer_lab.classroom.votes import (
     HIDDEN_BELOW,
@@ -302,6 +306,45 @@ def test_every_cell_of_a_plane_is_a_round_place_in_its_window_and_the_nearest_to
                                           ("x" * 301, None)])
 def test_a_question_for_a_pole_has_no_options(words: str, asked: Asked | None) -> None:
     assert read_pole_question(words, GRID) == asked
+
+
+CURVE, BARS = SketchGrid(COLUMNS), SketchGrid(3, bars=True)
+unit = st.floats(0, 1)
+
+
+@given(heights=st.lists(unit, min_size=COLUMNS, max_size=LONGEST_SKETCH), bars=st.lists(unit, min_size=3, max_size=3))
+def test_a_drawing_is_kept_as_one_number_and_stands_where_it_was_drawn(heights: list[float], bars: list[float]) -> None:
+    for grid, drawn in ((CURVE, heights), (BARS, bars)):
+        number = grid.number_of(drawn)
+        assert number is not None and number == int(number) < 2**53 and float(repr(number)) == number
+        cells = grid.cells_of(number)
+        assert len(cells) == grid.pieces and all(0 <= cell < grid.cells for cell in cells)
+        along = np.interp(np.linspace(0, len(drawn) - 1, grid.columns), np.arange(len(drawn)), drawn)
+        for column, level in (place for cell in cells for place in grid.places_of(cell)):
+            assert abs(level / (LEVELS - 1) - along[column]) <= 0.5 / (LEVELS - 1) + 1e-9
+        pieces = [grid.places_of(cell) for cell in cells]
+        assert grid.bars or all(before[1] == after[0] for before, after in pairwise(pieces)), "the pieces of a curve hang together"
+
+
+def test_drawings_are_counted_by_pieces_and_nothing_else_is_a_drawing(store: KeptRoom, room: Callable[[], KeptRoom]) -> None:
+    for grid, drawn in ((CURVE, (0.0,) * 20 + (1.0,) * 20), (BARS, (0.0, 0.3, 1.0))):
+        asked = Asked("", sketch=grid)
+        store.open_vote("virtual-sensor", "predict", 0, asked)
+        vote = store.votes()[-1]
+        assert store.cast([(vote.number, f"ballot{k:04d}", drawn) for k in range(5)]) == [True] * 5
+        assert store.cast([(vote.number, "ballot0000", tuple(1 - share for share in drawn))]) == [True], "one's own is replaced"
+        nan, few = (float("nan"), *drawn[1:]), drawn[:2]
+        odd = [nan, few, (), (1.1, *drawn[1:]), (-0.1, *drawn[1:]), drawn * 3, 0, 1.0, -1 + 1j]
+        assert store.cast([(vote.number, f"odd{k:09d}", each) for k, each in enumerate(odd)]) == [False] * len(odd)
+        assert store.votes()[-1].total == 5 and store.votes()[-1].shown is None
+        store.close_vote()
+        store.mark_vote(replace(vote, counts_out=True))
+        closed = room().votes()[-1]
+        assert closed.asked == asked and closed.total == 5 and closed.shown is not None
+        assert sorted(set(closed.shown)) == [0, 1, 4] if grid is BARS else max(closed.shown) == 4
+    for asked in (Asked("How large?"), Asked("Which?", ("a", "b")), Asked("", (), GRID), None):
+        store.open_vote("separation", "why", 3, asked)
+        assert store.cast([(store.votes()[-1].number, "ballot0001", (0.5,) * COLUMNS)]) == [False]
 
 
 def test_a_typed_question_is_a_vote_of_its_own_beside_the_scenes(store: KeptRoom) -> None:

@@ -2,7 +2,8 @@
 
     python tests/e2e/follow_cards.py [--size 1366x768] [--lang en] [--all] [LESSON …]
 
-It starts at the page of lessons, walks the path of each lesson to its end and prints what it could not do. It knows the words that
+It starts at the page of lessons, walks the path of each lesson to its end and prints what it could not do, and what of the page moved
+while it dragged something. It knows the words that
 stand on the screen and where a cross of a board is drawn. Which values solve a task it takes from the lesson's own solution: that stands
 for what a person thinks; the hand that sets them has what the card shows and nothing else. Without `--all` it goes by the scenes of
 the core path. Exit status 1 where a scene could not be done.
@@ -23,6 +24,7 @@ if __name__ == "__main__":
     sys.path[:0] = [str(Path(__file__).parent), str(Path(__file__).parents[1])]
 
 from geometry import LOCAL, WHERE
+from still import moved, remember
 from tab import ANSWERED, FLAGS, UNDRAWN, eventually
 
 from observer_lab.course.guiding.predictions import prediction_of
@@ -60,6 +62,7 @@ class Newcomer:
     def __init__(self, page: Page, language: str = "en") -> None:
         self.page, self.language, self.actions = page, language, list[str]()
         self.began, self.first_drag = time.monotonic(), "none"
+        self.drags, self.moved = 0, list[str]()  # what moved on the page while a hand was at work
 
     # --- the words on the screen ------------------------------------------------------------------------------------------
     @property
@@ -97,11 +100,14 @@ class Newcomer:
         mouse = self.page.mouse
         mouse.move(*start)
         self.settled()
+        assert remember(self.page), "nothing stands on the page"
         mouse.down()
         for k in range(1, 5):
             mouse.move(start[0] + (end[0] - start[0]) * k / 4, start[1] + (end[1] - start[1]) * k / 4)
             self.settled()
+            self.moved += [f"{self.scene}, {what}: {each}" for each in moved(self.page)]
         mouse.up()
+        self.drags += 1
         self.settled()
         if self.first_drag == "none":
             self.first_drag = f"action {len(self.actions)}, {time.monotonic() - self.began:.0f} s"
@@ -338,10 +344,11 @@ def main() -> int:
             person = open_lesson(page, address, LESSONS[id], asked.lang)
             steps = list(walk(person, LESSONS[id], not asked.all))
             context.close()
-            bad = [f"  {id} {scene}: {problem}" for scene, problem in steps if problem]
-            done, undone = done + len(steps) - len(bad), undone + bad
-            print(f"{id}: {len(steps) - len(bad)} of {len(steps)} scenes done, {len(person.actions)} actions, "
-                  f"{time.monotonic() - person.began:.0f} s, first drag: {person.first_drag}", *bad, sep="\n", flush=True)
+            bad = [f"  {id} {scene}: {problem}" for scene, problem in steps if problem] + [f"  moved: {each}" for each in person.moved]
+            done, undone = done + sum(not problem for _, problem in steps), undone + bad
+            print(f"{id}: {sum(not problem for _, problem in steps)} of {len(steps)} scenes done, {len(person.actions)} actions, "
+                  f"{person.drags} drags, {time.monotonic() - person.began:.0f} s, first drag: {person.first_drag}",
+                  *bad, sep="\n", flush=True)
         browser.close()
     print(f"{done} scenes done, {len(undone)} not")
     return 1 if undone else 0

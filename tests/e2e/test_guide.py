@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import AbstractContextManager
-from typing import Any
 
 import pytest
-from axe_playwright_python.sync_playwright import Axe
+from axe_rules import serious
 from playwright.sync_api import Page, expect
 from tab import ANSWERED, eventually
 
@@ -211,12 +210,6 @@ def test_the_rules_of_accessibility_find_nothing_serious(opened: Callable[..., P
     page.locator(".ol-menu").click(timeout=PATIENCE)
     expect(page.locator(".ol-close")).to_be_visible(timeout=PATIENCE)
     assert serious(page) == []
-
-
-def serious(page: Page) -> list[tuple[str, list[Any]]]:
-    """What axe-core calls serious or critical, and where."""
-    found = Axe().run(page, options={"resultTypes": ["violations"]}).response["violations"]
-    return [(rule["id"], [node["html"][:160] for node in rule["nodes"]][:4]) for rule in found if rule["impact"] in ("serious", "critical")]
 
 
 def test_a_prediction_is_drawn_with_the_mouse_and_with_keys(opened: Callable[..., Page]) -> None:

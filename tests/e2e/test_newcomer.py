@@ -39,13 +39,16 @@ def test_a_newcomer_drags_with_the_fourth_action_and_comes_to_the_end_of_the_fir
         drag = drag or len(person.actions) * person.actions[-1].startswith("drag")
     assert 0 < drag <= MOST_ACTIONS, person.actions
     assert person.scene == lesson.path[-1].id and person.is_done()
+    assert person.drags > 2 and person.moved == [], "nothing of the page moves under a hand"
 
 
 @pytest.mark.parametrize("name", SAMPLED)
 def test_the_core_path_of_a_lesson_is_done_by_what_its_cards_say(page: Page, guide: str, name: str) -> None:
     lesson = LESSONS[name]
-    found = list(walk(open_lesson(page, guide, lesson), lesson, core=True))
+    person = open_lesson(page, guide, lesson)
+    found = list(walk(person, lesson, core=True))
     assert [each for each in found if each[1]] == []
+    assert person.moved == [], "nothing of the page moves under a hand"
     assert len(found) == sum(scene.core for scene in lesson.path)
 
 

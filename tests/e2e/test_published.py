@@ -3,21 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager
-from itertools import islice, pairwise
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
 from playwright.sync_api import Browser, Page, Request
-from published_against_live import at_scene, opened, press, states
+from published_against_live import at_scene, pair_of, press, states
+from published_walk import PLACES, served, walked
 from tab import HARMLESS, eventually
 
 from observer_lab.cli.entry import main
 from observer_lab.lessons import LESSONS
+from observer_lab.static_pages.points import Points
 
 LESSON = "separation"
 PATH, WORDS = LESSONS[LESSON].path, LESSONS[LESSON].words["en"]
-STATES = 4  # of the lesson that are compared with the live page; the script compares all
+GRID = Points(3, 3, 2)
+STATES = {"predict": 4, "drag": 2, "command": 4}  # of a scene that are compared with the live page; the script compares all
 GRIP = """() => { const viser = window.observerLabViser, name = '/board/observer/grips', canvas = viser?.canvas()?.getBoundingClientRect();
   const points = canvas && window.__viserMutable.nodeRefFromName[name] && viser.onScreenOf('/board/observer', [-.1333, -.05, .625]);
   return points ? [canvas.x + points[0] * canvas.width, canvas.y + points[1] * canvas.height] : null; }"""
@@ -26,11 +28,17 @@ DECK = """() => { const held = window.__viserMutable?.nodeRefFromName['/plant/de
   return (held && 'current' in held ? held.current : held)?.position.toArray() ?? null; }"""
 
 
+def options_in(folder: Path) -> list[str]:
+    """How the lesson is published, with a store beside the folder."""
+    grid = ["--points", f"{GRID.slider}", "--grid", f"{GRID.across}x{GRID.up}"]
+    return ["--lang", "en", "--theme", "light", *grid, "--cache", str(folder.parent / "store")]
+
+
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The lesson, published with few points."""
-    folder = tmp_path_factory.mktemp("published")
-    assert main(["publish", LESSON, "-o", str(folder), "--lang", "en", "--theme", "light", "--points", "3", "--grid", "3x2"]) == 0
+    folder = tmp_path_factory.mktemp("published") / "site"
+    assert main(["publish", LESSON, "-o", str(folder), *options_in(folder)]) == 0
     return folder
 
 
@@ -102,15 +110,25 @@ def test_a_pole_is_dragged_to_a_computed_place(page: Page, folder: Path) -> None
     eventually(lambda: page.inner_text(".ol-answer"), lambda said: "decays more slowly" in said, "what is said of the slower observer")
 
 
-def test_the_page_shows_what_the_live_one_does(browser: Browser, serve: Callable[..., AbstractContextManager[str]], folder: Path) -> None:
+@pytest.mark.parametrize("name", ["predict", "drag", "command"])
+def test_the_page_shows_what_the_live_one_does(browser: Browser, guide: str, folder: Path, name: str) -> None:
+    """On entry, with every answer, a pole at another place, each knob at each of its points."""
     complaints: list[str] = []
-    with serve(0, "--view", "guide", "--lesson", LESSON) as address:
-        live, published = opened(browser, address, []), opened(browser, (folder / "index.html").as_uri(), complaints)
-        found = dict(islice(states(live, published, LESSON), STATES))
-        for each in (live, published):
-            each.context.close()
-    assert len(found) == STATES and all(different == [] for different in found.values()), found
+    pair = pair_of(browser, guide, folder, "en-light", complaints)
+    scene = next(scene for scene in PATH if scene.id == name)
+    found = {state: different for _, state, different in states(pair, LESSONS[LESSON], GRID, scenes=(scene,))}
+    for each in pair.pages:
+        each.context.close()
+    assert len(found) >= STATES[name] and all(different == [] for different in found.values()), found
     assert not complaints, complaints
+
+
+@pytest.mark.parametrize("place", PLACES)
+def test_every_reader_can_walk_the_folder(browser: Browser, folder: Path, place: str) -> None:
+    """From a file, from a web server, in a sandboxed frame, on a phone: no error, no request to elsewhere, nothing serious for axe."""
+    with served(folder) as home:
+        walk = walked(browser, folder, home, LESSON, "en-light", place)
+    assert walk.scenes == len(PATH) and (walk.complaints, walk.rules) == ([], [])
 
 
 def test_the_questions_of_a_folder_lead_to_its_scenes(page: Page, folder: Path) -> None:
@@ -123,7 +141,7 @@ def test_the_questions_of_a_folder_lead_to_its_scenes(page: Page, folder: Path) 
 
 def test_a_second_time_nothing_is_recorded(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     written = {path: path.stat().st_mtime_ns for path in folder.rglob("*.js")}
-    assert main(["publish", LESSON, "-o", str(folder), "--lang", "en", "--theme", "light", "--points", "3", "--grid", "3x2", "--zip"]) == 0
+    assert main(["publish", LESSON, "-o", str(folder), *options_in(folder), "--zip"]) == 0
     assert {path: path.stat().st_mtime_ns for path in folder.rglob("*.js")} == written
     assert "<iframe src=" in capsys.readouterr().out and folder.with_suffix(".zip").is_file()
     assert main(["publish", "-o", str(folder)]) == 2 and "--course" in capsys.readouterr().err

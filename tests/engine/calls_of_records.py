@@ -30,6 +30,7 @@ def identification(dplant: Plant) -> dict[str, dict[str, Any]]:
         "Record": {"t": t, "u": u, "y": y, "input_names": ("u",), "output_names": ("y",), "units": (("u", "V"),), "notes": ()},
         "load_record": {"path": path, "time": "t", "inputs": ("u",), "outputs": ("y",), **said},
         "read_record": {"text": text, "time": "t", "inputs": ("u",), "outputs": ("y",), **said},
+        "preview_record": {"name": "log.csv", "data": text.encode(), "time": "t", "inputs": ("u",), "outputs": ("y",), **said},
         "resample": {"record": record, "step": 0.2},
         "trend_of": {"record": record, "degree": 1},
         "detrend": {"record": record, "trend": trend_of(record)},
@@ -38,5 +39,5 @@ def identification(dplant: Plant) -> dict[str, dict[str, Any]]:
         "identify": {"record": record, "order": 1, "share": 0.5, "degree": 0, "step": 0.1, "delay": 0, "robust": True},
         "filter_plant": {"plant": plant, "record": record, "share": 0.5, "delay": 0, "robust": True},
         "fit_noise": {"plant": plant, "record": record},
-        "filter_record": {"fitted": found.fitted, "record": found.record, "first": 120, "factor": 1.0, "level": 0.99},
+        "filter_record": {"fitted": found.fitted, "record": found.record, "first": 120, "factor": 1.0, "level": 0.99, "gate": 0.999},
     }

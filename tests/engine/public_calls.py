@@ -23,6 +23,7 @@ from observer_lab.engine.systems import discretise
 ROOMS = ("systems", "structure", "design", "feedback", "simulation", "filters", "observers", "sampled", "network", "plant_files",
          "identification", "aliases")
 ANSWERS = frozenset({
+    "identification.Column", "identification.RecordPreview",
     "systems.Balance", "structure.Canonisation", "structure.Controllability", "structure.CoprimeFactors", "structure.Dominance",
     "structure.Gramians", "structure.KalmanDecomposition", "structure.Mixing", "structure.Mode", "structure.Observability",
     "structure.StableSplit", "structure.Truncation", "design.Diophantine", "design.DiscreteFilter", "design.Optimal",

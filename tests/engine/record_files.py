@@ -177,7 +177,7 @@ def numbers() -> list[File]:
         file("two decimal signs", table(seconds, "t [s];u;y", ";", comma(U1), Y1), refused="use one decimal sign"),
         file("three decimals everywhere", table(lambda k: f"{TIMES[k]:.3f}", "t [s],u,y", ",", lambda k: f"{INPUTS[k]:.3f}")),
         file("decimal comma as separator", table(comma(seconds), "t [s],u,y", ",", comma(U1), comma(Y1)),
-             refused="number of values differs"),
+             refused="the comma stands both between the columns and in the numbers"),
         file("2_1.5", table(seconds, y=at_row(4, "2_1.5")), refused="row 6, column y: 2_1.5 is not a number"),
         file("a unit in the cell", table(seconds, y=at_row(4, "21.5 V")), refused="row 6, column y: 21.5 V is not a number"),
         file("0x1F", table(seconds, y=at_row(4, "0x1F")), refused="row 6, column y: 0x1F is not a number"),

@@ -172,9 +172,13 @@ def wronged(lesson: Lesson, index: int, found: Cards) -> None:
     """Something else is done: it is not praised, what happened is said, the request stays."""
     scene = lesson.path[index]
     for what, edit in wrong_actions(lesson, opened(lesson, index)):
-        walker = opened(lesson, index)
-        walker.send(edit, 1.0)
+        walker, linked = opened(lesson, index), Walker(lesson.id)
+        linked.session.restore(None)
+        linked.send(OpenState(write_token(lesson, walker.session._show.saved())), 0.3)
+        for each in (walker, linked):
+            each.send(edit, 1.0)
         here, said = f"{lesson.id} {scene.id} {edit}", verdict(walker)
+        found.hold(f"{what}, by a link", verdict(linked) == said, f"{here}: “{verdict(linked)}” for “{said}”")
         done, should = scene.id in walker.done, what != "hardly" and reaches(lesson, walker)
         picture = walker.session.picture
         assert picture is not None

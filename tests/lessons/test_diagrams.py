@@ -15,7 +15,7 @@ from observer_lab.page.charts.svg import draw
 from observer_lab.session.commands.commands import SetKnobs
 
 IN_THE_GUIDE = ("virtual-sensor", "separation", "duality", "saturation", "kalman")
-IN_THE_LAB = (*IN_THE_GUIDE, "error-dynamics", "hidden-modes", "noise", "sandbox")
+IN_THE_LAB = (*IN_THE_GUIDE, "error-dynamics", "hidden-modes", "noise", "sandbox", "lqg", "arm")
 SAID = re.compile(r'data-said="([^"]*)" data-widths="([^"]*)"')
 
 

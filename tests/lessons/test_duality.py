@@ -9,6 +9,7 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import solve_continuous_are
 
 from observer_lab.lessons.duality.dual_quantities import filter_riccati, gap, observer_by_polynomial, output_energy, run_pair
+from observer_lab.lessons.duality.finite_horizon import horizon_of
 from observer_lab.lessons.duality.knobs import MODEL
 from observer_lab.lessons.duality.lesson import LESSON
 from observer_lab.lessons.duality.root_locus import locus, ratios
@@ -133,6 +134,45 @@ def test_the_riccati_equations_in_time_are_those_of_an_integrator_and_settle_on_
     if window == 12.0:
         np.testing.assert_allclose(found.S[0], solve_continuous_are(p.A, p.B, Q, R), rtol=1e-5)
         np.testing.assert_allclose(found.P[-1], o.study.P, rtol=1e-5)
+
+
+def integrated(A, G, Q, first, times):
+    """X(τ) of dX/dτ = AᵀX + XA − XGX + Q by scipy's integrator."""
+    n = len(A)
+
+    def slope(_, flat):
+        X = flat.reshape(n, n)
+        return (A.T @ X + X @ A - X @ G @ X + Q).ravel()
+    return solve_ivp(slope, (0, times[-1]), first.ravel(), t_eval=times, rtol=1e-10, atol=1e-12).y.T.reshape(-1, n, n)
+
+
+@pytest.mark.parametrize("window", [0.5, 4.0])
+@pytest.mark.parametrize("scale", [0.0, 0.3, 5.0])
+def test_any_terminal_weight_leads_to_the_integrators_riccati_path(window: float, scale: float) -> None:
+    """Appendix A: Φ(x) = xᵀS_f x, smaller and larger than the settled S, and not a multiple of it."""
+    p, weights = turned(20.0), (2.0 * np.eye(2), np.eye(1), 3.0 * np.eye(2), 0.5 * np.eye(1))
+    Q, R, W, V = weights
+    S, P = solve_continuous_are(p.A, p.B, Q, R), solve_continuous_are(p.A.T, p.C.T, W, V)
+    ends = scale * np.array([[2.0, 0.4], [0.4, 0.3]]), scale * np.array([[0.2, -0.1], [-0.1, 3.0]])
+    found = horizon_of(p, weights, S, P, window, ends)
+    np.testing.assert_allclose(found.S[::-1], integrated(p.A, p.B @ p.B.T, Q, ends[0], found.t), rtol=1e-6, atol=1e-8)
+    np.testing.assert_allclose(found.P, integrated(p.A.T, 2 * p.C.T @ p.C, W, ends[1], found.t), rtol=1e-6, atol=1e-8)
+    np.testing.assert_allclose(found.K[-1], p.B.T @ ends[0], atol=1e-12)
+
+
+def test_the_knob_sets_a_share_of_the_settled_solution_and_its_words_follow() -> None:
+    for share, words in ((0.0, "K is 0"), (1.0, "constant"), (2.5, "2.5 times its limit")):
+        o = outcome(method="weights", sensor=0.0, terminal=share)
+        found, figure = o.study.horizon, next(f for f in LESSON.figures(o) if f.id == "horizon")
+        p = turned(0.0)
+        S = solve_continuous_are(p.A, p.B, 4 * np.eye(2), np.eye(1))
+        np.testing.assert_allclose(found.S[-1], share * S, rtol=1e-8, atol=1e-10)
+        np.testing.assert_allclose(found.S[::-1], integrated(p.A, p.B @ p.B.T, 4 * np.eye(2), share * S, found.t), rtol=1e-6, atol=1e-8)
+        assert words in figure.caption("en") and figure.curves[2].y[-1] == pytest.approx(share, abs=1e-6)
+        if share == 1:
+            np.testing.assert_allclose(found.S, np.broadcast_to(S, found.S.shape), rtol=1e-8)
+        values = LESSON.derived(o)
+        assert values["d_end"] == pytest.approx((1 - share) * S[0, 0]) and values["s_start"] == pytest.approx(found.S[0, 0, 0])
 
 
 @pytest.mark.parametrize("ratio", [1e-4, 0.3, 7.0, 1e4])

@@ -129,7 +129,14 @@ def test_the_slip_is_not_found_by_naming_a_line_that_inherits_it():
 def test_the_page_shows_the_present_gain_in_every_line():
     page, _ = notes_figures("first", np.array([[1.5], [-0.75]]))
     assert [row[2] for row in page.rows] == [
+        "e = (1, 0), ė = (−1.5, −0.25)", "s = −1.000, −1.000; Re s = −1 < 0", "ẑ = (0.625, 0.0625), x = (1, 0)",
         "λ² + 2λ + 1", "1 ≠ 2", "1 = 1", "L = (1.5, −0.75)", "[−1.5, 1; −0.25, −0.5]"]
+
+
+@pytest.mark.parametrize(("gain", "said"), [((-0.5, 0.0), "; Re s = 0"), ((-3.0, 1.0), " > 0"), ((1.0, -4.0), " > 0")])
+def test_the_page_says_where_real_parts_lie_also_at_the_axis_and_at_plus_one(gain, said):
+    page, _ = notes_figures("none", np.array(gain)[:, None])
+    assert page.rows[1][2].endswith(said) and "nan" not in page.rows[2][2]
 
 
 @pytest.mark.parametrize("language", ["en", "zh"])

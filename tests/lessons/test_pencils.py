@@ -269,6 +269,18 @@ def no_say(v: Letters) -> float:
     return 9.0 * at[0] / (at[0] - at[1])
 
 
+def circle(v: Letters) -> float:
+    """|s₁|² where the tachometer's entry of M vanishes: rows t of the carts by linear equations, M from two imaginary parts."""
+    def direct(square: float) -> float:
+        s = complex(v["s"], np.sqrt(complex(square - v["s"] ** 2)).real) if square > v["s"] ** 2 else complex(v["s"], 1e-3)
+        # t = (t₁, t₂, s, 1): column q₂ of tA − st = lC says 9 t₂ − 9 = s²
+        T = np.array([[part(1 + s * s / 9), part(s), part(1 + 0j)] for part in (np.real, np.imag)])
+        N = np.linalg.solve(T[:, 1:].T, [-88.0, 8.0])
+        return float(14.0 - N @ T[:, 0])
+    low, high = v["s"] ** 2 + 1.0, v["s"] ** 2 + 5.0
+    return low - direct(low) * (high - low) / (direct(high) - direct(low))  # M₂ is linear in |s₁|²
+
+
 def blind_input(v: Letters) -> float:
     C = np.array([1.0, v["g"]])
     at = [float(np.linalg.det([C, C @ np.array([[0.0, 1.0], [u * v["f"], -v["b"]]])])) for u in (0.0, 5.0)]
@@ -300,6 +312,7 @@ COMPUTED: Mapping[tuple[str, str], Callable[[Letters], float]] = {
     ("decoupling", "zero"): zero, ("weak-states", "almost-twins"): almost_twins, ("nonlinear", "drag"): drag, ("nonlinear", "least"): least,
     ("network", "noisy-readings"): noisy_readings, ("network", "budget"): budget, ("sandbox", "stroboscope"): stroboscope,
     ("robust-observer", "wrong-sensor"): wrong_sensor, ("robust-observer", "no-say"): no_say,
+    ("robust-observer", "circle"): circle,
     ("bilinear-observer", "blind-input"): blind_input, ("bilinear-observer", "enough"): enough,
     ("arm", "cancel"): cancel, ("arm", "injection"): injection, ("arm", "seen"): seen,
     ("record", "back"): back,

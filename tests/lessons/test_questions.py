@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import html
 import re
 from collections.abc import Iterator
 from functools import cache
+from itertools import groupby, pairwise
 
 import numpy as np
 import pytest
@@ -17,10 +19,14 @@ from observer_lab.course.guiding.questions import Asked, DrawnQuestion, Part
 from observer_lab.course.lesson import Lesson
 from observer_lab.course.scenes import Choose, Scene, entry_values
 from observer_lab.lessons import LESSONS
+from observer_lab.page.charts.axes import H
 from observer_lab.page.charts.print_sizes import Sizes
+from observer_lab.page.charts.svg import axes_of_plane
+from observer_lab.page.charts.text_layout import LARGE_PRINT_PX, text_width
 from observer_lab.page.guide.scene_card import question_html, verdict_html
 from observer_lab.page.words import phrases
 from observer_lab.session.commands.guide import AnswerByHand, GoToScene
+from observer_lab.text import languages
 
 SAMPLED = ("virtual-sensor", "separation", "kalman")  # lessons in which a tab is answered by hand
 LESSONS_BY_HAND = 8  # in which one answers by the hand itself, at least
@@ -159,3 +165,18 @@ def test_the_right_option_is_not_told_by_its_length(lesson: Lesson, language: st
             long = [len(re.sub(r"\$[^$]*\$", "xxxxx", option)) + 8 for option in asked.options]
             right = long.pop(asked.answer)
             assert 0.7 * min(long) <= right <= 1.6 * max(long), f"{scene.id}: {right} beside {long}"
+
+
+@each("lesson, k", DRAWN)
+def test_the_names_below_a_question_do_not_touch(lesson: Lesson, k: int) -> None:
+    figure = question(lesson, k)[1].figure
+    for language in languages() if figure.names else ():
+        axes = axes_of_plane(figure, language, H)
+        spots = [axes.at(v, 0.0)[0] for v, _ in figure.names]
+        drawn = re.findall(r'<text x="([\d.]+)" y="([\d.]+)" text-anchor="middle">([^<]*)</text>', axes.draw())
+        lines = [(float(y), float(x), text_width(html.unescape(words), LARGE_PRINT_PX)) for x, y, words in drawn]
+        assert len(lines) >= len(spots)
+        for y, row in groupby(sorted(lines), key=lambda line: line[0]):
+            assert y + 0.3 * LARGE_PRINT_PX <= axes.height, "the drawing is as high as its names need, tails of letters included"
+            for (_, before, one), (_, after, other) in pairwise(row):
+                assert before + one / 2 < after - other / 2, (language, figure.names, before, after)

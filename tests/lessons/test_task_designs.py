@@ -91,13 +91,20 @@ CASES: tuple[tuple[str, str, dict[str, Any], bool, str], ...] = (  # lesson, tas
     ("noise", "bargain", {**POLES, "observer_poles": pairs(-2.9 + 2.3j)}, True, ""),
     ("noise", "bargain", {"speed": 1.0}, False, "2.26 1.2 1.3 1.1"),
     ("noise", "bargain", {"speed": 1.2}, False, "1.88 1.058"),
-    ("kalman", "shy", {"q": 2.0, "r": 2.0}, True, "2.00 1.67 3.00"),
+    ("kalman", "shy", {"q": 2.0, "r": 2.0}, True, "2 1.67 3.00"),
     ("kalman", "shy", {"q": 2.0, "r": 1.9}, True, ""),
     ("kalman", "shy", {"q": 1.0, "r": 2.0}, False, "2.18 5.28 1.9 2.1 2"),
     ("lqg", "patience", {"sensor": 1e7, "beta_r": 3.5e7}, True, "1.204 0.125"),
     ("lqg", "patience", {"sensor": 1e7, "beta_r": 7e6, "beta_q": 0.2}, True, ""),
     ("lqg", "patience", {"sensor": 1e7, "beta_r": 3.5e7, "recovery": 1.0}, False, ""),
     ("lqg", "patience", {"sensor": 1e7, "beta_r": 1e7}, False, "0.080 1.25 0.12 0.13"),
+    ("lqg", "stages", {"alpha_r": 100.0, "beta_r": 1e5}, True, "83.6"),
+    ("lqg", "stages", {"alpha_r": 100.0, "beta_r": 1.0}, True, ""),
+    ("lqg", "stages", {"alpha_r": 0.1, "beta_r": 1.0}, False, "80 90 60"),
+    ("lqg", "stages", {"alpha_r": 100.0}, False, "60"),
+    ("lqg", "sparse", {"alpha_r": 1e4, "beta_r": 1.0}, True, "1.0035"),
+    ("lqg", "sparse", {"alpha_r": 1e4, "beta_r": 1e4}, True, ""),
+    ("lqg", "sparse", {"beta_r": 1.0}, False, "20"),
 )
 
 

@@ -112,6 +112,16 @@ def test_notes_are_short_and_the_minutes_add_up() -> None:
     holds_for_all(notes(), law, NAME)
 
 
+def test_notes_say_what_fits_into_15_45_and_90_minutes() -> None:
+    def law(id: str, language: str) -> None:
+        told = {int(found) for found in re.findall(r"(\d+)(?= minutes| 分钟)", sections(read_notes(folder(id), language))[1])}
+        assert told >= {15, 45, 90}, told
+    holds_for_all(notes(), law, NAME)
+    for lesson in LESSONS.values():
+        core, whole = sum(scene.minutes for scene in lesson.path if scene.core), sum(scene.minutes for scene in lesson.path)
+        assert core <= 17 < whole + 10 <= 45, f"{lesson.id}: {core:g} and {whole:g} minutes"
+
+
 def test_what_notes_quote_is_a_knob_or_an_option_and_what_they_stress_a_tab() -> None:
     def law(id: str, language: str) -> None:
         words, (knobs, tabs) = read_notes(folder(id), language), named()[id, language]

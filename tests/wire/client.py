@@ -20,6 +20,7 @@ from urllib.parse import urlsplit
 
 import msgspec
 import zstandard
+from tls_line import tls_line
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 from websockets.typing import Origin, Subprotocol
@@ -186,9 +187,9 @@ class WireTab(WirePage):
         self.url = url
         place = urlsplit(url)
         name, *more = hosts or (place.netloc,)
-        line = socket.create_connection((place.hostname, place.port), timeout=PATIENCE)
+        host, port = place.hostname or "", place.port or 0
         self._socket = connect(f"ws://{name}{path}", origin=Origin(origin) if origin else None,
-                               sock=line if tls is None else tls.wrap_socket(line, server_hostname=place.hostname),
+                               sock=socket.create_connection((host, port), timeout=PATIENCE) if tls is None else tls_line(host, port, tls),
                                subprotocols=[Subprotocol(protocol or f"viser-v{version('viser')}")],
                                additional_headers=[*(("Host", host) for host in more),
                                                    *([("Cookie", cookies)] if cookies else []),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -21,7 +21,8 @@ MAX_VARIANT = 10**6
 def arguments(parser: argparse.ArgumentParser) -> None:
     """The options of `sheet`."""
     parser.add_argument("lessons_asked", nargs="*", metavar="LESSON", help="lessons whose exams are asked; see list")
-    parser.add_argument("--course", metavar="FILE", help="a course file: the exams that it names, with its students' numbers")
+    parser.add_argument("--course", metavar="NAME|FILE",
+                        help="all exams of a course of the lab (first, estimation, platform), or those that a course file names")
     parser.add_argument("--key", default="sheet", help="whose numbers: a student's key or any word (default: sheet)")
     parser.add_argument("--variant", type=whole_number(0, MAX_VARIANT, "is no variant; give a whole number"), default=1, metavar="N",
                         help="which variant of the numbers (default: 1)")
@@ -64,7 +65,10 @@ def _asked(options: argparse.Namespace) -> Iterator[tuple[Lesson, Exam, ExamItem
     for name in options.lessons_asked:
         if name not in lessons:
             raise CommandError(f"There is no lesson {name[:40]}; there are {', '.join(lessons)}.")
-    if options.course:
+    asked = options.lessons_asked
+    if options.course and (found := _course_of_the_lab(options.course, lessons)):
+        asked = [name for name in found if not asked or name in asked]
+    elif options.course:
         course = course_in(options.course, lessons)
         for place in course.items.values():
             if place.kind == "exam" and (not options.lessons_asked or place.lesson in options.lessons_asked):
@@ -72,6 +76,17 @@ def _asked(options: argparse.Namespace) -> Iterator[tuple[Lesson, Exam, ExamItem
                 exam = next(exam for exam in lesson.exams if exam.id == place.id)
                 yield lesson, exam, student_item(course, options.key, lesson.id, exam, options.variant)
         return
-    for lesson in (lessons[name] for name in options.lessons_asked):
+    for lesson in (lessons[name] for name in asked):
         for exam in lesson.exams:
             yield lesson, exam, exam.item(seed_of(options.key, lesson.id, exam.id, options.variant))
+
+
+def _course_of_the_lab(name: str, lessons: Mapping[str, Lesson]) -> list[str]:
+    """The lessons of a course that the lab has itself, none where the name is that of a file. Raises CommandError."""
+    from ...course.course_map import LEARNING_PATHS
+
+    if Path(name).exists() or Path(name).suffix or len(Path(name).parts) > 1:
+        return []
+    if name not in LEARNING_PATHS:
+        raise CommandError(f"There is no course {name[:40]}; there are {', '.join(LEARNING_PATHS)}. Or give a course file, NAME.toml.")
+    return [id for id, lesson in lessons.items() if LEARNING_PATHS[name] in lesson.place.ways]

@@ -118,12 +118,12 @@ def _run(study: Study, ledger: Ledger, options: argparse.Namespace) -> None:
 class Progress:
     """How far it is, on stderr: a line that renews itself on a terminal, else one for each tenth."""
 
-    def __init__(self, size: int, done: int, clock: Callable[[], float] = time.monotonic) -> None:
-        self._size, self._before, self._clock = size, done, clock
+    def __init__(self, size: int, done: int, clock: Callable[[], float] = time.monotonic, what: str = "runs") -> None:
+        self._size, self._before, self._clock, self._what = size, done, clock, what
         self._began, self._said, self._open = clock(), -1e9, False
         self._tenth = 10 * done // size
         if done:
-            print(f"observer-lab: {done} of {size} runs are done already.", file=sys.stderr)
+            print(f"observer-lab: {done} of {size} {what} are done already.", file=sys.stderr)
 
     def tell(self, done: int) -> None:
         """Say that so many are done, if it is time to."""
@@ -133,7 +133,7 @@ class Progress:
             return
         self._said, self._tenth, self._open = now, tenth, lasts
         left = (now - self._began) * (self._size - done) / max(done - self._before, 1)
-        words = f"{done} of {self._size} runs, {100 * done / self._size:.0f} %, {_time(left)} left"
+        words = f"{done} of {self._size} {self._what}, {100 * done / self._size:.0f} %, {_time(left)} left"
         print(f"\r{words:<60}" if lasts else words, end="" if lasts else "\n", file=sys.stderr, flush=True)
 
     def end(self) -> None:

@@ -11,17 +11,19 @@ from contextlib import AbstractContextManager, ExitStack
 from dataclasses import replace
 from typing import IO, TYPE_CHECKING
 
+from ...text import languages
 from ..options import PLANT_HELP, STATE_HELP, CommandError, seconds, whole_number
 
 if TYPE_CHECKING:
-    from ...course.lesson import Lesson, Outcome
+    from ...course.lesson import Design, Lesson, Outcome
     from ...live.lines import LineReader
     from ...live.observer import LiveObserver, Step
-    from ...live.sources import Read
+    from ...live.sources import Port
 
 HELP = "a design's observer beside a real or simulated plant, line by line"
 SHOW_S, WAIT_S = 1.0, 0.2  # between two printed lines, and for bytes at a time
 OFF_PERIOD = 0.1  # of the period: lines that come so much more or less often are named
+KNOCK_S = 5.0  # between two knocks on the simulated plant of a page
 SIMULATED_SAMPLES = 100_000_000
 
 
@@ -42,7 +44,24 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--checksum", action="store_true", help="refuse lines without a checksum")
     parser.add_argument("--record", metavar="FILE", help="write the lines as a table that the lesson record reads")
     parser.add_argument("--seconds", type=seconds, metavar="TIME", help="end after this time")
+    parser.add_argument("--page", nargs="?", const=8090, type=whole_number(0, 65535, "is no port; give one from 1 to 65535"),
+                        metavar="PORT", help="show it in a browser, on a port of this machine (default %(const)s)")
+    parser.add_argument("--lang", choices=languages(), default="en", help="language that the page opens in")
+    parser.add_argument("--drive", type=above_zero, metavar="LIMIT",
+                        help="let the page send u, within this limit; it needs --page and a button pressed there")
+    parser.add_argument("--drive-rate", type=above_zero, default=float("inf"), metavar="PER_S", help="fastest change of u in a second")
     parser.add_argument("--json", action="store_true", help="print each sample with its estimate as a line of JSON")
+
+
+def above_zero(words: str) -> float:
+    """A finite number above 0."""
+    try:
+        value = float(words)
+    except ValueError:
+        value = float("nan")
+    if not 0 < value < float("inf"):
+        raise argparse.ArgumentTypeError(f"{words[:40]} is no limit; give a number above 0, in the unit of u")
+    return value
 
 
 def execute(options: argparse.Namespace) -> int:
@@ -58,6 +77,9 @@ def execute(options: argparse.Namespace) -> int:
     from ...study.points import outcome_of
     from ..inputs import find_lesson, fit_lesson, read_design
 
+    if options.drive is not None and (options.page is None or options.stdin):
+        raise CommandError("--drive needs --page, whose button switches it on, and a source that takes answers: --serial, --udp or "
+                           "--simulate.")
     origin = find_lesson(options.lesson)
     design = read_design(origin, options.plant, options.state, options.changes)
     lesson = fit_lesson(origin, design.plant)
@@ -70,7 +92,9 @@ def execute(options: argparse.Namespace) -> int:
                             options.checksum)
         with ExitStack() as open_ones:
             read = open_ones.enter_context(_source(options, lesson, outcome))
-            record = open_ones.enter_context(open(options.record, "w", encoding="utf-8")) if options.record else None
+            if options.page is not None:
+                return _on_page(options, lesson, design, read, reader)
+            record = open_ones.enter_context(open(options.record, "w", encoding="utf-8", buffering=1)) if options.record else None
             with contextlib.suppress(KeyboardInterrupt):
                 _follow(options, read, reader, observer, record)
     except (EngineError, KnobError, DeviceError, SourceError) as problem:
@@ -87,7 +111,19 @@ def execute(options: argparse.Namespace) -> int:
     return 0
 
 
-def _source(options: argparse.Namespace, lesson: Lesson, outcome: Outcome) -> AbstractContextManager[Read]:
+def _on_page(options: argparse.Namespace, lesson: Lesson, design: Design, source: Port, reader: LineReader) -> int:
+    from .page import desk_of, show_page
+
+    desk = desk_of(lesson, design, reader, options.ts, None if options.drive is None else (options.drive, options.drive_rate))
+    if options.record:
+        desk.toggle_record(options.record)
+        if not desk.recording:
+            raise CommandError(f"{str(options.record)[:80]} cannot be written; choose another place.")
+    show_page(lesson, design, desk, source, options.page, options.lang, options.seconds)
+    return 0
+
+
+def _source(options: argparse.Namespace, lesson: Lesson, outcome: Outcome) -> AbstractContextManager[Port]:
     from ...live.sources import from_descriptor, from_serial, from_udp
 
     if options.stdin:
@@ -99,7 +135,7 @@ def _source(options: argparse.Namespace, lesson: Lesson, outcome: Outcome) -> Ab
     return _simulated(options, lesson, outcome)
 
 
-def _simulated(options: argparse.Namespace, lesson: Lesson, outcome: Outcome) -> AbstractContextManager[Read]:
+def _simulated(options: argparse.Namespace, lesson: Lesson, outcome: Outcome) -> AbstractContextManager[Port]:
     from ...engine.systems import discretise
     from ...export.devices.folders import device_design
     from ...export.devices.simulator import simulator_files
@@ -110,10 +146,11 @@ def _simulated(options: argparse.Namespace, lesson: Lesson, outcome: Outcome) ->
     design, s = device_design(lesson, outcome, options.ts), outcome.run.scenario
     plant = s.plant if s.plant.dt else discretise(replace(s.plant), design.routine.period)
     count = SIMULATED_SAMPLES if options.seconds is None else int(options.seconds / design.routine.period) + 1
-    return simulated(simulator_files(design, plant, s.x0), count)
+    return simulated(simulator_files(design, plant, s.x0), count, driven=options.drive is not None,
+                     knocks=0 if options.page is None else max(1, round(KNOCK_S / design.routine.period)))
 
 
-def _follow(options: argparse.Namespace, read: Read, reader: LineReader, observer: LiveObserver, record: IO[str] | None) -> None:
+def _follow(options: argparse.Namespace, read: Port, reader: LineReader, observer: LiveObserver, record: IO[str] | None) -> None:
     if record is not None:
         heads = [*(f"u_{name}" for name in reader.inputs), *(f"y_{name}" for name in reader.readings)]  # as the reader of records asks
         record.write(",".join(["t", *heads]) + "\n")

@@ -26,7 +26,8 @@ PARTS: Mapping[str, tuple[str, str]] = MappingProxyType({  # field of a lesson â
     "knobs": ("knobs", "KNOBS"), "compute": ("study", "compute"), "figures": ("figures", "figures"), "tasks": ("tasks", "TASKS"),
     "exams": ("exams", "EXAMS"), "derived": ("derive", "derived"), "code": ("code", "code"), "job": ("job", "JOB"),
     "device": ("device", "device"), "estimates": ("estimates", "estimates"),
-    "questions": ("questions", "QUESTIONS"), "pick": ("job", "pick"), "seeds": ("seeds", "run_seeds"), "adapt": ("own", "adapted")})
+    "questions": ("questions", "QUESTIONS"), "pick": ("job", "pick"), "seeds": ("seeds", "run_seeds"), "adapt": ("own", "adapted"),
+    "take_record": ("own", "with_record")})
 
 
 def read_folder(modules: Sequence[ModuleType], given: Mapping[str, Any]) -> dict[str, Any]:

@@ -59,12 +59,19 @@ class Finder:
 
     def find(self, typed: str, most: int = 8) -> tuple[Hit, ...]:
         """The hits for what was typed, best first; none where no word is known."""
-        wanted = words_of(typed)
+        wanted = tuple(part for word in words_of(typed) for part in self._parts(word))
         if not wanted:
             return ()
         scored = [(self._score(typed, wanted, k), hit) for k, hit in enumerate(self.hits)]
         best = sorted((each for each in scored if each[0] > 0), key=lambda each: -each[0])
         return tuple(hit for _, hit in best[:most])
+
+    def _parts(self, word: str) -> tuple[str, ...]:
+        """A word that nothing has, as the two known ones that it is written together from."""
+        if word in self._rarity or any(_alike(word, frozenset((known,))) for known in self._rarity):
+            return (word,)
+        ways = ((_stem(word[:k]), _stem(word[k:])) for k in range(SHORTEST_STEM, len(word) - SHORTEST_STEM + 1))
+        return next((way for way in ways if all(part in self._rarity for part in way)), (word,))
 
     @cached_property
     def _forms(self) -> tuple[tuple[frozenset[str], ...], ...]:

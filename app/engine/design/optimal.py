@@ -17,7 +17,8 @@ from ..systems.pole_sets import Poles, pole_text, sorted_poles
 from ..systems.records import record
 from ..systems.stability import all_stable
 from .gain_record import ActsAsGain
-from .riccati import RiccatiProblem, in_balanced_units, solve_continuous, solve_discrete
+from .riccati import solve_continuous, solve_discrete
+from .riccati_problem import RiccatiProblem, in_balanced_units
 from .riccati_residual import Equation
 from .singular_weight import solve_singular
 
@@ -215,12 +216,12 @@ def _solved(problem: RiccatiProblem, boundary: float, words: _Words) -> Optimal:
                                weight=words.second, gain=words.gain)
         return Optimal(frozen(found[1]), frozen(found[0]), frozen(poles), Equation(problem, found[0], True))
     try:
-        S, K, residual = (solve_discrete if boundary else solve_continuous)(problem)
+        S, K, residual, poles = (solve_discrete if boundary else solve_continuous)(problem)
     except RiccatiError as failure:
         raise _diagnosis(problem, boundary, words) from failure
     if not (np.all(np.isfinite(S)) and residual < RESIDUAL_LIMIT):
         raise _diagnosis(problem, boundary, words)
-    poles = sorted_poles(problem.A - problem.B @ K)
+    poles = np.sort_complex(poles)
     if np.any(_beyond(poles, boundary) >= 0):
         raise _diagnosis(problem, boundary, words)
     return Optimal(frozen(K), frozen(S), frozen(poles), Equation(problem, S, bool(boundary)))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import warnings
 from collections.abc import Callable
 from contextlib import suppress
@@ -13,14 +12,14 @@ from scipy.linalg import (
     solve_continuous_are,
     solve_discrete_are,
 )
-from scipy.linalg.lapack import dgees, dtrsyl  # pyright: ignore[reportAttributeAccessIssue]
+from scipy.linalg.lapack import dgees, dgeev, dgesv, dtrsyl  # pyright: ignore[reportAttributeAccessIssue]
 
 from ..systems.arrays import symmetric
-from ..systems.balance import plain_scale, weighed_scale
+from ..systems.balance import plain_scale
 from ..systems.errors import RiccatiError
-from ..systems.records import record
+from .riccati_problem import RiccatiProblem, in_balanced_units, norm, unit_scale
 
-__all__ = ["RiccatiProblem", "continuous_residual", "discrete_residual", "solve_continuous", "solve_discrete"]
+__all__ = ["continuous_residual", "discrete_residual", "solve_continuous", "solve_discrete"]
 
 NEWTON_STEPS = 4  # at most; none or one nearly always does
 GOOD_RESIDUAL = 2e-15  # and what rounding of that many states allows
@@ -30,22 +29,11 @@ DOUBLINGS = 50  # of the steps that a loop is followed for: poles to within 1e-1
 WELL = 1e6  # condition of A up to which the symplectic matrix, which needs its inverse, is trusted
 SAME_POLE_RTOL = 1e-3  # relative difference of two poles that are the same
 SAME_SCALES = 12  # bits: beyond it a solution is polished in the scales of A alone too
-WIDEST = 1000  # bits of a factor of the cost
 FAIR_RESIDUAL = 1e-13  # above it the equation is solved once more, from another beginning
 
 
-@record()
-class RiccatiProblem:
-    """The data of min ∫ xᵀQx + 2xᵀNu + uᵀRu (or the sum, in discrete time) along ẋ = Ax + Bu."""
-
-    A: np.ndarray
-    B: np.ndarray
-    Q: np.ndarray
-    R: np.ndarray
-    N: np.ndarray
-
-
 Found = tuple[np.ndarray, np.ndarray, float]  # S, K and the relative residual
+Solution = tuple[np.ndarray, np.ndarray, float, np.ndarray]  # and the poles of A − BK
 Newton = Callable[[RiccatiProblem, np.ndarray, np.ndarray], np.ndarray]
 Quick = Callable[[RiccatiProblem], tuple[np.ndarray, float] | None]
 Evaluate = Callable[[RiccatiProblem, np.ndarray], tuple[np.ndarray, float, np.ndarray]]
@@ -54,11 +42,11 @@ Evaluate = Callable[[RiccatiProblem, np.ndarray], tuple[np.ndarray, float, np.nd
 def continuous_residual(problem: RiccatiProblem, S: np.ndarray) -> tuple[np.ndarray, float, np.ndarray]:
     """Residual AᵀS + SA + Q − KᵀRK, its norm relative to the sum of the norms of its terms, and K = R⁻¹(BᵀS + Nᵀ)."""
     A, B, Q, R, N = problem.A, problem.B, problem.Q, problem.R, problem.N
-    K = np.linalg.solve(R, B.T @ S + N.T)
-    SA = S @ A
-    quadratic = K.T @ R @ K
+    K = solved(R, B.T.dot(S) + N.T)
+    SA = S.dot(A)
+    quadratic = K.T.dot(R).dot(K)
     residual = SA + SA.T + Q - quadratic
-    return residual, _relative(residual, 2 * _size(SA), Q, quadratic), K
+    return residual, _relative(residual, 2 * norm(SA), Q, quadratic), K
 
 
 def discrete_residual(problem: RiccatiProblem, S: np.ndarray) -> tuple[np.ndarray, float, np.ndarray]:
@@ -69,19 +57,19 @@ def discrete_residual(problem: RiccatiProblem, S: np.ndarray) -> tuple[np.ndarra
     K = np.linalg.solve(weight, BS @ A + N.T)
     ASA, quadratic = A.T @ S @ A, K.T @ weight @ K
     residual = ASA - S + Q - quadratic
-    return residual, _relative(residual, _size(S) + _size(ASA), Q, quadratic), K
+    return residual, _relative(residual, norm(S) + norm(ASA), Q, quadratic), K
 
 
 def _relative(residual: np.ndarray, size: float, *terms: np.ndarray) -> float:
-    total = size + sum(map(_size, terms))
-    return _size(residual) / total if total > 0 else 0.0
+    total = size + sum(map(norm, terms))
+    return norm(residual) / total if total > 0 else 0.0
 
 
-def solve_continuous(problem: RiccatiProblem) -> tuple[np.ndarray, np.ndarray, float]:
-    """Stabilising S, K and the relative residual of the CARE. Raises RiccatiError where there is none."""
+def solve_continuous(problem: RiccatiProblem) -> Solution:
+    """Stabilising S, K, the relative residual of the CARE and the poles of A − BK. Raises RiccatiError where there is none."""
 
     def newton(p: RiccatiProblem, K: np.ndarray, residual: np.ndarray) -> np.ndarray:
-        return lyapunov((p.A - p.B @ K).T, -residual)
+        return lyapunov((p.A - p.B.dot(K)).T, -residual)
 
     return _solve(problem, solve_continuous_are, newton, continuous_residual, by_hamiltonian,
                   lambda poles: -float(np.real(poles).max()))
@@ -94,29 +82,43 @@ def by_hamiltonian(problem: RiccatiProblem) -> tuple[np.ndarray, float] | None:
     then the slowest pole of A − BK is another one. Raises LinAlgError where S does not exist.
     """
     A, B, Q, R, N = problem.A, problem.B, problem.Q, problem.R, problem.N
-    n, weight = len(A), _size(R) * _size(np.linalg.inv(R))
-    if not weight < DOUBTFUL:
+    n, drift = len(A), _drift(B, R, N)
+    if drift is None:
         return None
-    drift = np.linalg.solve(R, np.hstack([B.T, N.T]))
-    F = A - B @ drift[:, n:]
-    H = np.block([[F, -B @ drift[:, :n]], [N @ drift[:, n:] - Q, -F.T]])
+    H = np.empty((2 * n, 2 * n), order="F")
+    H[:n, :n] = A - B.dot(drift[:, n:])
+    H[:n, n:], H[n:, :n], H[n:, n:] = -B.dot(drift[:, :n]), N.dot(drift[:, n:]) - Q, -H[:n, :n].T
     _, stable, real, _, U, _, failure = dgees(_is_stable, H, sort_t=1)
     if failure or stable != n:
         return None
-    return symmetric(np.linalg.solve(U[:n, :n].T, U[n:, :n].T)), float(np.abs(real).min())
+    return symmetric(solved(U[:n, :n].T, U[n:, :n].T)), float(np.abs(real).min())
+
+
+def solved(M: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """X (n×k) of M X = right by elimination, without what NumPy adds for a small M. Raises LinAlgError."""
+    *_, X, failure = dgesv(M, right)
+    if failure:
+        raise np.linalg.LinAlgError
+    return X
+
+
+def _drift(B: np.ndarray, R: np.ndarray, N: np.ndarray) -> np.ndarray | None:
+    """R⁻¹(Bᵀ, Nᵀ); None where R is too near to a singular matrix."""
+    n, m = B.shape
+    found = solved(R, np.concatenate([B.T, N.T, np.eye(m)], axis=1))
+    return found[:, :2 * n] if norm(R) * norm(found[:, 2 * n:]) < DOUBTFUL else None
 
 
 def by_symplectic(problem: RiccatiProblem) -> tuple[np.ndarray, float] | None:
     """The same in discrete time, from the symplectic matrix, with 1 − |λ| of the slowest pole; None too where A − BR⁻¹Nᵀ has no
     good inverse."""
     A, B, Q, R, N = problem.A, problem.B, problem.Q, problem.R, problem.N
-    n, weight = len(A), _size(R) * _size(np.linalg.inv(R))
-    if not weight < DOUBTFUL:
+    n, drift = len(A), _drift(B, R, N)
+    if drift is None:
         return None
-    drift = np.linalg.solve(R, np.hstack([B.T, N.T]))
     F = A - B @ drift[:, n:]
     back = np.linalg.inv(F).T
-    if not _size(F) * _size(back) < WELL:
+    if not norm(F) * norm(back) < WELL:
         return None
     late, costs = B @ drift[:, :n] @ back, Q - N @ drift[:, n:]
     _, stable, real, imag, U, _, failure = dgees(_is_inside, np.block([[F + late @ costs, -late], [-back @ costs, back]]), sort_t=1)
@@ -128,29 +130,23 @@ def by_symplectic(problem: RiccatiProblem) -> tuple[np.ndarray, float] | None:
 def lyapunov(M: np.ndarray, Q: np.ndarray) -> np.ndarray:
     """X of M X + X Mᵀ = Q, by Schur's form of M and back substitution. Raises LinAlgError where M and −M share a pole."""
     T, _, _, _, U, _, failure = dgees(_is_stable, M)
-    X, scale, singular = dtrsyl(T, T, U.T @ Q @ U, tranb="T")
+    X, scale, singular = dtrsyl(T, T, U.T.dot(Q).dot(U), tranb="T")
     if failure or singular:
         raise np.linalg.LinAlgError
-    return U @ (X / scale) @ U.T
+    return U.dot(X / scale).dot(U.T)
 
 
 def summed(M: np.ndarray, Q: np.ndarray) -> np.ndarray:
     """X = Q + MᵀXM = Σ (Mᵀ)ᵏ Q Mᵏ, by doubling: SciPy's bilinear map loses six digits more where M is large. Raises LinAlgError for
     an M that is not stable."""
-    X, least = Q, 1e-20 * _size(Q)
+    X, least = Q, 1e-20 * norm(Q)
     with np.errstate(over="ignore", invalid="ignore"):
         for _ in range(DOUBLINGS):
             more = M.T @ X @ M
             X, M = X + more, M @ M
-            if _size(more) <= least:
+            if norm(more) <= least:
                 return X
     raise np.linalg.LinAlgError
-
-
-def _size(M: np.ndarray) -> float:
-    """Frobenius norm."""
-    entries = M.ravel()
-    return math.sqrt(entries @ entries)
 
 
 def _is_stable(real: float, imag: float) -> bool:
@@ -161,8 +157,8 @@ def _is_inside(real: float, imag: float) -> bool:
     return real * real + imag * imag < 1
 
 
-def solve_discrete(problem: RiccatiProblem) -> tuple[np.ndarray, np.ndarray, float]:
-    """Stabilising S, K and the relative residual of the DARE (where A is nearly singular by SciPy's extended pencil)."""
+def solve_discrete(problem: RiccatiProblem) -> Solution:
+    """Stabilising S, K, the relative residual of the DARE and the poles of A − BK; by SciPy's extended pencil for an A nearly singular."""
 
     def newton(p: RiccatiProblem, K: np.ndarray, residual: np.ndarray) -> np.ndarray:
         return summed(p.A - p.B @ K, residual)
@@ -178,32 +174,38 @@ def _solve(
     evaluate: Evaluate,
     quick: Quick,
     inside: Callable[[np.ndarray], float],
-) -> tuple[np.ndarray, np.ndarray, float]:
+) -> Solution:
     plain, first_cost, first_input = unit_scale(problem)  # a common factor of the weights changes not even a bit
     own, states, inputs = in_balanced_units(plain)
     scaled, cost_scale, input_scale = unit_scale(own)
     cost_scale, input_scale = first_cost * cost_scale, first_input * input_scale
     x = plain_scale(plain.A) / states
-    apart = np.ptp(np.log2(x)) >= SAME_SCALES
-    best = (_quickly(scaled, newton, evaluate, quick, inside)
-            or _thoroughly(scaled, library, newton, evaluate, (True,) if apart else (True, False)))
+    apart = x.max() >= 2.0**SAME_SCALES * x.min()
+    quickly = _quickly(scaled, newton, evaluate, quick, inside)
+    best = (quickly[:3] if quickly is not None else
+            _thoroughly(scaled, library, newton, evaluate, (True,) if apart else (True, False)))
     if apart:  # where weights and drift pull a scale apart, what is small in the one is not in the other
         best = _in_other_states(x, scaled, best, library, newton, evaluate)
     if best is None:
         raise RiccatiError("The Riccati equation has no stabilising solution; change the weights or the plant.")
     S, K, size = best
-    return cost_scale * S / states / states[:, None], input_scale * K * inputs[:, None] / states, size
+    poles = quickly[3] if quickly is not None and K is quickly[1] else np.linalg.eigvals(scaled.A - scaled.B @ K)
+    return cost_scale * S / states / states[:, None], input_scale * K * inputs[:, None] / states, size, poles
 
 
 def _quickly(problem: RiccatiProblem, newton: Newton, evaluate: Evaluate, quick: Quick,
-             inside: Callable[[np.ndarray], float]) -> Found | None:
+             inside: Callable[[np.ndarray], float]) -> Solution | None:
     """By our own subspace, None where there is doubt."""
     with suppress(np.linalg.LinAlgError):
         if (guess := quick(problem)) is not None:
             residual, _, K = evaluate(problem, guess[0])  # a first step in any case: it keeps apart what the plant keeps apart
             found = _polished(problem, symmetric(guess[0] + newton(problem, K, residual)), newton, evaluate)
-            slowest = inside(np.linalg.eigvals(problem.A - problem.B @ found[1]))
-            return found if found[2] < _good(problem) and abs(slowest - guess[1]) <= SAME_POLE_RTOL * guess[1] else None
+            real, imag, *_, failure = dgeev(problem.A - problem.B.dot(found[1]), compute_vl=0, compute_vr=0)
+            if failure:
+                return None
+            poles = real + 1j * imag
+            slowest = inside(poles)
+            return (*found, poles) if found[2] < _good(problem) and abs(slowest - guess[1]) <= SAME_POLE_RTOL * guess[1] else None
     return None
 
 
@@ -259,33 +261,3 @@ def _polished(problem: RiccatiProblem, S: np.ndarray, newton: Newton, evaluate: 
             break
         S, residual, size, K = better, new_residual, new_size, new_K
     return S, K, size
-
-
-def in_balanced_units(problem: RiccatiProblem) -> tuple[RiccatiProblem, np.ndarray, np.ndarray]:
-    """The same problem in balanced states and in inputs of like weight, with the scales of both, powers of two.
-
-    What pins the scales beside A are how strongly an input of unit cost drives a state, and what a state costs.
-    """
-    A, B, Q, R, N = problem.A, problem.B, problem.Q, problem.R, problem.N
-    inputs = 2.0 ** -np.round(np.log2(np.where(np.diag(R) > 0, np.diag(R), 1.0)) / 2)
-    driven = np.sqrt(np.square(B * inputs).sum(axis=1))[:, None]
-    x = weighed_scale(A, driven, np.sqrt(np.maximum(np.diag(Q), 0.0))[None])
-    return RiccatiProblem(A * x / x[:, None], B * inputs / x[:, None], Q * x * x[:, None], R * inputs * inputs[:, None],
-                          N * inputs * x[:, None]), x, inputs
-
-
-def unit_scale(problem: RiccatiProblem) -> tuple[RiccatiProblem, float, float]:
-    """The same problem with Q, R and BR⁻¹Bᵀ of comparable size, and the factors of S and K that lead back.
-
-    The cost is divided by c and the input by b, powers of two near c = √(‖Q‖‖R‖)/‖B‖ and b² = c/‖R‖: no rounding, and
-    a common factor of Q and R falls out of the gain.
-    """
-    A, B, Q, R, N = problem.A, problem.B, problem.Q, problem.R, problem.N
-    q, r, b = map(_size, (Q, R, B))
-    half_r = 2 * round(np.log2(r if r > 0 else q if q > 0 else 1.0) / 2)  # an even power, so that its root is exact too
-    ratio = np.log2(q) - half_r if q > 0 else 0.0
-    log_b = int(np.clip(round(ratio / 4 - (np.log2(b) if b > 0 else 0.0) / 2), -250, 250))
-    input_scale, cost = 2.0**log_b, 2.0 ** int(np.clip(half_r + 2 * log_b, -WIDEST, WIDEST))
-    # û = u / input_scale turns B into input_scale·B, uᵀRu/cost into ûᵀ(R·input_scale²/cost)û
-    scaled = RiccatiProblem(A, B * input_scale, Q / cost, R / 2.0**half_r, N * (input_scale / cost))
-    return scaled, cost, input_scale

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..systems.fixed_point import fixed, product
 from ..systems.records import record
-from .riccati import RiccatiProblem, in_balanced_units, unit_scale
+from .riccati_problem import RiccatiProblem, in_balanced_units, unit_scale
 
 __all__ = ["Equation"]
 

@@ -6,7 +6,8 @@ import numpy as np
 from scipy.linalg import solve_discrete_are
 
 from ..systems.arrays import correlations, symmetric
-from .riccati import RiccatiProblem, discrete_residual, in_balanced_units, summed, unit_scale
+from .riccati import discrete_residual, summed
+from .riccati_problem import RiccatiProblem, in_balanced_units, unit_scale
 
 __all__ = ["solve_singular"]
 

@@ -50,8 +50,8 @@ class Belief:
     def bare(cls, mean: np.ndarray, covariance: np.ndarray) -> Self:
         """The same within a run, which looks at its numbers itself."""
         belief = object.__new__(cls)
-        object.__setattr__(belief, "mean", mean)
-        object.__setattr__(belief, "covariance", covariance)
+        fields = belief.__dict__
+        fields["mean"], fields["covariance"] = mean, covariance
         return belief
 
     def _take(self) -> None:

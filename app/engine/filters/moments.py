@@ -45,8 +45,8 @@ def _times(t: object, steps: int) -> np.ndarray:
     if times.size != steps:
         raise ShapeError("{name} must have {length} entries; it has {vector_size}.", name="t", length=steps, vector_size=times.size)
     if (np.diff(times) < 0).any():
-        raise EngineError("The times t must not go back: sample {k} lies before the one in front of it.",
-                          k=int(np.argmax(np.diff(times) < 0)) + 1)
+        before = int(np.argmax(np.diff(times) < 0))
+        raise EngineError("The times t must not go back: sample {k} is earlier than sample {before}.", k=before + 1, before=before)
     return times
 
 

@@ -4,16 +4,19 @@ from ..systems.gates.room_gates import with_gates
 from .identified import FilteredRecord, FittedFilter, RecordFit, filter_record, fit_noise, identify
 from .known_plant import filter_plant
 from .reading.files import load_record, read_record
+from .reading.preview import Column, RecordPreview, preview_record
 from .records import Record
 from .regular import Trend, detrend, resample, split_record, trend_of
 from .smoother import Smoothed
 from .subspace import Subspace, subspace
 
 __all__ = [
+    "Column",
     "FilteredRecord",
     "FittedFilter",
     "Record",
     "RecordFit",
+    "RecordPreview",
     "Smoothed",
     "Subspace",
     "Trend",
@@ -23,6 +26,7 @@ __all__ = [
     "fit_noise",
     "identify",
     "load_record",
+    "preview_record",
     "read_record",
     "resample",
     "split_record",

@@ -12,7 +12,7 @@ from ..systems.records import record as a_record
 from ..systems.recursions import affine_scan
 from .records import Record
 
-__all__ = ["FEEDBACK", "INPUT", "LEAST_FIT", "SAME_ROW", "WHITE", "Evidence", "evidence_of"]
+__all__ = ["FEEDBACK", "INPUT", "LEAST_FIT", "MOST_FREE", "SAME_ROW", "WHITE", "Evidence", "evidence_of"]
 
 MAX_LAGS = 20
 ROWS_PER_COLUMN = 8  # rows that pay for one column of a regression
@@ -20,6 +20,7 @@ PLAIN = 1000.0  # the test without the errors of the fit fails at that part of W
 MOST_ENTRIES = 20_000_000  # of a regression
 RANK = 1e-8
 WHITE, INPUT, FEEDBACK, SAME_ROW = 0.02, 0.015, 0.003, 1e-4  # p-values below which a test fails; with the NIS at 1 % five in a hundred
+MOST_FREE = 2.5  # times the free run's error that Q and R let expect; true orders of the lesson's records stay below 1.5
 LEAST_FIT = 0.05  # of the output's variation, below which a prediction explains nothing
 
 
@@ -30,7 +31,8 @@ class Evidence:
     radius: largest |pole|. nis: whether the mean NIS lies in its band. white, input, feedback: p-values of the innovations being
     unrelated to earlier innovations, to earlier inputs and to later inputs, each beside all errors of the fitted parameters.
     same_row: p-value of the output being unrelated to the input of its own row. fit: share of the variation that one-step predictions
-    give, the least over the outputs; free_run: the same for the model without measurements, NaN without inputs.
+    give, the least over the outputs; free_run: the same for the model without measurements, free_size: how many times larger its error
+    is than Q and R let expect, the most over the outputs; both NaN without inputs.
     Sources: Breusch, Australian Economic Papers 17 (1978) 334–355; Godfrey, Econometrica 46 (1978) 1293–1301.
     """
 
@@ -42,6 +44,7 @@ class Evidence:
     same_row: float
     fit: float
     free_run: float
+    free_size: float
 
     @property
     def stable(self) -> bool:
@@ -72,6 +75,9 @@ class Evidence:
         if self.fit < LEAST_FIT:
             said.append(phrase("Predictions explain {fit:.2g} % of the output's variation: the record does not show the plant.",
                                fit=100 * self.fit))
+        if self.stable and self.free_size > MOST_FREE:
+            said.append(phrase("Without measurements the model errs {times:.2g} times more than its Q and R let expect: it misses "
+                               "something slow.", times=self.free_size))
         return tuple(said)
 
     @property
@@ -93,7 +99,7 @@ def evidence_of(kf: KalmanFilter, track: Track, record: Record, first: int, nis:
     plain = _added(e, slopes[:, :, :0], past, seen)  # a gain by hand has no error of a fit to allow for
     white = plain if tuned else min(_added(e, slopes, past, seen), PLAIN * plain, 1.0)
     if not u.shape[1]:
-        return Evidence(radius, nis, white, 1.0, 1.0, 1.0, float(fit.min()), float("nan"))
+        return Evidence(radius, nis, white, 1.0, 1.0, 1.0, float(fit.min()), float("nan"), float("nan"))
     m = u.shape[1]
     reach = int(np.clip(min(MAX_LAGS, room // (p * m)), 1, MAX_LAGS))
     earlier = _by_output(_lagged(u, range(0, reach)), p)
@@ -104,7 +110,7 @@ def evidence_of(kf: KalmanFilter, track: Track, record: Record, first: int, nis:
     inner[len(inner) - ahead:] = False
     return Evidence(radius, nis, white, _added(e, slopes, earlier, inner),
                     _added(e, np.concatenate([slopes, past, earlier], axis=2), later, inner), _same_row(kf, e, slopes, seen),
-                    float(fit.min()), _free_run(kf, track, record, first))
+                    float(fit.min()), *_free_run(kf, track, record, first))
 
 
 def _slopes(kf: KalmanFilter, track: Track, record: Record, first: int, tuned: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -198,14 +204,25 @@ def _same_row(kf: KalmanFilter, e: np.ndarray, slopes: np.ndarray, rows: np.ndar
     return _added(without, others, direct, rows)
 
 
-def _free_run(kf: KalmanFilter, track: Track, record: Record, first: int) -> float:
-    """The least share of an output's variation that the model gives from the inputs alone, from the filter's state at `first`."""
+def _free_run(kf: KalmanFilter, track: Track, record: Record, first: int) -> tuple[float, float]:
+    """The least share of an output's variation that the model gives from the inputs alone, from the filter's state at `first`.
+
+    And the most that an output's error is larger than its variance C P Cᵀ + R lets expect, P⁺ = A P Aᵀ + Q without corrections.
+    """
     u, y = record.u[first:], record.y[first:]
     x = affine_scan(kf.A, u @ kf.B.T, track.predicted[first], len(u))[:len(u)]
     found = x @ kf.C.T + u @ kf.D.T
-    shares = []
+    expected, P = np.empty_like(y), track.schedule.prior[min(first, len(track.schedule.prior) - 1)]
+    for k in range(len(y)):
+        expected[k] = np.diag(kf.C @ P @ kf.C.T + kf.R)
+        before, P = P, kf.A @ P @ kf.A.T + kf.Q
+        if np.allclose(P, before, rtol=1e-9, atol=0.0):
+            expected[k + 1:] = np.diag(kf.C @ P @ kf.C.T + kf.R)
+            break
+    shares, sizes = [], []
     for j in range(y.shape[1]):
         seen = np.isfinite(y[:, j])
-        away = float(np.linalg.norm(y[seen, j] - y[seen, j].mean()))
-        shares.append(1 - float(np.linalg.norm(y[seen, j] - found[seen, j])) / max(away, 1e-300))
-    return min(shares)
+        away, error = float(np.linalg.norm(y[seen, j] - y[seen, j].mean())), float(np.linalg.norm(y[seen, j] - found[seen, j]))
+        shares.append(1 - error / max(away, 1e-300))
+        sizes.append(error / max(float(np.sqrt(expected[seen, j].sum())), 1e-300))
+    return min(shares), max(sizes)

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext, suppress
+from dataclasses import replace
+
 import numpy as np
 
 from ..filters import Belief, KalmanFilter
+from ..systems.errors import EngineError
 from .noise_fit import NoiseFit, fit_noise_to
 from .predictor import Pieces, gapped_pieces, pieces_of
 from .probe import filled
@@ -22,13 +26,29 @@ def fit_states(u: np.ndarray, y: np.ndarray, order: int | None) -> tuple[Subspac
     """A, C by subspace and B, D, Q, R by likelihood, of inputs and outputs about their level; NaN where a measurement is missing.
 
     Where long stretches are whole, they are fitted. Otherwise each gap is filled for the subspace method by the smoother of the fit
-    before; the likelihood is that of the measured rows, with a gain for each. Source: Shumway and Stoffer, Journal of Time Series
-    Analysis 3 (1982) 253–264.
+    before; the likelihood is that of the measured rows, with a gain for each. `order` None takes the largest order, up to the suggested
+    one, for which there is a filter. Source: Shumway and Stoffer, Journal of Time Series Analysis 3 (1982) 253–264.
     """
-    if in_long_stretches(y):
-        found = subspace(u, y, order=order)
-        pieces = pieces_of(u, y, 2 * found.horizon)
-        return found, fit_noise_to(found.A, found.C, pieces), pieces
+    fit = _whole if in_long_stretches(y) else _gapped
+    if order is not None:
+        return fit(u, y, order)
+    suggested = subspace(u, y if fit is _whole else filled(y)).suggested
+    for n in range(suggested, 0, -1):
+        with suppress(EngineError) if n > 1 else nullcontext():
+            found, noises, pieces = fit(u, y, n)
+            break
+    return replace(found, suggested=suggested), noises, pieces
+
+
+def _whole(u: np.ndarray, y: np.ndarray, order: int) -> tuple[Subspace, NoiseFit, Pieces]:
+    """The fit to a few long stretches."""
+    found = subspace(u, y, order=order)
+    pieces = pieces_of(u, y, 2 * found.horizon)
+    return found, fit_noise_to(found.A, found.C, pieces), pieces
+
+
+def _gapped(u: np.ndarray, y: np.ndarray, order: int) -> tuple[Subspace, NoiseFit, Pieces]:
+    """The fit to all rows, with gaps that are filled by the fit before."""
     work, pieces = filled(y), gapped_pieces(u, y)
     for _ in range(ROUNDS):
         found = subspace(u, work, order=order)

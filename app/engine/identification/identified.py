@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import field
 
 import numpy as np
-from scipy.special import fdtri
+from scipy.special import chdtr, chdtri, fdtri
 
 from ..filters import KalmanFilter, SquaredError, Track, Whiteness, nis, whiteness
 from ..systems.errors import EngineError, phrase
@@ -59,7 +59,8 @@ class FilteredRecord:
 
     nis: normalised innovations squared of these rows. band: what its mean over p lies in with probability `level`: by an F
     distribution, as S is estimated too. whiteness: None where a measurement is missing. smoothed: by the whole record.
-    fit (p,): share of each output's variation that one-step predictions give, 1 − |e|/|y − ȳ|.
+    fit (p,): share of each output's variation that one-step predictions give, 1 − |e|/|y − ȳ|. set_aside (n_t,): which rows a gate
+    refused; they count as missing.
     """
 
     track: Track
@@ -71,6 +72,7 @@ class FilteredRecord:
     whiteness: Whiteness | None
     fit: np.ndarray
     evidence: Evidence
+    set_aside: np.ndarray = field(default=None, repr=False)  # type: ignore[assignment]  # always an array after `filter_record`
 
     @property
     def nis_holds(self) -> bool:
@@ -102,9 +104,10 @@ def identify(record: Record, *, order: int | None = None, share: float = 0.5, de
              delay: int | None = None, robust: bool = True) -> RecordFit:
     """A filter from a record: resample, take the level out, fit A, B, C, D, Q and R to the first `share`, judge by the rest.
 
-    order: None takes what the singular values suggest. degree: 0 takes out a level, 1 a straight line, both of the first part; None
-    takes the line where it is sure. step in s: None keeps the record's own. delay: rows by which the inputs act later; None estimates
-    them. robust: outliers count as missing. Outputs that come at every r-th row alone give a model of that step. Raises EngineError.
+    order: None takes what the singular values suggest, or the next smaller one that has a filter. degree: 0 takes out a level, 1 a
+    straight line, both of the first part; None takes the line where it is sure. step in s: None keeps the record's own. delay: rows by
+    which the inputs act later; None estimates them. robust: outliers count as missing. Outputs that come at every r-th row alone give a
+    model of that step. Raises EngineError.
 
     >>> rng = np.random.default_rng(0)
     >>> u, y = rng.choice([-1.0, 1.0], 600), np.zeros(600)
@@ -127,6 +130,9 @@ def identify(record: Record, *, order: int | None = None, share: float = 0.5, de
     part = flat.part(0, first.rows)
     found, noises, pieces = fit_states(part.u, part.y, order)
     n, m, p = len(found.A), part.u.shape[1], part.y.shape[1]
+    if order is None and n < found.suggested:
+        flat = flat.noted(phrase("No filter was found for the suggested order {suggested}; the model has order {order}.",
+                                 suggested=found.suggested, order=n))
     plant = Plant(found.A, noises.B, found.C, noises.D, regular.dt, (), regular.input_names, regular.output_names,
                   tuple(pair for pair in regular.units if pair[1]), "fitted to a record")
     fitted = _fitted(plant, noises, pieces.rows, n * m + p * m + 2 * n * p)
@@ -171,14 +177,28 @@ def _fitted(plant: Plant, noises: NoiseFit, rows: int, parameters: int) -> Fitte
     return FittedFilter(plant, larger * noises.Q, larger * noises.R, rows, parameters, noises.level, noises.innovations)
 
 
-@takes(fitted=instance(FittedFilter), record=instance(Record), first=count(0, MAX_ROWS), factor=number(0, 1e9), level=number(0.5, 0.9999))
-def filter_record(fitted: FittedFilter, record: Record, first: int, *, factor: float = 1.0, level: float = LEVEL) -> FilteredRecord:
-    """Filter and smooth a record about its level; the rows from `first` on judge. `factor` multiplies Q. Raises EngineError."""
+@takes(fitted=instance(FittedFilter), record=instance(Record), first=count(0, MAX_ROWS), factor=number(0, 1e9),
+       level=number(0.5, 0.9999), gate=optional(number(0.5, 1)))
+def filter_record(fitted: FittedFilter, record: Record, first: int, *, factor: float = 1.0, level: float = LEVEL,
+                  gate: float | None = None) -> FilteredRecord:
+    """Filter and smooth a record about its level; the rows from `first` on judge. `factor` multiplies Q.
+
+    gate: share of good readings that a gate lets through; a row with νᵀS⁻¹ν beyond that quantile of χ² counts as missing, and the mean
+    NIS is divided by the mean of χ² below the quantile. Raises EngineError.
+    """
     kf = fitted.kalman(factor=factor)
     if first > record.rows - 8:
         raise EngineError("At least 8 rows must be left to judge the filter by; {count} are.", count=max(record.rows - first, 0))
-    track = kf.run(started(kf, record.y), record.y, record.u if record.u.shape[1] else None)
-    nu, p = track.innovations[first:], record.y.shape[1]
+    p, aside, expected = record.y.shape[1], np.zeros(record.rows, dtype=bool), 1.0
+    start, u = started(kf, record.y), record.u if record.u.shape[1] else None
+    if gate is not None and gate < 1:
+        refused = kf.run(start, record.y, u, gate=np.full(record.rows, gate)).rejected
+        aside = aside if refused is None else np.array(refused)
+        record = record.noted(y=np.where(aside[:, None], np.nan, record.y))
+        edge = chdtri(p, 1 - gate)
+        expected = float(chdtr(p + 2, edge) / gate)
+    track = kf.run(start, record.y, u)
+    nu = track.innovations[first:]
     size_test = nis(nu, track.S[first:])
     seen = np.isfinite(nu).all(axis=1)
     count = int(seen.sum())
@@ -189,6 +209,6 @@ def filter_record(fitted: FittedFilter, record: Record, first: int, *, factor: f
     white = whiteness(nu, lags=lags) if seen.all() else None
     away = record.y[first:][seen] - record.y[first:][seen].mean(axis=0)
     fit = 1 - np.linalg.norm(nu[seen], axis=0) / np.maximum(np.linalg.norm(away, axis=0), 1e-300)
-    mean = size_test.mean / p
+    mean = size_test.mean / p / expected
     evidence = evidence_of(kf, track, record, first, band[0] <= mean <= band[1], fit, factor != 1)
-    return FilteredRecord(track, smooth(kf, track), first, size_test, mean, band, white, fit, evidence)
+    return FilteredRecord(track, smooth(kf, track), first, size_test, mean, band, white, fit, evidence, aside)

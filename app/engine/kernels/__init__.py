@@ -3,7 +3,7 @@
 Nothing here is needed for an answer: each has a plain way beside it, in the room that calls it.
 """
 
-from .compile_cache import COMPILE_CACHE, as_kernel_array, compiled_kernel, kernels_off, kernels_ready, prepare_kernels
+from .compile_cache import COMPILE_CACHE, as_kernel_array, compiled_kernel, kernels_off, kernels_ready, prepare_kernels, user_cache
 from .friction import Actuators, Rubbing, friction_steps
 from .threads import run_in_threads
 
@@ -18,4 +18,5 @@ __all__ = [
     "kernels_ready",
     "prepare_kernels",
     "run_in_threads",
+    "user_cache",
 ]

@@ -41,7 +41,8 @@ from . import (
     tape,
 )
 
-__all__ = ["COMPILE_CACHE", "CompileCache", "as_kernel_array", "compiled_kernel", "kernels_off", "kernels_ready", "prepare_kernels"]
+__all__ = ["COMPILE_CACHE", "CompileCache", "as_kernel_array", "compiled_kernel", "kernels_off", "kernels_ready", "prepare_kernels",
+           "user_cache"]
 
 log = logging.getLogger(__name__)
 Kernel = Callable[..., int]
@@ -224,22 +225,27 @@ def _compile_beside() -> None:
                    stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
 
 
-def cache_folder() -> Path | None:
-    """Where compiled kernels of these very files are kept, made if it is not there; None where nothing can be kept.
-
-    Another copy of the lab, another Numba or a file written anew has a folder of its own: Numba takes nothing from the cache then.
-    """
+def user_cache() -> Path:
+    """The folder in which this system keeps what the lab can compute anew; it may not be there yet."""
     if sys.platform == "win32":
         home = Path(os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local")
     elif sys.platform == "darwin":
         home = Path.home() / "Library" / "Caches"
     else:
         home = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+    return home / "observer-lab"
+
+
+def cache_folder() -> Path | None:
+    """Where compiled kernels of these very files are kept, made if it is not there; None where nothing can be kept.
+
+    Another copy of the lab, another Numba or a file written anew has a folder of its own: Numba takes nothing from the cache then.
+    """
     here = Path(__file__).resolve().parent
     mark = hashlib.sha256(os.fsencode(here) + version("numba").encode())
     for source in sorted(here.glob("*.py")):
         mark.update(os.fsencode(source.name) + str(source.stat().st_mtime_ns).encode() + source.read_bytes())
-    folder = home / "observer-lab" / f"kernels-{mark.hexdigest()[:16]}"
+    folder = user_cache() / f"kernels-{mark.hexdigest()[:16]}"
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError:

@@ -6,10 +6,11 @@ one block with ‖A‖, and changes coordinates by orthogonal matrices.
 
 from __future__ import annotations
 
+import math
 from itertools import pairwise
 
 import numpy as np
-from scipy.linalg.lapack import dgeqrf, dormqr  # pyright: ignore[reportAttributeAccessIssue]
+from scipy.linalg.lapack import dgeqrf, dgesdd, dormqr  # pyright: ignore[reportAttributeAccessIssue]
 
 from ..systems.arrays import frozen
 from ..systems.balance import balance, natural_scale, state_scale
@@ -36,7 +37,7 @@ def tolerance(rtol: float | None) -> float:
 
 def _unit_columns(B: np.ndarray) -> np.ndarray:
     """B with its non-zero columns scaled to length one: the unit of an input or output decides nothing."""
-    size = np.linalg.norm(B, axis=0)
+    size = np.sqrt((B * B).sum(axis=0))
     return B / np.where(size > 0, size, 1.0)
 
 
@@ -92,11 +93,13 @@ def clearly_reached(A: np.ndarray, B: np.ndarray, rtol: float | None = None) -> 
         return n == 0
     scale = state_scale(A, B)
     balanced = A * scale / scale[:, None]
-    powers = [_unit_columns(B / scale[:, None])]
-    F = balanced / (_size(balanced) or 1.0)
-    for _ in range(n - 1):
-        powers.append(F @ powers[-1])
-    return bool(np.linalg.svd(np.hstack(powers), compute_uv=False)[-1] > n**2 * np.sqrt(B.shape[1]) * zero)
+    F, m = balanced / (dgesdd(balanced, compute_uv=0)[1][0] or 1.0), B.shape[1]
+    powers = np.empty((n, n * m), order="F")
+    powers[:, :m] = _unit_columns(B / scale[:, None])
+    for k in range(m, n * m, m):
+        powers[:, k:k + m] = F.dot(powers[:, k - m:k])
+    _, values, _, failure = dgesdd(powers, compute_uv=0)
+    return not failure and bool(values[-1] > n**2 * math.sqrt(m) * zero)
 
 
 @takes(A=matrix("n n"), B=matrix("n m"), rtol=number())

@@ -11,6 +11,7 @@ from functools import cached_property
 
 import numpy as np
 from scipy.linalg import expm, schur, solve_sylvester
+from scipy.linalg.lapack import dgesdd  # pyright: ignore[reportAttributeAccessIssue]
 
 from ..systems.arrays import frozen, symmetric
 from ..systems.balance import MIN_RATE, balance, state_scale
@@ -140,8 +141,13 @@ def split_stable(plant: Plant) -> StableSplit:
         return StableSplit(plant, plant, np.eye(0))
     own = balance(plant.A, plant.B, plant.C)
     A = own.A(plant.A)
-    if n > MAX_STATES and is_stable(A, dt=plant.dt):  # of many states a triangular form would take digits
-        return StableSplit(plant, _part(plant, np.zeros((n, 0)), np.zeros((0, n)), None, "unstable part"), frozen(np.eye(n)))
+    if is_stable(A, dt=plant.dt):
+        none = _part(plant, np.zeros((n, 0)), np.zeros((0, n)), None, "unstable part")
+        if n > MAX_STATES:  # of many states a triangular form would take digits
+            return StableSplit(plant, none, frozen(np.eye(n)))
+        S, Q = schur(A, output="real")  # type: ignore[misc]
+        T, left = own.states[:, None] * Q, Q.T / own.states
+        return StableSplit(_diagonal_part(plant, S, T, left, plant.D, "stable part"), none, frozen(T))
     poles, stable = stable_poles(A, dt=plant.dt)
 
     def inside(re: float, im: float) -> bool:
@@ -164,11 +170,14 @@ def _balance(plant: Plant, order: int) -> tuple[np.ndarray, np.ndarray, np.ndarr
     """Hankel values, the r columns and rows of a balancing transformation of a stable plant, and what rounding does to a Hankel
     value."""
     Rc, Ro = settled_factors(plant.A, plant.B, plant.C, plant.dt)
-    U, sigma, Vt = np.linalg.svd(Ro.T @ Rc)
+    U, sigma, Vt, _ = dgesdd(Ro.T.dot(Rc))
     sign = _signs((Ro @ U).T, plant.B)
     U, Vt = U * sign, Vt * sign[:, None]
-    bound = 10 * plant.n * _EPS * (np.linalg.norm(Ro, 2) * np.linalg.norm(Rc, 2) if plant.n else 0.0)
-    real = int(np.count_nonzero(sigma > bound))
+    lost = 10 * plant.n * _EPS
+    if order and not sigma[order - 1] > lost * np.linalg.norm(Ro) * np.linalg.norm(Rc):
+        real = int(np.count_nonzero(sigma > lost * np.linalg.norm(Ro, 2) * np.linalg.norm(Rc, 2)))
+    else:  # beyond Frobenius norms, which are the larger and take no singular values
+        real = order
     if order > real:
         raise EngineError("Only {real} stable states take part between u and y; ask for that many at most.",
                           real=real)
@@ -202,18 +211,20 @@ def balanced_truncation(plant: Plant, order: int) -> Truncation:
     if not 0 <= order <= plant.n:
         raise EngineError("The order must be a whole number from 0 to {n}; it is {order}.", n=plant.n, order=order)
     split = split_stable(plant)
-    kept = plant.n - split.stable.n if plant.n else 0
+    stable = split.stable
+    kept = plant.n - stable.n
     if order < kept:
         raise EngineError("{kept} unstable states must stay; ask for an order of at least {kept}.", kept=kept)
     r = order - kept
-    sigma, right, left, dust = _balance(split.stable, r)
-    k = split.stable.n
-    scale = balance(plant.A, plant.B, plant.C).states
-    inverse = np.linalg.inv(split.T / scale[:, None]) / scale
-    T = np.hstack([split.T[:, :k] @ right, split.T[:, k:]])
-    L = np.vstack([left @ inverse[:k], inverse[k:]])
+    sigma, right, left, dust = _balance(stable, r)
+    T, L, k = right, left, stable.n
+    if stable is not plant:
+        scale = balance(plant.A, plant.B, plant.C).states
+        inverse = np.linalg.inv(split.T / scale[:, None]) / scale
+        T = np.hstack([split.T[:, :k] @ right, split.T[:, k:]])
+        L = np.vstack([left @ inverse[:k], inverse[k:]])
     reduced = _part(plant, T, L, plant.D, f"cut to {order}")
-    return Truncation(reduced, frozen(T), frozen(L), frozen(sigma), kept, (plant, split.stable, dust))
+    return Truncation(reduced, frozen(T), frozen(L), frozen(sigma), kept, (plant, stable, dust))
 
 
 def _unsure(stable: Plant) -> float:

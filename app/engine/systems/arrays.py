@@ -9,11 +9,13 @@ from numbers import Complex, Real
 from typing import Any, cast
 
 import numpy as np
+from scipy.linalg.lapack import dpotrf  # pyright: ignore[reportAttributeAccessIssue]
 
 from .errors import EngineError, ShapeError
 from .gates.given import described
 
 __all__ = [
+    "all_finite",
     "as_checked",
     "as_covariance",
     "as_definite",
@@ -32,6 +34,7 @@ EIGENVALUE_ROUNDING = 1e-15
 LEAST_DEVIATION = 1e-146  # a smaller one has a variance that lost its digits at the end of the range of doubles
 NEGATIVE = 1e-9  # how far below zero rounding may push an eigenvalue of the correlation matrix
 MAX_ENTRIES = 10_000_000  # entries of one matrix
+FEW = 16  # entries that Python looks at sooner than NumPy
 CACHED_ENTRIES = 1024  # entries: a weight or covariance up to this size is judged once, however often a loop is built from it
 
 
@@ -116,6 +119,11 @@ def as_matrix(value: object, name: str) -> np.ndarray:
     return matrix
 
 
+def all_finite(vector: np.ndarray) -> bool:
+    """Whether every entry (n,) is finite; of a short vector in a third of NumPy's time."""
+    return all(map(math.isfinite, vector.tolist())) if vector.size <= FEW else bool(np.isfinite(vector).all())
+
+
 def as_checked(value: object) -> np.ndarray:
     """The argument as the array that its gate has made of it; nothing is done, but the type checker knows."""
     return cast(np.ndarray, value)
@@ -130,8 +138,8 @@ def frozen(array: np.ndarray) -> np.ndarray:
 
 def symmetric(matrix: np.ndarray) -> np.ndarray:
     """(M + Mᵀ)/2 of a matrix, or of each in a stack (…, n, n)."""
-    half = matrix / 2  # the sum of two of the largest numbers is none
-    return half + half.swapaxes(-1, -2)
+    half = matrix * 0.5  # the sum of two of the largest numbers is none
+    return half + (half.T if half.ndim == 2 else half.swapaxes(-1, -2))
 
 
 def correlations(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -152,10 +160,7 @@ def is_definite(matrix: np.ndarray) -> bool:
     """Whether a symmetric matrix is positive definite, by its correlations: diag(1e-18, 1) is."""
     if not len(matrix):
         return True
-    if not np.diag(matrix).min() > 0:
-        return False
-    values = np.linalg.eigvalsh(correlations(matrix)[0])
-    return bool(values[0] > EIGENVALUE_ROUNDING * values[-1])
+    return (_kept_definite if matrix.size <= CACHED_ENTRIES else _definite)(matrix.tobytes(), len(matrix))
 
 
 def as_covariance(value: object, name: str, size: int) -> np.ndarray:
@@ -201,6 +206,8 @@ def _square_and_even(matrix: np.ndarray, name: str, size: int) -> np.ndarray:
 def _symmetry(entries: bytes, size: int) -> bool:
     """Whether a matrix is symmetric but for rounding."""
     matrix = np.frombuffer(entries).reshape(size, size)
+    if (matrix == matrix.T).all():
+        return True
     spread = np.sqrt(np.abs(np.diag(matrix)))
     allowed = np.maximum(ASYMMETRY * np.outer(spread, spread), EIGENVALUE_ROUNDING * np.abs(matrix).max(initial=0.0))
     return not np.any(np.abs(matrix - matrix.T) > allowed)
@@ -215,7 +222,20 @@ def _negative(matrix: np.ndarray) -> bool:
 
 def _sign(entries: bytes, size: int) -> bool:
     matrix = np.frombuffer(entries).reshape(size, size)
-    return bool(np.diag(matrix).min() < 0 or np.linalg.eigvalsh(correlations(matrix)[0])[0] < -NEGATIVE * size)
+    if np.diag(matrix).min() < 0:
+        return True
+    even = correlations(matrix)[0]
+    if not dpotrf(even + 0.5 * NEGATIVE * size * np.eye(size))[1]:  # a factor proves it in a tenth of the time of eigenvalues
+        return False
+    return bool(np.linalg.eigvalsh(even)[0] < -NEGATIVE * size)
 
 
-_kept_symmetry, _kept_sign = lru_cache(maxsize=256)(_symmetry), lru_cache(maxsize=256)(_sign)
+def _definite(entries: bytes, size: int) -> bool:
+    matrix = np.frombuffer(entries).reshape(size, size)
+    if not np.diag(matrix).min() > 0:
+        return False
+    values = np.linalg.eigvalsh(correlations(matrix)[0])
+    return bool(values[0] > EIGENVALUE_ROUNDING * values[-1])
+
+
+_kept_symmetry, _kept_sign, _kept_definite = (lru_cache(maxsize=256)(judge) for judge in (_symmetry, _sign, _definite))

@@ -10,8 +10,8 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
-from scipy.linalg import matrix_balance
-from scipy.sparse.csgraph import connected_components
+from numpy.linalg import LinAlgError
+from scipy.linalg.lapack import dgebal, dgeev  # pyright: ignore[reportAttributeAccessIssue]
 
 from .arrays import frozen
 from .errors import ShapeError
@@ -119,7 +119,16 @@ def _clear(A: np.ndarray, B: np.ndarray, C: np.ndarray, rtol: float = ROUNDING_E
 
 
 def _rate(A: np.ndarray) -> float:
-    rate = float(np.abs(np.linalg.eigvals(A)).max(initial=0.0))
+    return _radius(A.tobytes(), len(A)) if A.size else 1.0
+
+
+@lru_cache(maxsize=64)
+def _radius(a: bytes, n: int) -> float:
+    """The spectral radius of |A|, which scales by A alone and those with B and C both ask for; 1 where it is none."""
+    real, imaginary, *_, failed = dgeev(np.frombuffer(a).reshape(n, n), compute_vl=0, compute_vr=0)
+    if failed:
+        raise LinAlgError("the eigenvalues of |A| did not converge")
+    rate = float(np.hypot(real, imaginary).max())
     return rate if rate > MIN_RATE else 1.0
 
 
@@ -143,8 +152,18 @@ def _paths(A: np.ndarray, B: np.ndarray, C: np.ndarray, D: np.ndarray, rate: flo
 
 def _members(A: np.ndarray) -> list[np.ndarray]:
     """The states in parts between which A has no entry."""
-    count, label = connected_components(A != 0, directed=False) if len(A) else (0, np.zeros(0))
-    return [np.flatnonzero(label == k) for k in range(count)]
+    if A.all():
+        return [np.arange(len(A))] if A.size else []
+    linked = (A != 0) | (A != 0).T
+    left, parts = np.ones(len(A), dtype=bool), []
+    while left.any():
+        part = new = np.arange(len(A)) == left.argmax()
+        while new.any():
+            new = linked[new].any(axis=0) & ~part
+            part = part | new
+        parts.append(np.flatnonzero(part))
+        left &= ~part
+    return parts
 
 
 def _scales(L: np.ndarray, parts: list[np.ndarray]) -> np.ndarray:
@@ -156,13 +175,14 @@ def _scales(L: np.ndarray, parts: list[np.ndarray]) -> np.ndarray:
     nodes = [*parts, *np.arange(n, len(L))[:, None]]
     delta = np.zeros(len(L))
     for part in parts:
-        delta[part] = _fitted(L[np.ix_(part, part)])
+        delta[part] = _fitted(L[part[:, None], part])
     if len(nodes) > 1:
-        moved = L + delta - delta[:, None]
-        between = np.array([[moved[np.ix_(a, b)].max() for b in nodes] for a in nodes])
+        order, sizes = np.concatenate(nodes), np.array([len(node) for node in nodes])
+        starts = np.cumsum(sizes) - sizes
+        moved = (L + delta - delta[:, None])[order[:, None], order]
+        between = np.maximum.reduceat(np.maximum.reduceat(moved, starts, axis=0), starts, axis=1)
         np.fill_diagonal(between, -np.inf)
-        for node, shift in zip(nodes, _fitted(between), strict=True):
-            delta[node] += shift
+        delta[order] += np.repeat(_fitted(between), sizes)
     return delta
 
 
@@ -170,12 +190,16 @@ def _fitted(edges: np.ndarray, L: np.ndarray | None = None) -> np.ndarray:
     """δ that brings these of L_ij + δ_j − δ_i to zero by least squares, then all of L (by default the same) below zero."""
     L = edges if L is None else L
     known = np.isfinite(edges)
-    if not known.any():
-        return np.zeros(len(L))
-    both = known.astype(float) + known.T
-    laplacian = np.diag(both.sum(axis=1)) - both
+    count, n = np.count_nonzero(known), len(L)
+    if not count:
+        return np.zeros(n)
     values = np.where(known, edges, 0.0)
-    delta = np.linalg.lstsq(laplacian, values.sum(axis=1) - values.sum(axis=0), rcond=1e-10)[0]
+    excess = values.sum(axis=1) - values.sum(axis=0)
+    if count == n * (n - 1):  # a path between any two
+        delta = excess / (2 * n)
+    else:
+        both = known.astype(float) + known.T
+        delta = np.linalg.lstsq(np.diag(both.sum(axis=1)) - both, excess, rcond=1e-10)[0]
     ahead = np.maximum(delta, (L + delta).max(axis=1))
     back = np.maximum(-delta, (L - delta[:, None]).max(axis=0))
     return (ahead - back) / 2
@@ -208,11 +232,18 @@ def plain_scale(A: np.ndarray) -> np.ndarray:
     """Powers of two (n,) that bring rows and columns of A to like norms, as LAPACK does: for one matrix by itself."""
     if not A.size:
         return np.ones(0)
+    A = np.ascontiguousarray(A, dtype=float)
+    return _plain(A.tobytes(), len(A))
+
+
+@lru_cache(maxsize=256)
+def _plain(a: bytes, n: int) -> np.ndarray:
+    A = np.frombuffer(a).reshape(n, n)
     own = state_scale(A)
     clean = np.where(np.abs(A) > CANCELLED * np.abs(A).max(), A, 0.0)
     if np.count_nonzero(clean) < np.count_nonzero(A):  # what is small is judged in balanced states, not in the units given
         clean = without_dust(A, own)
-    return matrix_balance(clean, permute=False, separate=True)[1][0]
+    return frozen(dgebal(clean, scale=1, permute=0)[3])
 
 
 def without_dust(M: np.ndarray, states: np.ndarray) -> np.ndarray:

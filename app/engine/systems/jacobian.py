@@ -76,7 +76,7 @@ def slopes_known(f: Map, x: np.ndarray, u: np.ndarray, name: str, rows: int) -> 
     if x.shape[1] > 1:
         return slopes(f, x, u, name=name, rows=rows)
     values = values_of(f, x + _steps(len(x)), u, name, rows)
-    return values[:, :1].real.copy(), (values.imag / COMPLEX_STEP)[None]
+    return values.real[:, :1], (values.imag / COMPLEX_STEP)[None]
 
 
 @lru_cache(maxsize=64)

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import warnings
+from functools import lru_cache
 
 import numpy as np
 from scipy.linalg import solve_continuous_lyapunov, solve_discrete_lyapunov
 from scipy.linalg.lapack import dgees, dgeqrf, dtrsyl  # pyright: ignore[reportAttributeAccessIssue]
 
-from .arrays import correlations, symmetric
+from .arrays import correlations, frozen, symmetric
 from .balance import balance, plain_scale
 from .errors import EngineError
 from .gates.argument_checks import PERIOD, matrix, takes
@@ -27,26 +28,31 @@ MAX_FACTOR = 1e150  # a factor as large as this has variances that overflow
 @takes(A=matrix("n n"), G=matrix("n q"), dt=PERIOD)
 def settled_covariance(A: np.ndarray, G: np.ndarray, *, dt: float = 0.0) -> np.ndarray:
     """P (n×n) ⪰ 0 with A P + P Aᵀ + G Gᵀ = 0, or A P Aᵀ − P + G Gᵀ = 0 where dt > 0, for stable A n×n and G n×q."""
-    return _covariance(A, G, dt, settled_factor(A, G, dt))
+    return _covariance(A, G, settled_factor(A, G, dt), _is_stiff(A, dt))
 
 
 def settled_covariances(A: np.ndarray, B: np.ndarray, C: np.ndarray, dt: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
     """Both Gramians of a stable plant (n×n)."""
     Rc, Ro = settled_factors(A, B, C, dt)
-    return _covariance(A, B, dt, Rc), _covariance(A.T, C.T, dt, Ro)
+    stiff = _is_stiff(A, dt)
+    return _covariance(A, B, Rc, stiff), _covariance(A.T, C.T, Ro, stiff)
 
 
-def _covariance(A: np.ndarray, G: np.ndarray, dt: float, R: np.ndarray) -> np.ndarray:
-    exact = _stiff(A, G) if dt == 0 and 1 < len(A) <= FEW else None
-    return R @ R.T if exact is None else exact
+def _covariance(A: np.ndarray, G: np.ndarray, R: np.ndarray, stiff: bool) -> np.ndarray:
+    exact = _substituted(A, G) if stiff else None
+    return R.dot(R.T) if exact is None else exact
 
 
-def _stiff(A: np.ndarray, G: np.ndarray) -> np.ndarray | None:
-    """The solution by back substitution, where rates are so far apart that the transform behind the factor costs digits and where it is
-    positive definite; else None."""
+def _is_stiff(A: np.ndarray, dt: float) -> bool:
+    """Whether rates are so far apart that the transform behind the factor costs digits."""
+    if dt or not 1 < len(A) <= FEW:
+        return False
     rates = np.abs(np.linalg.eigvals(A))
-    if not STIFF * rates.min() < rates.max():
-        return None
+    return bool(STIFF * rates.min() < rates.max())
+
+
+def _substituted(A: np.ndarray, G: np.ndarray) -> np.ndarray | None:
+    """The solution by back substitution where it is positive definite; else None."""
     try:
         X = symmetric(lyapunov_solution(A, G @ G.T))
         np.linalg.cholesky(correlations(X)[0])
@@ -92,12 +98,16 @@ def _direct(A: np.ndarray, Q: np.ndarray, dt: float) -> np.ndarray:
 def settled_factor(A: np.ndarray, G: np.ndarray, dt: float = 0.0) -> np.ndarray:
     """R (n×n) with R Rᵀ the solution of `settled_covariance`, in states balanced with what drives them.
 
-    Where the deviations that come out are far apart they are the better units: it is found in those. Squares tell them beforehand
+    Many states are balanced as LAPACK does it. Where the deviations that come out are far apart they are the better units: it is found
+    in those. Squares tell them beforehand
     as far as squares can; where a factor shows them too late it is done again.
     Raises EngineError where a power of A grows.
     """
-    scale = _driven(A, G)
-    return _tried(A, G, dt, scale, _Triangular.of(A, G, scale)) if len(A) else np.zeros((0, 0))
+    if not len(A):
+        return np.zeros((0, 0))
+    scales = _driven(A, G), plain_scale(A)
+    first, second = reversed(scales) if len(A) > FEW else scales  # what drives one end of a chain says too much of the other
+    return _tried(A, G, dt, first, _Triangular.of(A, G, first), second)
 
 
 def settled_factors(A: np.ndarray, B: np.ndarray, C: np.ndarray, dt: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
@@ -106,7 +116,9 @@ def settled_factors(A: np.ndarray, B: np.ndarray, C: np.ndarray, dt: float = 0.0
     if not len(A) or np.ptp(np.log2(states * seen)) > ALIKE:
         return settled_factor(A, B, dt), settled_factor(A.T, C.T, dt)
     pair = _Triangular.of(A, B, states)
-    return _tried(A, B, dt, states, pair), _tried(A.T, C.T, dt, 1 / states, pair.dual(C.T * states[:, None]))
+    plain = plain_scale(A)
+    return (_tried(A, B, dt, states, pair, plain),
+            _tried(A.T, C.T, dt, 1 / states, pair.dual(C.T * states[:, None]), 1 / plain))
 
 
 def _driven(A: np.ndarray, G: np.ndarray) -> np.ndarray:
@@ -114,12 +126,11 @@ def _driven(A: np.ndarray, G: np.ndarray) -> np.ndarray:
     return balance(A, np.linalg.norm(G, axis=1)[:, None]).states
 
 
-def _tried(A: np.ndarray, G: np.ndarray, dt: float, scale: np.ndarray, pair: _Triangular) -> np.ndarray:
+def _tried(A: np.ndarray, G: np.ndarray, dt: float, scale: np.ndarray, pair: _Triangular, otherwise: np.ndarray) -> np.ndarray:
     try:
         return _factor(A, G, dt, scale, pair)
     except EngineError:  # powers that grow in the one scale need not in the other
-        scale = plain_scale(A)
-        return _factor(A, G, dt, scale, _Triangular.of(A, G, scale))
+        return _factor(A, G, dt, otherwise, _Triangular.of(A, G, otherwise))
 
 
 def _factor(A: np.ndarray, G: np.ndarray, dt: float, scale: np.ndarray, pair: _Triangular) -> np.ndarray:
@@ -203,4 +214,13 @@ def _unsorted(*_: float) -> None:
 
 def _compress(R: np.ndarray) -> np.ndarray:
     """A factor of R Rᵀ with no more columns than rows."""
-    return np.tril(dgeqrf(R.T, lwork=64 * len(R))[0][:min(R.shape)].T) if R.size else R
+    if not R.size:
+        return R
+    found = dgeqrf(R.T, lwork=64 * len(R))[0][:min(R.shape)].T
+    return found * _lower(*found.shape)
+
+
+@lru_cache(maxsize=64)
+def _lower(rows: int, columns: int) -> np.ndarray:
+    """Ones on the diagonal and below it."""
+    return frozen(np.tri(rows, columns))

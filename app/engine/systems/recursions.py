@@ -5,7 +5,8 @@ from __future__ import annotations
 from math import factorial
 
 import numpy as np
-from scipy.linalg import expm, matrix_balance
+from scipy.linalg import expm
+from scipy.linalg.lapack import dgebal  # pyright: ignore[reportAttributeAccessIssue]
 
 from ..kernels import as_kernel_array, compiled_kernel
 from ..kernels.scan import scan_steps
@@ -17,6 +18,7 @@ __all__ = ["affine_scan", "held_scan", "step_matrices"]
 LARGE = 48  # states from which a step is made by doubling: one exponential of twice the size takes longer
 SHORT_SCAN_STEPS = 24  # below this many steps a plain loop is faster
 BLOCK_STEPS = 16
+TAYLOR = np.array([[1 / factorial(k + 1) for k in range(first, first + 4)] for first in (0, 4, 8)])  # of Φ₁/h, in rows of four
 NARROW, SLIM = 48, 20  # states for which the kernel's steps are quicker than products of blocks, and than those of few inputs
 HELD_BLOCK_STEPS = 8  # steps a block where the forcing comes from few inputs
 
@@ -29,7 +31,7 @@ def step_matrices(M: np.ndarray, duration: float) -> tuple[np.ndarray, np.ndarra
         if (half := _apart(M)) and np.array_equal(M[:half, :half], M[half:, half:]):
             return tuple(np.kron(np.eye(2), part) for part in step_matrices(M[:half, :half], duration))  # type: ignore[return-value]
         return step_by_doubling(M, np.eye(N), duration)
-    x = matrix_balance(M, permute=False, separate=True)[1][0] if N else np.ones(0)
+    x = dgebal(M, scale=1, permute=0)[3] if N else np.ones(0)
     unlike = N > 0 and x.max() > UNLIKE * x.min()
     block = np.zeros((2 * N, 2 * N))
     block[:N, :N] = (M * x / x[:, None] if unlike else M) * duration
@@ -38,6 +40,16 @@ def step_matrices(M: np.ndarray, duration: float) -> tuple[np.ndarray, np.ndarra
         power = expm(block)
         Phi, Phi1 = power[:N, :N], power[:N, N:]
         return (Phi * x[:, None] / x, Phi1 * x[:, None] / x) if unlike else (Phi, Phi1)
+
+
+def driven_step(M: np.ndarray, B: np.ndarray, duration: float) -> tuple[np.ndarray, np.ndarray]:
+    """e^{M h} (N×N) and ∫₀ʰ e^{M s} ds B (N×m) of states and inputs in like units, from one exponential of [M B; 0 0] h."""
+    N, m = B.shape
+    block = np.zeros((N + m, N + m))
+    block[:N, :N], block[:N, N:] = M, B
+    with np.errstate(over="ignore", invalid="ignore"):
+        power = expm(block * duration)
+    return power[:N, :N], power[:N, N:]
 
 
 def _apart(M: np.ndarray) -> int:
@@ -50,23 +62,37 @@ def step_by_doubling(M: np.ndarray, B: np.ndarray, duration: float) -> tuple[np.
     """e^{M h} (N×N) and ∫₀ʰ e^{M s} ds B (N×m) of many states: Φ₁ by its Taylor series over h/2ˢ where ‖M‖h/2ˢ ≤ 1/4, Φ = I + M Φ₁,
     then Φ₁(2h) = Φ₁(h) + Φ(h) Φ₁(h). M is balanced first, so that its norm is near that of its rates.
     """
-    one = np.eye(len(M))
-    even, (scale, _) = matrix_balance(M * duration, permute=False, separate=True)
+    even, _, _, scale, _ = dgebal(M * duration, scale=1, permute=0)
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         size = float(np.linalg.norm(even, 1))
         doublings = max(0, int(np.ceil(np.log2(size))) + 2) if 0 < size < np.inf else 0
-        X = even / 2.0**doublings
-        squared = X @ X
-        cube, fourth = X @ squared, squared @ squared
-        low, middle, high = (one / factorial(k + 1) + X / factorial(k + 2) + squared / factorial(k + 3) + cube / factorial(k + 4)
-                             for k in (0, 4, 8))
+        powers = np.empty((3, *even.shape))
+        X, squared, cube = powers
+        np.multiply(even, 2.0**-doublings, out=X)
+        np.matmul(X, X, out=squared)
+        fourth = squared @ squared
+        fewer = _steps_to_spare(fourth, doublings)
+        doublings, X[:], squared[:], fourth = doublings - fewer, X * 2.0**fewer, squared * 4.0**fewer, fourth * 16.0**fewer
+        np.matmul(X, squared, out=cube)
+        low, middle, high = np.tensordot(TAYLOR[:, 1:], powers, 1)
+        for part, first in zip((low, middle, high), TAYLOR[:, 0], strict=True):
+            part.flat[::len(M) + 1] += first
         Phi1: np.ndarray = low + fourth @ (middle + fourth @ high)
-        Phi: np.ndarray = one + X @ Phi1
+        Phi: np.ndarray = X @ Phi1
+        Phi.flat[::len(M) + 1] += 1.0
         Gamma: np.ndarray = Phi1 @ (B / scale[:, None] * (duration / 2.0**doublings))
         for _ in range(doublings):
             Gamma = Gamma + Phi @ Gamma
             Phi = Phi @ Phi
         return Phi * (scale[:, None] / scale), Gamma * scale[:, None]
+
+
+def _steps_to_spare(fourth: np.ndarray, doublings: int) -> int:
+    """How many doublings fewer keep ‖X⁴‖ below 4⁻⁴, which is what the series' remainder depends on; at most two, so that ‖X‖ ≤ 1.
+
+    Source: Al-Mohy and Higham, "A new scaling and squaring algorithm for the matrix exponential" (2009)."""
+    size = float(np.linalg.norm(fourth, 1))
+    return min(2, doublings, max(0, int(np.floor(-np.log2(size) / 4)) - 2)) if 0 < size < np.inf else 0
 
 
 @takes(Phi=matrix("N N"), forcing=optional(array("k N")), z0=vector("N"), steps=count(0, MOST_NUMBERS, beside="N"))
@@ -128,20 +154,28 @@ def _one_by_one(Phi: np.ndarray, forcing: np.ndarray, z0: np.ndarray) -> np.ndar
 
 def _doubling(Phi: np.ndarray, z0: np.ndarray, steps: int) -> np.ndarray:
     if len(z0) >= LARGE and (half := _apart(Phi)):
+        if np.array_equal(Phi[:half, :half], Phi[half:, half:]):  # a plant and a copy of it need each power once
+            return _powers(Phi[:half, :half], z0.reshape(2, half), steps).reshape(steps + 1, -1)
         return np.hstack([_doubling(Phi[:half, :half], z0[:half], steps), _doubling(Phi[half:, half:], z0[half:], steps)])
-    states = np.empty((steps + 1, len(z0)))
-    states[0] = z0
-    done, power = 1, Phi.T
-    while done <= steps:
-        count = min(done, steps + 1 - done)
+    return _powers(Phi, z0[None], steps)
+
+
+def _powers(Phi: np.ndarray, starts: np.ndarray, steps: int) -> np.ndarray:
+    """The states of each step from r starts (r, N) one below the other: ((steps + 1) r, N)."""
+    r, N = starts.shape
+    states = np.empty(((steps + 1) * r, N))
+    states[:r] = starts
+    done, end, power = r, len(states), Phi.T
+    while done < end:
+        count = min(done, end - done)
         np.matmul(states[:count], power, out=states[done:done + count])
         done += count
-        if done <= steps and done >= LARGE <= len(z0):  # a further power costs more than products with this one
-            for k in range(done, steps + 1, count):
-                last = min(k + count, steps + 1)
+        if done < end and done >= LARGE * r and N >= LARGE:  # a further power costs more than products with this one
+            for k in range(done, end, count):
+                last = min(k + count, end)
                 np.matmul(states[k - count:last - count], power, out=states[k:last])
             break
-        if done <= steps:
+        if done < end:
             power = power @ power
     return states
 

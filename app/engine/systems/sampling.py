@@ -7,12 +7,12 @@ import warnings
 import numpy as np
 from scipy.linalg import expm, logm
 
-from .balance import balance, state_scale
+from .balance import balance
 from .errors import EngineError
 from .gates.argument_checks import SECONDS, takes
 from .gates.plant_gate import PLANT
 from .plant import Plant
-from .recursions import LARGE, step_by_doubling, step_matrices
+from .recursions import LARGE, driven_step, step_by_doubling
 
 __all__ = ["continuous_of", "discretise", "from_tustin", "require_continuous", "tustin"]
 
@@ -35,9 +35,10 @@ def discretise(plant: Plant, dt: float) -> Plant:
     if plant.n >= LARGE:
         Phi, Gamma = step_by_doubling(plant.A, plant.B, dt)
     else:
-        x = state_scale(plant.A, plant.B)  # the exponential loses digits where states are in unlike units
-        Phi, Phi1 = step_matrices(plant.A * x / x[:, None], dt)
-        Phi, Gamma = Phi * x[:, None] / x, x[:, None] * (Phi1 @ (plant.B / x[:, None]))
+        own = balance(plant.A, plant.B)  # the exponential loses digits where states are in unlike units
+        x = own.states
+        Phi, Gamma = driven_step(own.A(plant.A), own.B(plant.B), dt)
+        Phi, Gamma = Phi * x[:, None] / x, Gamma * x[:, None] / own.inputs
     return _with_matrices(plant, Phi, Gamma, plant.C, np.asarray(plant.D), dt)
 
 

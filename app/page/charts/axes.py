@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 import math
 from collections.abc import Sequence
+from itertools import pairwise
 
 from ...colours import COLOURS
 from ...course.figures.decade_axes import decades
@@ -17,6 +18,7 @@ MARK_CLEAR_PX, MARK_ROOM_PX = 7.0, 8.0  # from the middle of a mark to the frame
 PLOT_FRAME = Box(LEFT_PX, TOP_PX, W - RIGHT_PX, H - BOTTOM_PX)
 # of the names of axes: the height of a line in the tallest fonts, what of it rises above the foot of letters, px to the numbers
 ROW_HEIGHT_PX, NAME_RISE_PX, NAME_CLEARANCE_PX = 1.45 * LARGE_PRINT_PX, 1.16 * LARGE_PRINT_PX, 8.0
+NAME_DEPTH_PX = 6.0  # from the foot of the letters of the last row to the end of the drawing
 NUMBER_FRAME_GAP_PX, NUMBER_FOOT_GAP_PX = (
     5.0,
     17.0,
@@ -38,13 +40,13 @@ def clear_of_marks(span: tuple[float, float], marks: Sequence[float], long: floa
 class Axes:
     """Maps a range of the plane to the drawing area and draws grid, numbers and names.
 
-    Both names and all numbers have the room that large print asks for: a name stands beside the numbers, and in lines where one
-    would not hold it; of numbers there are as many as stand apart. `high` is the drawing's height before the name below needs more.
+    All names and numbers have the room that large print asks for: a name stands beside the numbers, and in lines where one
+    would not hold it; of numbers there are as many as stand apart. `high` is the drawing's height before names below need more.
     """
 
     def __init__(self, x: tuple[float, float], y: tuple[float, float], equal: bool, names: tuple[str, str], powers: str = "",
                  high: float = H, places: tuple[tuple[float, str], ...] = ()) -> None:
-        self.high, self._foot, self._powers, self._places = high, high - BOTTOM_PX, powers, places
+        self.high, self._foot, self._powers = high, high - BOTTOM_PX, powers
         self._upright = fold_lines(names[1], (self._foot - TOP_PX) / LARGE_PRINT_PX).split("\n")
         self.left = PLOT_FRAME.left
         self._fit(x, y, equal)
@@ -52,7 +54,13 @@ class Axes:
         self.left = max(self.left, len(self._upright) * ROW_HEIGHT_PX + NAME_CLEARANCE_PX + widest + NUMBER_FRAME_GAP_PX)
         self._fit(x, y, equal)
         self._across = fold_lines(names[0], (W - RIGHT_PX - self.left) / LARGE_PRINT_PX).split("\n")
-        self.height = high + ROW_HEIGHT_PX * (len(self._across) - 1)
+        steps = [self.at(after, 0)[0] - self.at(before, 0)[0] for (before, _), (after, _) in pairwise(places)]
+        room = (min(steps, default=W) - NUMBER_GAP_PX) / LARGE_PRINT_PX
+        self._places = tuple((v, fold_lines(name, room)) for v, name in places)
+        self._rows = max((name.count("\n") for _, name in self._places), default=0)  # of names below, beyond the first
+        rows = self._rows + len(self._across) - 1
+        free = 0.0 if any(self._across) else BOTTOM_PX - NUMBER_FOOT_GAP_PX - NAME_DEPTH_PX  # below the first row
+        self.height = high + max(ROW_HEIGHT_PX * rows - free, 0.0)
 
     def _fit(self, x: tuple[float, float], y: tuple[float, float], equal: bool) -> None:
         across, up = W - self.left - RIGHT_PX, self._foot - TOP_PX
@@ -108,8 +116,10 @@ class Axes:
         foot = f"{self._foot:.1f}"
         out = [f'<rect {self.area()} fill="none" stroke="{COLOURS["chart-frame"]}"/>']
         for px, x, name in self._below():
-            out.append(f'<line x1="{px:.1f}" x2="{px:.1f}" y1="{TOP_PX}" y2="{foot}" stroke="{COLOURS["chart-grid"]}"/>'
-                       f'<text x="{x:.1f}" y="{self._foot + NUMBER_FOOT_GAP_PX:.1f}" text-anchor="middle">{html.escape(name)}</text>')
+            out.append(f'<line x1="{px:.1f}" x2="{px:.1f}" y1="{TOP_PX}" y2="{foot}" stroke="{COLOURS["chart-grid"]}"/>')
+            for k, line in enumerate(name.split("\n")):
+                y = self._foot + NUMBER_FOOT_GAP_PX + k * ROW_HEIGHT_PX
+                out.append(f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="middle">{html.escape(line)}</text>')
         for v, name in self._levels():
             _, py = self.at(0, v)
             out.append(
@@ -117,8 +127,9 @@ class Axes:
                 f'<text x="{self.left - NUMBER_FRAME_GAP_PX:.1f}" y="{min(py + 4, self._foot - 1):.1f}" text-anchor="end">{name}</text>'
             )
         middle = (self.left + W - RIGHT_PX) / 2
-        out += [f'<text x="{middle:.1f}" y="{self.high - 6 + k * ROW_HEIGHT_PX:.1f}" text-anchor="middle">{html.escape(line)}</text>'
-                for k, line in enumerate(self._across)]
+        below = self.high - NAME_DEPTH_PX + self._rows * ROW_HEIGHT_PX
+        out += [f'<text x="{middle:.1f}" y="{below + k * ROW_HEIGHT_PX:.1f}" text-anchor="middle">{html.escape(line)}</text>'
+                for k, line in enumerate(self._across) if line]
         out += [
             f'<text transform="translate({NAME_RISE_PX + k * ROW_HEIGHT_PX:.1f} {(TOP_PX + self._foot) / 2:.1f}) rotate(-90)" '
             f'text-anchor="middle">'

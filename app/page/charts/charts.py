@@ -69,6 +69,9 @@ def round_numbers(low: float, high: float, most: int) -> tuple[tuple[float, ...]
 
 def stale_figures(picture: Picture, before: Picture | None) -> Sequence[Figure]:
     """The figures that a screen which shows the picture `before` must draw anew."""
+    if before is not None and picture.lesson.live is not None and picture.lesson is before.lesson:
+        known = {id(figure) for figure in before.seen}
+        return [figure for figure in picture.seen if id(figure) not in known]
     if before is None or before.outcome is not picture.outcome or before.pinned != picture.pinned or picture.resting > before.resting:
         return picture.seen
     if not only_completes(picture, before):

@@ -28,8 +28,10 @@ from .derivation_panel import DerivationPanel
 from .exam_panel import ExamPanel
 from .hand_in_box import HandInBox, is_listed
 from .knob_rows import KnobRows
+from .live_panel import LivePanel
 from .plant_picker import PlantRow
 from .prediction_panel import PredictionPanel, SecondPredictionPanel
+from .record_picker import RecordPicker
 
 Post = Callable[[Edit], int]
 
@@ -51,6 +53,7 @@ class Panel:
         self._hand = viser_internals.node_id(hidden_input(gui, self._heard))
         self._head(picture)
         self._room = RoomPanel(client, picture, self._hand)
+        self._running = None if self._lesson.live is None else LivePanel(client, picture)
         self._prediction = PredictionPanel(gui, picture, post)
         self._part("knobs")
         self._rows = KnobRows(gui, picture, post)
@@ -58,6 +61,7 @@ class Panel:
         self._again = SecondPredictionPanel(gui, picture, post)
         if self._lesson.adapt is not None:
             self._plants = PlantRow(gui, picture, post)
+        self._records = None if self._lesson.take_record is None else RecordPicker(gui, picture, post)
         self._beside = ComparePanel(gui, picture, post)
         self._part("why")
         self._numbers(picture)
@@ -176,9 +180,13 @@ class Panel:
         self._guide.show(picture)
         self._room.show(picture)
         self._rows.show(picture)
+        if self._running is not None:
+            self._running.show(picture)
         self._pulls.show(picture)
         if self._plants is not None:
             self._plants.show(picture)
+        if self._records is not None:
+            self._records.show(picture)
         self._beside.show(picture)
         if picture.resting:
             self._show_numbers(picture)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import html
-import json
 from collections.abc import Mapping
 from typing import Any
 
@@ -19,7 +18,9 @@ from ...course.scenes import Choose, Move, Scene, Solve, fill_numbers
 from ...session.state.view import Picture
 from ...text import format_number, languages, name_of
 from ..charts.print_sizes import Sizes
-from ..charts.svg import axes_of_plane, draw
+from ..charts.sketch_frame import sketch_frame
+from ..charts.svg import draw
+from ..votes.class_drawings import drawings_html
 from ..words import phrases, prediction
 from ..words.mode_switch import mode_switch
 from ..words.prediction import options_html
@@ -190,6 +191,9 @@ def question_html(picture: Picture, sizes: Sizes, hand: str) -> str:
     if scene is None or picture.question is None:
         return ""
     answered, chosen = scene.id in state.done and not picture.undecided, state.chosen.get(scene.id)
+    cloud = drawings_html(picture, picture.typed[-1]) if picture.typed and picture.typed[-1].kind == "sketch" else ""
+    if cloud:
+        return cloud
     figure = picture.question.drawn(chosen, answered, state.sketches.get(scene.id))
     drawn = draw(figure, state.language, sizes.large_words, sizes.question)
     return drawn if chosen is not None or answered or not picture.question.columns else sketch_html(picture, figure, drawn, sizes, hand)
@@ -197,18 +201,10 @@ def question_html(picture: Picture, sizes: Sizes, hand: str) -> str:
 
 def sketch_html(picture: Picture, figure: PlaneFigure, drawn: str, sizes: Sizes, hand: str) -> str:
     """A question's figure into which a hand draws its prediction, and the button that sends it."""
-    question, lang = picture.question, picture.state.language
-    assert question is not None and picture.scene is not None
-    axes = axes_of_plane(figure, lang, sizes.question)
-    columns = [round(axes.at(x, 0.0)[0], 1) for x in question.columns]
-    told = {"question": f"{picture.lesson.id}/{picture.scene.id}", "columns": columns, "top": axes.frame.top, "foot": axes.frame.bottom,
-            "bars": question.bars}
-    name = html.escape(phrases.SKETCH(lang), quote=True)
-    inside = ('<path class="ol-sketched" fill="none" d=""/><circle class="ol-caret" r="5"/></svg>')
-    drawn = drawn.replace("</svg>", inside, 1).replace('role="img"', f'role="application" tabindex="0" aria-description="{name}"', 1)
-    return (f'<div class="ol-sketch" data-sketch="{html.escape(json.dumps(told), quote=True)}">{drawn}<p class="ol-number">'
-            f'<span class="ol-note">{name}</span><button type="button" class="ol-do" data-to="{hand}" disabled>'
-            f"{html.escape(phrases.PREDICT_THIS(lang))}</button></p></div>")
+    question, scene, lang = picture.question, picture.scene, picture.state.language
+    assert question is not None and scene is not None
+    send = f'<button type="button" class="ol-do" data-to="{hand}" disabled>{html.escape(phrases.PREDICT_THIS(lang))}</button>'
+    return sketch_frame(question, figure, drawn, sizes, lang, f"{picture.lesson.id}/{scene.id}", phrases.SKETCH(lang), send)
 
 
 def formulas_html(picture: Picture) -> str:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import html
+from functools import partial
 
 from ...course.guiding.predictions import prediction_of
 from ...course.scenes import Choose, Scene
 from ...session.state.view import Picture
 from ...text import format_number
 from ..guide.scene_card import paragraphs
+from ..votes.class_drawings import drawing_html, drawings_html
 from ..votes.histogram import question_words, results_html, vote_attributes
 from ..votes.pole_plane import placing_html
 from ..words import phrases
@@ -55,9 +57,11 @@ def typed_html(picture: Picture) -> str:
     assert vote.asked is not None
     head = f'<h3 class="ol-asked">{html.escape(question_words(vote.asked, lang))}</h3>'
     if not vote.open:
-        return f'<section class="ol-typed">{head}{results_html(picture.typed, lang)}</section>'
+        return f'<section class="ol-typed">{head}{results_html(picture.typed, lang, partial(drawings_html, picture))}</section>'
     if (grid := vote.asked.grid) is not None:
         body = placing_html(vote, grid, next((board.title for board in picture.boards if board.id == grid.board), None), lang)
+    elif vote.kind == "sketch":
+        body = drawing_html(picture, vote)
     elif vote.kind == "number":
         name, send = html.escape(phrases.YOUR_NUMBER(lang), quote=True), html.escape(phrases.SEND(lang))
         body = (f'<p class="ol-number"><input type="number" step="any" aria-label="{name}" placeholder="{name}">'

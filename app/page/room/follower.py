@@ -9,11 +9,11 @@ from typing import Protocol
 
 import viser
 
-from ...classroom.votes import MAX_OPTIONS, Kind, is_ballot
-from ...text import Text
+from ...classroom.sketch_grid import LONGEST_SKETCH
+from ...classroom.votes import MAX_OPTIONS, Answer, Kind, is_ballot
 from ..viser_private import page_scripts, viser_internals
 from ..viser_private.hidden_input import hidden_input
-from ..votes.histogram import answer_words
+from ..votes.histogram import counted_words
 from ..words import phrases
 
 ABOVE_ALL = -1e8  # the order of what stands first on a page
@@ -24,16 +24,19 @@ DECIMAL = re.compile(r"[+-]?(?:\d{1,15}(?:\.\d{0,15})?|\.\d{1,15})(?:[eE][+-]?\d
 
 @dataclass(frozen=True)
 class Ballot:
-    """A vote as a browser sends it: which one, its random number, and the index of an option, a number or a pole."""
+    """A vote as a browser sends it: which one, its random number, and the index of an option, a number, a pole or a drawing."""
 
     vote: int
     ballot: str
-    answer: complex
+    answer: Answer
     kind: Kind = "choice"
 
 
 def read_ballot(said: str) -> Ballot | None:
-    """The vote in `vote:VOTE:OPTION:BALLOT`, `number:VOTE:NUMBER:BALLOT` or `pole:VOTE:RE:IM:BALLOT`; None where that is not one."""
+    """The vote in `vote:VOTE:OPTION:BALLOT`, `number:VOTE:NUMBER:BALLOT`, `pole:VOTE:RE:IM:BALLOT` or `sketch:VOTE:SHARE,SHARE:BALLOT`.
+
+    None where that is not one.
+    """
     match said.split(":"):
         case ["vote", vote, option, ballot] if is_number(vote) and is_number(option) and is_ballot(ballot):
             return Ballot(int(vote), ballot, int(option)) if int(option) < MAX_OPTIONS else None
@@ -41,6 +44,9 @@ def read_ballot(said: str) -> Ballot | None:
             return Ballot(int(vote), ballot, float(number), "number")
         case ["pole", vote, re, im, ballot] if is_number(vote) and is_decimal(re) and is_decimal(im) and is_ballot(ballot):
             return Ballot(int(vote), ballot, complex(float(re), float(im)), "pole")
+        case ["sketch", vote, heights, ballot] if is_number(vote) and is_ballot(ballot):
+            shares = heights.split(",", LONGEST_SKETCH)
+            return Ballot(int(vote), ballot, tuple(map(float, shares)), "sketch") if all(map(is_decimal, shares)) else None
     return None
 
 
@@ -73,6 +79,7 @@ class Follower:
             f'<h2 class="ol-scene">{phrases.NOT_BEGUN(language)}</h2>')  # until there is a page
         viser_internals.hear_beats(client, self._acknowledge)
         viser_internals.run_script(client, "plane")
+        viser_internals.run_script(client, "sketch")
         viser_internals.run_script(client, "room", hand=self._hand)
         client.flush()
 
@@ -102,18 +109,17 @@ class Follower:
         if said == "slower":
             self.raised = not self.raised
             if self.raised:
-                self._say(phrases.HAND_RAISED)
+                self._say(phrases.HAND_RAISED(self.language))
             return
         ballot = read_ballot(said)
         if ballot is not None:
             self._ears.cast(ballot, lambda counted: self._tell(ballot, counted))
 
     def _tell(self, ballot: Ballot, counted: bool) -> None:
-        option = int(ballot.answer.real) if ballot.kind == "choice" else -1
+        option = int(ballot.answer.real) if ballot.kind == "choice" and not isinstance(ballot.answer, tuple) else -1
         viser_internals.run_script(self._client, "room", vote=ballot.vote, option=option, counted=counted)
-        answer = answer_words(ballot.kind, ballot.answer, self.language)
-        self._say(phrases.VOTE_COUNTED.format(letter=answer) if counted else phrases.VOTE_REFUSED)
+        self._say(counted_words(ballot.kind, ballot.answer, self.language) if counted else phrases.VOTE_REFUSED(self.language))
 
-    def _say(self, words: Text) -> None:
-        self._client.add_notification("Observer Lab", words(self.language), auto_close_seconds=NOTICE_S)
+    def _say(self, words: str) -> None:
+        self._client.add_notification("Observer Lab", words, auto_close_seconds=NOTICE_S)
         self._client.flush()

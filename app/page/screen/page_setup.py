@@ -24,6 +24,7 @@ PAGE_SCRIPTS = (
     "options",  # let a button of our own HTML, with mathematics in it, answer for a widget
     "terms",  # show what a term means where the pointer or the focus is on it
     "dialogs",  # close a dialog by Escape, and by a press beside it
+    "held_rows",  # keep the rows of the column where they are while a hand is at work
     "news",  # bring a verdict or a second question into view, clear of the knobs that lie over its column
     "reading",  # say what the curves of a chart are where the pointer is; viser hands no function to its charts that could
     "names",  # write the names of a chart's curves beside them; viser has a key below the chart and nothing else

@@ -28,9 +28,9 @@ def fill_palette(client: viser.ClientHandle, picture: Picture, post: Post, open_
         others = " · ".join(dict.fromkeys(name(code) for code in languages() if code != language))
         handle = client.gui.add_command(f"{kind(language)}: {name(language)}", description=others or None)
         _bind(handle, edits, post)
-    lessons = {lesson.id for lesson in picture.catalogue}
+    scenes = {(lesson.id, scene.id) for lesson in picture.catalogue for scene in lesson.path}
     for question in questions()[language].entries:
-        if question.lesson in lessons:
+        if (question.lesson, question.scene) in scenes:
             label = f"{phrases.QUESTION_KIND(language)}: {question.title}"
             handle = client.gui.add_command(label, description=" · ".join(question.phrases))
             _bind(handle, opening(question, picture), post)

@@ -45,6 +45,8 @@ class PageTape(SharedPage):
             self._forget_entity(entity, False)
             props = told.pop("props", {})
             self.values[entity, ""] = told
+            if "value" in told:  # as nobody has moved it yet
+                self.values[entity, "value"] = told["value"]
             self.values.update({(entity, name): value for name, value in props.items()})
         elif phase == "update_dict":
             self.values.update({(entity, name): value for name, value in told["updates"].items()})

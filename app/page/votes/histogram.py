@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from itertools import pairwise
 from typing import assert_never
 
-from ...classroom.votes import DISCUSS_S, HIDDEN_BELOW, Asked, Kind, Vote, histogram
+from ...classroom.votes import DISCUSS_S, HIDDEN_BELOW, Answer, Asked, Kind, Vote, histogram
 from ...course.guiding.predictions import LETTERS
 from ...text import format_number
 from ..words import phrases
@@ -15,12 +15,19 @@ from .pole_plane import cloud_svg, pole_words
 
 
 def question_words(asked: Asked, language: str) -> str:
-    """What the presenter has typed, or the usual question for a pole."""
-    return asked.question or phrases.PLACE_POLE(language)
+    """What the presenter has typed, or the usual question for a pole or a drawing."""
+    return asked.question or (phrases.DRAW_WHAT if asked.kind == "sketch" else phrases.PLACE_POLE)(language)
 
 
-def answer_words(kind: Kind, answer: complex, language: str) -> str:
-    """An answer as its sender reads it: an option's letter, a number or a pole."""
+def counted_words(kind: Kind, answer: Answer, language: str) -> str:
+    """That an answer is counted, as its sender reads it: an option's letter, a number, a pole or a drawing."""
+    if isinstance(answer, tuple):
+        return phrases.DRAWING_COUNTED(language)
+    return phrases.VOTE_COUNTED.format(letter=_answer_words(kind, answer, language))(language)
+
+
+def _answer_words(kind: Kind, answer: complex, language: str) -> str:
+    assert kind != "sketch", "a drawing is no number"
     match kind:
         case "choice":
             return LETTERS[int(answer.real)]
@@ -32,19 +39,27 @@ def answer_words(kind: Kind, answer: complex, language: str) -> str:
             assert_never(kind)
 
 
+def no_drawings(vote: Vote) -> str:
+    """Nothing: the class was asked for no drawing."""
+    return ""
+
+
 def vote_attributes(number: int) -> Callable[[int], str]:
     """The attributes of the button that votes for an option."""
     return lambda k: f'data-room="vote:{number}:{k}"'
 
 
-def bars_html(votes: Sequence[Vote], language: str) -> str:
-    """A histogram for each vote, from left to right in the order of their rounds; where none is shown, how many have voted."""
-    return f'<div class="ol-polls">{"".join(_histogram(vote, language, len(votes)) for vote in votes)}</div>' if votes else ""
+def bars_html(votes: Sequence[Vote], language: str, drawings: Callable[[Vote], str] = no_drawings) -> str:
+    """A histogram for each vote, from left to right in the order of their rounds; where none is shown, how many have voted.
+
+    `drawings` draws a vote in which the class has drawn.
+    """
+    return f'<div class="ol-polls">{"".join(_histogram(vote, language, len(votes), drawings) for vote in votes)}</div>' if votes else ""
 
 
-def results_html(votes: Sequence[Vote], language: str) -> str:
-    """The histograms that are shown to everybody, and how long the class discusses."""
-    return bars_html([vote for vote in votes if vote.visible], language) + discussion_html(votes, language)
+def results_html(votes: Sequence[Vote], language: str, drawings: Callable[[Vote], str] = no_drawings) -> str:
+    """The histograms that are shown to everybody, and how long the class discusses; `drawings` as in `bars_html`."""
+    return bars_html([vote for vote in votes if vote.visible], language, drawings) + discussion_html(votes, language)
 
 
 def discussion_html(votes: Sequence[Vote], language: str) -> str:
@@ -62,11 +77,11 @@ def _told(vote: Vote, language: str) -> str:
     return (phrases.VOTES if vote.open or vote.visible else phrases.HIDDEN_VOTES).format(count=vote.total)(language)
 
 
-def _histogram(vote: Vote, language: str, beside: int) -> str:
+def _histogram(vote: Vote, language: str, beside: int, drawings: Callable[[Vote], str]) -> str:
     shown = vote.shown
     told = html.escape(_told(vote, language))
     name = html.escape(phrases.VOTE_ROUND.format(number=vote.round)(language))
-    rows = "" if shown is None else _rows(vote, shown, language, beside)
+    rows = "" if shown is None else drawings(vote) if vote.kind == "sketch" else _rows(vote, shown, language, beside)
     return f'<figure class="ol-poll" data-vote="{vote.number}"><figcaption>{name} · {told}</figcaption>{rows}</figure>'
 
 

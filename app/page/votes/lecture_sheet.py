@@ -52,6 +52,9 @@ def _vote_rows(vote: Vote, lessons: Mapping[str, Lesson], language: str) -> Iter
         return
     question = phrases.SHEET_QUESTION(language) if vote.asked is None else question_words(vote.asked, language)
     what = f"{question} ({phrases.VOTE_ROUND.format(number=vote.round)(language)})"
+    if vote.kind == "sketch":
+        yield SheetRow(vote.lesson, vote.scene, what, phrases.CLASS_DRAWINGS(language), vote.total)
+        return
     for answer, count in zip(_answers(vote, lesson, language), vote.counts, strict=False):
         if count or vote.kind == "choice":
             yield SheetRow(vote.lesson, vote.scene, what, answer, count)

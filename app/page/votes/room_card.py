@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html
+from functools import partial
 
 from ...classroom.room import RoomView
 from ...classroom.votes import DISCUSS_S, Vote
@@ -11,6 +12,7 @@ from ...session.state.view import Picture
 from ...text import Text
 from ..words import phrases
 from ..words.link_code import qr_code
+from .class_drawings import drawings_html
 from .histogram import bars_html, discussion_html, question_words, results_html
 
 
@@ -93,7 +95,10 @@ def _vote(picture: Picture, hand: str) -> str:
     if scene is None or not isinstance(scene.do, Choose):
         return ""
     if not votes:
-        return _button(hand, "vote:open", phrases.OPEN_VOTE, lang)
+        steps = [("vote:open", phrases.OPEN_VOTE)]
+        if picture.question is not None and picture.question.columns and not picture.typed:
+            steps.append(("vote:sketch", phrases.ASK_SKETCH))
+        return " ".join(_button(hand, value, words, lang) for value, words in steps)
     return _stage(votes[-1], hand, "vote:open", lang) + bars_html(votes, lang) + discussion_html(votes, lang)
 
 
@@ -106,7 +111,7 @@ def _stage(vote: Vote, hand: str, again: str, language: str) -> str:
     if not vote.revealed:
         steps.append((f"vote:discuss:{vote.number}", phrases.DISCUSS.format(minutes=round(DISCUSS_S / 60))))
     steps.append((again, phrases.VOTE_AGAIN))
-    if vote.asked is None and not vote.revealed:
+    if (vote.asked is None or vote.kind == "sketch") and not vote.revealed:
         steps.append((f"vote:reveal:{vote.number}", phrases.REVEAL_ANSWER))
     return " ".join(_button(hand, value, words, language) for value, words in steps)
 
@@ -116,7 +121,7 @@ def hall_html(picture: Picture) -> str:
     if picture.state.performance is not None or picture.state.playing:
         return ""
     votes = max((picture.votes, picture.typed), key=lambda found: found[-1].number if found else 0)
-    said = results_html(votes, picture.state.language) if picture.state.mode == "present" else ""
+    said = results_html(votes, picture.state.language, partial(drawings_html, picture)) if picture.state.mode == "present" else ""
     asked = votes[-1].asked if votes and said else None
     head = "" if asked is None else f'<h3 class="ol-asked">{html.escape(question_words(asked, picture.state.language))}</h3>'
     return head + said

@@ -9,6 +9,7 @@ import viser
 from ...session.commands.base import Command
 from ...session.commands.room import (
     AskPole,
+    AskSketch,
     AskTyped,
     AskTypedAgain,
     CloseVote,
@@ -24,7 +25,7 @@ from ..viser_private import viser_internals
 from ..viser_private.write_once import write_content
 from .room_card import ask_html, audience_html, hall_html, room_html
 
-VOTES = MappingProxyType({"close": CloseVote, "typed": AskTypedAgain})
+VOTES = MappingProxyType({"close": CloseVote, "typed": AskTypedAgain, "sketch": AskSketch})
 STAGES = MappingProxyType({"show": ShowCounts, "hide": HideCounts, "discuss": Discuss, "reveal": Reveal})
 
 

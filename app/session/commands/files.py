@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 from ...course.lesson import Lesson
 from ...text import Text
@@ -30,6 +30,13 @@ class LessonsChanged(Notice, frozen=True):
     """Files of lessons have changed on the server: these are the lessons now, by id."""
 
     lessons: Mapping[str, Lesson]
+
+
+class LinesCame(Notice, frozen=True):
+    """The running plant has sent lines; `done` is called once this tab shows them."""
+
+    tab: int
+    done: Callable[[], object]
 
 
 class PinDesign(Command, frozen=True):

@@ -22,6 +22,10 @@ class AskPole(Command, frozen=True):
     words: object
 
 
+class AskSketch(Command, frozen=True):
+    """Ask the class to draw its prediction into the figure of the scene's question."""
+
+
 class AskTypedAgain(Command, frozen=True):
     """Ask the typed question once more."""
 

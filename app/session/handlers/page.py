@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 from ...course.knobs import KnobError
@@ -38,6 +39,19 @@ def see_window(show: Presenter, across: object, up: object, night: object) -> No
         show.change(state)
     else:
         show.state = replace(state, window=before.window)
+
+
+def show_lines(show: Presenter, tab: int, done: Callable[[], object]) -> None:
+    """Show the running plant as it is now, beside the present design."""
+    try:
+        desk = show.lesson.live
+        if desk is not None and show.shown is not None and show.unfinished is None:
+            drawn = desk.shown(tab, show.picture.outcome)
+            stage = drawn[0].stage
+            show.state = replace(show.state, playing=False, loop=None, t=0.0 if stage is None else float(stage.t[-1]))
+            show.present(drawn)
+    finally:
+        done()
 
 
 def set_language(show: Presenter, code: object) -> None:

@@ -240,12 +240,16 @@ class Presenter:
         self.resting = True
         self.redraw()
 
+    def present(self, drawn: OutcomeAndFigures) -> None:
+        """Show an outcome of the present design that no knob has made."""
+        picture = self._make(self.picture.design, drawn)
+        self.view.show(picture)
+        self.shown = picture
+
     def keep(self, found: object) -> None:
         """Show what the job has found, and remember it for all designs of its key once it can be shown."""
         design = self.picture.design
-        picture = self._make(design, self._drafts.outcome_with_job_result(self.lesson, design, found))
-        self.view.show(picture)
-        self.shown = picture
+        self.present(self._drafts.outcome_with_job_result(self.lesson, design, found))
         self._drafts.store_job_result(self.lesson, design, found)
 
     def mark_job_ended(self) -> None:

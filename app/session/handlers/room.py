@@ -6,6 +6,7 @@ from dataclasses import replace
 
 from ...classroom.pole_grid import PoleGrid
 from ...classroom.room import RoomView, VoteDesk
+from ...classroom.sketch_grid import COLUMNS, SketchGrid
 from ...classroom.votes import LONGEST_QUESTION, MAX_OPTIONS, Asked, Vote, read_pole_question, read_question
 from ...course.figures.scene import Board
 from ...course.guiding.predictions import prediction_of
@@ -28,6 +29,15 @@ def ask_typed(show: Presenter, words: object) -> None:
 def ask_pole(show: Presenter, words: object) -> None:
     """Ask the class to place a pole. Raises KnobError."""
     _ask(show, read_pole_question(words, _grid(show)) if isinstance(words, str) else None, NO_POLE_QUESTION)
+
+
+def ask_sketch(show: Presenter) -> None:
+    """Ask the class to draw its prediction into the figure of the scene's question. Raises KnobError."""
+    question = show.picture.question
+    fits = question is not None and len(question.columns) > 0 and (not question.bars or len(question.columns) <= COLUMNS)
+    if question is None or not fits:
+        raise KnobError(text("The question of this scene is not answered by a drawing; open the vote on its options."))
+    _ask(show, Asked("", sketch=SketchGrid(min(len(question.columns), COLUMNS), question.bars)), NO_QUESTION)
 
 
 def ask_typed_again(show: Presenter) -> None:
@@ -58,7 +68,7 @@ def discuss(show: Presenter, number: object) -> None:
 def reveal(show: Presenter, number: object) -> None:
     """Tell the answer to a closed vote; the page then does what the question asks about. Raises KnobError."""
     vote = _closed(show, number)
-    performs = vote in show.picture.votes
+    performs = vote in show.picture.votes or (vote.kind == "sketch" and vote in show.picture.typed)
     show_room(show, _desk(show).reveal(vote))
     if performs:
         guide.perform_answer(show)

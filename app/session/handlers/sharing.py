@@ -13,6 +13,7 @@ from ...text import error_words, joined
 from ..runtime.error_words import NOT_DONE, error_kind
 from ..state.saved_state import NO_STATE, SavedState, read_state, write_state
 from ..state.token import is_token, read_token, write_token
+from .guide import entry_design
 from .presenter import Presenter
 
 log = logging.getLogger(__name__)
@@ -47,6 +48,8 @@ def take(show: Presenter, words: object) -> None:
         scene = [each.id for each in show.lesson.path].index(saved.scene)
         kept = show.lesson_state
         kept.scene, kept.entered = scene, True
+        if saved.answered is None and not saved.design.plant:
+            kept.began = entry_design(show, scene)  # a move is judged as for somebody who came to the scene along the path
         if saved.answered is not None:
             kept.done = {**kept.done, saved.scene: saved.design}
             kept.chosen = {**kept.chosen, saved.scene: saved.answered} if isinstance(show.lesson.path[scene].do, Choose) else kept.chosen

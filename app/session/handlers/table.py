@@ -11,11 +11,12 @@ from types import MappingProxyType
 
 import msgspec
 
-from ..commands import commands, exams, files, guide, room
+from ..commands import commands, exams, files, guide, records, room
 from ..commands.base import Command
 from . import design, downloads, hand_in, lectures, lesson_reload, page, pins, playback, saved_designs, sharing, tasks
 from . import exams as exam
 from . import guide as path
+from . import records as record
 from . import room as hall
 from .presenter import Presenter
 from .reload import restore_memory
@@ -34,6 +35,11 @@ HANDLERS: Mapping[type[Command], Callable[..., object]] = MappingProxyType({
     commands.PickPoint: design.pick_point,
     commands.UploadPlant: design.upload_plant,
     commands.ChoosePlant: design.choose_plant,
+    records.UploadRecord: record.upload_record,
+    records.SetColumnRole: record.set_column_role,
+    records.TellOfRecord: record.tell_of_record,
+    records.UseRecord: record.use_record,
+    records.DropRecord: record.drop_record,
     commands.Refuse: design.refuse,
     commands.Predict: tasks.predict,
     commands.PredictAgain: tasks.predict_again,
@@ -70,6 +76,7 @@ HANDLERS: Mapping[type[Command], Callable[..., object]] = MappingProxyType({
     commands.OpenLesson: page.open_lesson,
     commands.TurnPage: page.turn_page,
     files.LessonsChanged: lesson_reload.take_changed_lessons,
+    files.LinesCame: page.show_lines,
     commands.SetLanguage: page.set_language,
     commands.ToggleLecture: lambda show: show.rebuild(replace(show.state, lecture=not show.state.lecture)),
     commands.ToggleTheme: lambda show: show.rebuild(replace(show.state, dark=not show.state.is_dark)),
@@ -97,6 +104,7 @@ HANDLERS: Mapping[type[Command], Callable[..., object]] = MappingProxyType({
     room.OpenVote: hall.open_vote,
     room.AskTyped: hall.ask_typed,
     room.AskPole: hall.ask_pole,
+    room.AskSketch: hall.ask_sketch,
     room.AskTypedAgain: hall.ask_typed_again,
     room.CloseVote: hall.close_vote,
     room.ShowCounts: hall.show_counts,

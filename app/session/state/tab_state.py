@@ -12,6 +12,7 @@ from ...course.handin.served_course import ServedCourse
 from ...course.lectures import Lecture, Stop
 from ...course.pinned_designs import Pin
 from ...course.scenes import Mode, Scene
+from .record_file import RecordFile
 from .saved_designs import SavedDesign
 from .tab_records import USUAL, ExamState, ManySeeds, Performance, ReplayLoop, TaskState
 
@@ -53,6 +54,7 @@ class State:
     landscape: bool = False
     named: bool | None = None  # whether the plant's parts have their names beside them; None as the scene asks
     plant: str = ""  # the plant that the person brought last, shown now or not
+    record_file: RecordFile | None = field(default=None, repr=False)  # a record that is looked at and not used yet
     tab: str | None = None  # the English name of the figures' tab that is open, None for the first
     step: int | None = None  # which step of thought is open
     shelf: tuple[SavedDesign, ...] = ()  # designs that the browser keeps under names

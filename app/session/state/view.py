@@ -152,7 +152,8 @@ class Picture:
     @property
     def undecided(self) -> bool:
         """Whether the class is asked the question of that scene and its answer is not told yet."""
-        return bool(self.votes) and not self.votes[-1].revealed
+        asked = [vote for vote in (*self.votes, *self.typed) if vote.asked is None or vote.kind == "sketch"]
+        return bool(asked) and not max(asked, key=lambda vote: vote.number).revealed
 
     @property
     def voting(self) -> bool:

@@ -141,8 +141,33 @@ def test_no_pencil_is_lost_to_a_failed_reordering():
 # --- laws ----------------------------------------------------------------------------------------------------------
 
 
+def residual_of_the_rounded(A, B, Q, R, S):
+    """Relative residual of the exact solution, by Newton's steps from S in fifty digits, once it is rounded to doubles: none has less."""
+    with mp.workdps(50):
+        a, b, q, s = (mp.matrix(each.tolist()) for each in (A, B, Q, S))
+        r = mp.inverse(mp.matrix(R.tolist()))
+        n = len(A)
+        for _ in range(3):
+            K = r * b.T * s
+            F, stage = a - b * K, q + K.T * mp.matrix(R.tolist()) * K
+            table, right = mp.matrix(n * n), mp.matrix(n * n, 1)
+            for i in range(n):
+                for j in range(n):
+                    for k in range(n):
+                        table[i * n + j, k * n + j] += F[k, i]
+                        table[i * n + j, i * n + k] += F[k, j]
+                    right[i * n + j] = -stage[i, j]
+            found = mp.lu_solve(table, right)
+            s = mp.matrix([[found[i * n + j] for j in range(n)] for i in range(n)])
+        s = mp.matrix([[float(s[i, j]) for j in range(n)] for i in range(n)])
+        terms = s * a, q, s * b * r * b.T * s
+        left = a.T * s + s * a + q - terms[2]
+        return float(mp.mnorm(left, "f") / (2 * mp.mnorm(terms[0], "f") + mp.mnorm(q, "f") + mp.mnorm(terms[2], "f")))
+
+
 @settings(max_examples=40)
 @given(seed=st.integers(0, 10_000), n=st.integers(1, 8), m=st.integers(1, 3))
+@example(seed=168, n=6, m=1)  # the exact solution, rounded, has 1.6e-12, ours 2.3e-12, SciPy's 2.5e-8
 def test_the_solution_is_the_cost_of_the_loop_it_makes(seed, n, m):
     """S is also the Lyapunov solution for the closed loop, whose cost xᵀSx no other gain nearby undercuts."""
     A, B = pair(seed, n, m)
@@ -156,7 +181,7 @@ def test_the_solution_is_the_cost_of_the_loop_it_makes(seed, n, m):
     np.testing.assert_allclose(optimal.solution, cost(optimal.gain), rtol=0, atol=1e-7 * scale)
     nudge = 1e-3 * np.random.default_rng(seed + 3).standard_normal((m, n))
     assert np.linalg.eigvalsh(cost(optimal.gain + nudge) - optimal.solution)[0] > -1e-7 * scale
-    assert optimal.residual < 1e-12
+    assert optimal.residual < 1e-12 or optimal.residual < 2 * residual_of_the_rounded(A, B, Q, R, optimal.solution)
 
 
 def summed(M, stage):
@@ -174,6 +199,7 @@ def summed(M, stage):
 @example(seed=1280, n=6, m=1)
 @example(seed=5778, n=6, m=1)  # gains of a hundred and a cost of 6e7
 @example(seed=188, n=7, m=1)
+@example(seed=8590, n=7, m=1)  # a cost of 1e12: the solution of scipy is off by 8e-5
 @given(seed=st.integers(0, 10_000), n=st.integers(1, 7), m=st.integers(1, 3))
 def test_the_discrete_solution_is_the_cost_of_the_loop_it_makes(seed, n, m):
     A, B = pair(seed, n, m)
@@ -186,7 +212,8 @@ def test_the_discrete_solution_is_the_cost_of_the_loop_it_makes(seed, n, m):
     stage = stage - N @ K - K.T @ N.T + K.T @ R @ K
     cost = summed(A - B @ K, stage)
     B, K = B.astype(float), K.astype(float)
-    np.testing.assert_allclose(S, cost, rtol=0, atol=1e-7 * np.linalg.norm(S))
+    lost = max(np.linalg.norm(S) / (1e8 * np.linalg.norm(Q)), 1.0)  # digits that a plant which the input hardly reaches costs any solver
+    np.testing.assert_allclose(S, cost, rtol=0, atol=1e-7 * lost * np.linalg.norm(S))
     np.testing.assert_allclose(np.linalg.eigvals(A - B @ K).astype(complex).sum(), optimal.poles.sum(), atol=1e-9)
 
 
@@ -284,7 +311,7 @@ def test_the_symplectic_way_agrees_with_the_pencil(monkeypatch):
         found.append(riccati.solve_discrete(problem))
     assert riccati.by_symplectic(riccati.RiccatiProblem(np.diag([0.5, 1e-9]), ONES, ONES + np.eye(2), np.eye(2), 0 * ONES)) is None
     monkeypatch.setattr(riccati, "by_symplectic", lambda problem: None)
-    for problem, (S, K, residual) in zip(problems, found, strict=True):
+    for problem, (S, K, residual, _) in zip(problems, found, strict=True):
         pencil = riccati.solve_discrete(problem)
         np.testing.assert_allclose(S, pencil[0], rtol=0, atol=1e-9 * np.abs(S).max())
         np.testing.assert_allclose(K, pencil[1], rtol=0, atol=1e-9 * np.abs(K).max())

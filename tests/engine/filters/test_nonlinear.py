@@ -155,3 +155,10 @@ def test_semidefinite_beliefs_have_sigma_points():
 def test_bad_filters_get_one_sentence(call, sentence):
     with np.errstate(all="ignore"), pytest.raises((EngineError, ShapeError), match=sentence):
         call()
+
+
+@pytest.mark.parametrize("sensors", [1, 20])
+def test_a_reading_whose_square_overflows_is_taken_in(sensors: int) -> None:
+    ekf = ExtendedKalmanFilter(lambda x, u: x, lambda x, u: np.repeat(x, sensors, axis=0), np.eye(1), np.eye(sensors))
+    mean = ekf.update(Belief([0], [[1]]), np.full(sensors, 1e200)).mean
+    np.testing.assert_allclose(mean, 1e200 * sensors / (sensors + 1), rtol=1e-12)

@@ -122,3 +122,36 @@ def test_the_step_is_that_of_all_rows_or_none() -> None:
     assert Record(t, np.zeros((20, 0)), np.ones(20)).dt == 1
     t[7] += 0.2
     assert Record(t, np.zeros((20, 0)), np.ones(20)).dt == 0
+
+
+def test_times_with_too_few_decimals_are_read_at_their_regular_step_and_it_is_said() -> None:
+    """A log at 30 Hz with times to 0.01 s is regular; one with a missing row, or with other times, is not made so."""
+    times = [f"{k / 30:.2f}" for k in range(300)]
+    head, rows = "t [s],u,y\n", [f"{t},{k % 5},{k % 3}\n" for k, t in enumerate(times)]
+    record = read_record(head + "".join(rows))
+    assert record.dt == pytest.approx(1 / 30, rel=1e-9) and any("rounded to 0.01 s" in str(note) for note in record.notes)
+    for other in (rows[:150] + rows[151:], [*rows[:200], "6.69,0,0\n", *rows[201:]]):
+        record = read_record(head + "".join(other))
+        assert not record.dt and not any("rounded" in str(note) for note in record.notes)
+
+
+@pytest.mark.parametrize("mark, often, asked", [(-200, 30, True), (-40, 30, True), (850, 30, True), (-200, 2, False), (0, 30, False),
+                                                (19, 30, False)])
+def test_a_number_that_comes_again_and_again_far_from_all_others_is_asked_about(mark: float, often: int, asked: bool) -> None:
+    """A temperature between 20 and 60 °C in steps of 0.1, whose logger writes a mark of its own."""
+    rng = np.random.default_rng(0)
+    y = np.round(40 + 20 * np.sin(np.arange(400) / 9) + rng.standard_normal(400), 1)
+    y[rng.permutation(400)[:often]] = mark
+    text = "t,u,y\n" + "".join(f"{k},{k % 3},{value:g}\n" for k, value in enumerate(y))
+    if asked:
+        with pytest.raises(EngineError, match=f"Column y holds {mark} in {often} rows"):
+            read_record(text)
+        assert np.isnan(read_record(text, missing=(str(mark),)).y).sum() == often
+    else:
+        assert np.isfinite(read_record(text).y).all()
+
+
+@pytest.mark.parametrize("levels", [(0.0, 5.0), (-1.0, 1.0), (0.0, 1.0, 200.0)])
+def test_a_signal_of_a_few_levels_is_a_signal(levels: tuple[float, ...]) -> None:
+    text = "t,u,y\n" + "".join(f"{k},{k % 3},{levels[k % len(levels) * (k % 7 == 0)]:g}\n" for k in range(300))
+    assert np.isfinite(read_record(text).y).all()

@@ -61,3 +61,13 @@ def test_a_plant_and_its_copy_step_as_one(steps: int) -> None:
 def test_a_step_that_overflows_is_one_sentence() -> None:
     with pytest.raises(EngineError, match="too large"):
         step_matrices(1e4 * np.eye(60), 1.0)
+
+
+def test_a_plant_and_a_copy_of_it_step_as_each_does_alone() -> None:
+    rng = np.random.default_rng(3)
+    for n, steps in ((30, 1), (30, 200), (60, 63), (60, 500)):
+        Phi = rng.standard_normal((n, n)) / (2 * np.sqrt(n))
+        starts = rng.standard_normal((2, n))
+        both = affine_scan(np.kron(np.eye(2), Phi), None, starts.ravel(), steps)
+        alone = np.hstack([affine_scan(Phi, None, start, steps) for start in starts])
+        np.testing.assert_allclose(both, alone, rtol=0, atol=1e-13 * np.abs(alone).max())

@@ -21,7 +21,7 @@ from observer_lab.engine.structure import (
     observability,
     split_stable,
 )
-from observer_lab.engine.systems import is_stable, stable_poles
+from observer_lab.engine.systems import is_stable, stability, stable_poles
 
 EXACT_SCALES = 2.0 ** np.arange(-12, 13)
 
@@ -115,3 +115,9 @@ def test_no_other_module_of_the_engine_compares_poles_with_the_edge() -> None:
     found = {str(path.relative_to(room)) for path in room.rglob("*.py") for line in path.read_text(encoding="utf-8").splitlines()
              if second.search(line) and '"""' not in line and ">>>" not in line}
     assert found <= {"systems/stability.py", "systems/sampling.py"}, found  # the second: poles of a logarithm
+
+
+def test_eigenvectors_of_any_condition_are_judged_without_a_warning() -> None:
+    """The condition of these eigenvectors has a square beyond the range of doubles."""
+    assert stability.is_stable(np.array([[-1e-70, 1e100], [0.0, -2e-70]]))
+    assert not stability.is_stable(np.array([[-1e-70, 1e100], [0.0, 2e-70]]))

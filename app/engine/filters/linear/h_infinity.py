@@ -9,7 +9,8 @@ from scipy.linalg import LinAlgWarning, solve_continuous_are
 
 from ...design.gain_record import ActsAsGain
 from ...design.optimal import lqe
-from ...design.riccati import RiccatiProblem, in_balanced_units, lyapunov, unit_scale
+from ...design.riccati import lyapunov
+from ...design.riccati_problem import RiccatiProblem, in_balanced_units, unit_scale
 from ...plotting import with_plot
 from ...systems.arrays import as_checked, as_definite, as_weight, correlations, frozen, symmetric
 from ...systems.errors import EngineError, ShapeError

@@ -59,7 +59,7 @@ def error_parts(plant: Plant, L: object, G: object, W: object, V: object) -> Err
     W, V = as_covariance(W, "W", G.shape[1]), as_checked(V)
     F = plant.A - L @ plant.C
     if not is_stable(F, dt=plant.dt):
-        raise EngineError("The observer's error does not settle, so its noise has no variance to speak of; move "
+        raise EngineError("The observer's error does not settle, so its noise has no settled variance; move "
                           "its poles.")
     return ErrorParts(*(settled_covariance(F, push, dt=plant.dt) for push in (G @ root(W), L @ root(V))))
 

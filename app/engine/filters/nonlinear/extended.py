@@ -64,8 +64,8 @@ class ExtendedKalmanFilter(NonlinearFilter):
     def lead(self, belief: Belief, u: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """f(x̂, u), F P Fᵀ, P Fᵀ."""
         mean, F = self._expanded(belief, self.f, self.f_expand, u, "f", self.n)
-        across = belief.covariance @ F.T
-        return mean, symmetric(F @ across), across
+        across = belief.covariance.dot(F.T)
+        return mean, symmetric(F.dot(across)), across
 
     def expected(self, belief: Belief | Beliefs, u: np.ndarray, *, R: np.ndarray | None = None) -> Expected:
         """h(x̂, u), H P Hᵀ + R, P Hᵀ."""
@@ -102,12 +102,13 @@ class ExtendedKalmanFilter(NonlinearFilter):
 
     def _expanded(self, belief: Belief | Beliefs, f: Map, expand: Expansion | None, u: np.ndarray, name: str,
                   rows: int) -> tuple[np.ndarray, np.ndarray]:
-        x = belief.mean.reshape(self.n, -1)
+        single, x = isinstance(belief, Belief), belief.mean
+        x = x[:, None] if single else x
         values, J = self._slopes(belief, f, x, u, name, rows) if expand is None else expand(x, u)
-        if len(values) != rows or J.shape[-2:] != (rows, self.n):
+        if len(values) != rows or J.shape[-2:] != (rows, len(x)):
             raise ShapeError("The Jacobian of {name} must be {rows}×{x_size}; its shape is {slope_shape}.",
                              name=name, rows=rows, x_size=self.n, slope_shape=J.shape[-2:])
-        return (values[:, 0], J[0]) if isinstance(belief, Belief) else (values, J)
+        return (values[:, 0], J[0]) if single else (values, J)
 
     def _slopes(self, belief: Belief | Beliefs, f: Map, x: np.ndarray, u: np.ndarray, name: str,
                 rows: int) -> tuple[np.ndarray, np.ndarray]:
@@ -180,5 +181,10 @@ def _shared(belief: Belief | Beliefs) -> np.ndarray:
 
 def _expected(mean: np.ndarray, H: np.ndarray, R: np.ndarray, P: np.ndarray) -> Expected:
     """H P Hᵀ + R, P Hᵀ and Joseph's form."""
-    across = P @ H.swapaxes(-1, -2)
-    return Expected(mean, symmetric(H @ across) + R, across, lambda M: joseph(P, H, R, M), H)
+    if P.ndim == H.ndim == 2:
+        across = P.dot(H.T)
+        S = H.dot(across)
+    else:
+        across = P @ H.swapaxes(-1, -2)
+        S = H @ across
+    return Expected(mean, (symmetric(S) if S.shape[-1] > 1 else S) + R, across, lambda M: joseph(P, H, R, M), H)

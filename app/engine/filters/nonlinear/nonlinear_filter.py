@@ -6,11 +6,11 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import field, replace
 from functools import cached_property
-from typing import Self, TypeVar, overload
+from typing import NamedTuple, Self, TypeVar, overload
 
 import numpy as np
 
-from ...systems.arrays import as_covariance, as_numbers
+from ...systems.arrays import all_finite, as_covariance, as_numbers
 from ...systems.errors import EngineError, ShapeError
 from ...systems.flow import Flow, FlowInTime
 from ...systems.gates.argument_checks import FINITE, FUNCTION, HORIZON, RECORD, Sizes, array, covariance, gated_runs, optional, passed
@@ -36,8 +36,7 @@ def _beliefs(value: object, name: str, sizes: Sizes) -> Belief | Beliefs:
 B = TypeVar("B", Belief, Beliefs)
 
 
-@record()
-class Expected:
+class Expected(NamedTuple):
     """What a measurement is expected to be: mean (p,) or (p, N), covariance S with R in it, that of x with y, P after a gain, and the
     slope H where there is one."""
 
@@ -133,10 +132,15 @@ class NonlinearFilter(ABC):
         expected = self.expected(belief, u, R=R)
         if isinstance(belief, Beliefs):
             self._check_measurement(belief, y)
-        nu, missing = minus(self.y_minus, y, expected.mean), np.isnan(y)
-        some = bool(missing.any())
-        M = gain_of(*answered(expected.S, expected.across, ~missing)) if some else gain_of(expected.S, expected.across)
-        mean = plus(self.x_plus, belief.mean, moved_by(M, np.where(missing, 0.0, nu) if some else nu))
+        nu = minus(self.y_minus, y, expected.mean)
+        missing = None if nu.ndim == 1 and all_finite(nu) else np.isnan(y)
+        if missing is not None and missing.any():
+            M = gain_of(*answered(expected.S, expected.across, ~missing))
+            moved = moved_by(M, np.where(missing, 0.0, nu))
+        else:
+            M = gain_of(expected.S, expected.across)
+            moved = moved_by(M, nu)
+        mean = plus(self.x_plus, belief.mean, moved)
         return nu, expected.S, M, mean, expected.after(M)
 
     def wanted(self, beliefs: Beliefs) -> np.ndarray | None:
@@ -274,6 +278,8 @@ def answered(S: np.ndarray, across: np.ndarray, seen: np.ndarray) -> tuple[np.nd
 
 def moved_by(M: np.ndarray, nu: np.ndarray) -> np.ndarray:
     """M ν (n,), or of each run as columns (n, N) with M (N or 1, n, p), ν (p, N)."""
-    if M.ndim == 2 or len(M) == 1:
+    if M.ndim == 2:
+        return M.dot(nu)
+    if len(M) == 1:
         return M.reshape(M.shape[-2:]) @ nu
     return (M @ nu.T[:, :, None])[:, :, 0].T

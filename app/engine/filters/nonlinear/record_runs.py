@@ -6,7 +6,7 @@ from typing import Protocol
 
 import numpy as np
 
-from ...systems.arrays import as_covariance, as_numbers
+from ...systems.arrays import all_finite, as_covariance, as_numbers
 from ...systems.errors import EngineError, ShapeError
 from ...systems.flow import Flow
 from ...systems.gates.map_roles import NeedsTime
@@ -67,16 +67,16 @@ def filtered(model: Steps, start: Belief, y: np.ndarray, inputs: np.ndarray, mom
     predicted, means, innovations = np.empty((steps, n)), np.empty((steps, n)), np.empty((steps, p))
     prior, posterior, S, gains = (np.empty((steps, *shape)) for shape in ((n, n), (n, n), (p, p), (n, p)))
     across, rejected, each = np.empty((max(steps - 1, 0), n, n)), np.zeros(steps, dtype=bool), len(Q) > 1
-    belief, given = start, inputs[:, :, None]
-    for k in range(steps):
+    belief, R = start, moments.noise(0)
+    for k, (seen, given) in enumerate(zip(y, inputs[:, :, None], strict=True)):
         predicted[k], prior[k] = belief.mean, belief.covariance
-        innovations[k], S[k], gains[k], x, P = model.taken_in(belief, y[k], given[k], R=moments.noise(k))
-        if moments.levels is not None and moments.refuses(k, innovations[k], S[k], ~np.isnan(y[k])):
+        innovations[k], S[k], gains[k], x, P = model.taken_in(belief, seen, given, R=moments.noise(k) if k and len(moments.R) > 1 else R)
+        if moments.levels is not None and moments.refuses(k, innovations[k], S[k], ~np.isnan(seen)):
             rejected[k], gains[k], x, P = True, 0.0, belief.mean, belief.covariance
         means[k], posterior[k] = x, P
         if k + 1 < steps:
-            x, P, across[k] = model.lead(Belief.bare(x, P), given[k])
-            if not np.isfinite(x).all():
+            x, P, across[k] = model.lead(Belief.bare(x, P), given)
+            if not all_finite(x):
                 raise EngineError("{name} gave NaN or infinity: the estimate has left the region where the model holds.",
                                   name="f" if np.isfinite(means[k]).all() else "h")
             belief = Belief.bare(x, P + Q[k if each else 0])

@@ -6,15 +6,16 @@ import os
 from collections.abc import Sequence
 from pathlib import Path
 
-from ...systems.errors import EngineError
+from ...systems.errors import EngineError, Phrase
 from ...systems.gates.argument_checks import BOOLEAN, NAME, POSITIVE, choice, instance, names, optional, takes
 from ..records import Record
 from .decoding import decoded
 from .mat_tables import mat_table
 from .record_reader import Asked, record_in
+from .tables import Table
 from .text_tables import TextTable
 
-__all__ = ["load_record", "read_record", "record_of_bytes"]
+__all__ = ["load_record", "read_record", "record_of_bytes", "table_of_bytes"]
 
 MAX_BYTES = 200_000_000
 
@@ -41,25 +42,31 @@ def load_record(path: str | os.PathLike[str], *, time: str = "", inputs: Sequenc
 
 def record_of_bytes(name: str, data: bytes, asked: Asked, decimal: str = "") -> Record:
     """The record in the bytes of a file of that name. Raises EngineError."""
+    table, notes = table_of_bytes(name, data, asked, decimal)
+    return record_in(table, asked).noted(*notes)
+
+
+def table_of_bytes(name: str, data: bytes, asked: Asked, decimal: str = "") -> tuple[Table, tuple[Phrase, ...]]:
+    """The columns in the bytes of a file, and what was done to its letters. Raises EngineError where it holds no table."""
     if len(data) > MAX_BYTES:
         raise EngineError("The file {name} is larger than {size} MB; keep fewer rows or fewer digits.", name=name, size=MAX_BYTES // 10**6)
     if data.startswith(b"PAR1"):
         from .parquet_tables import parquet_table
-        return record_in(parquet_table(data), asked)
+        return parquet_table(data), ()
     if data.startswith((b"MDF ", b"UnFinMF")):
         from .mdf_tables import mdf_table
-        return record_in(mdf_table(data, asked), asked)
+        return mdf_table(data, asked), ()
     if data.startswith(b"\x89MCAP0\r\n"):
         from .mcap_tables import mcap_table
-        return record_in(mcap_table(data, asked), asked)
+        return mcap_table(data, asked), ()
     if data.startswith((b"#ROSBAG", b"SQLite format 3\0")):
         raise EngineError("{name} is a ROS bag in an old form; turn it into MCAP first, as with ros2 bag convert.", name=name)
     if data.startswith((b"PK\x03\x04", b"\xd0\xcf\x11\xe0")):
         raise EngineError("{name} is a spreadsheet or an archive; save the sheet as CSV in UTF-8.", name=name)
     if Path(name).suffix.lower() == ".mat" or data[126:128] in (b"IM", b"MI"):
-        return record_in(mat_table(data, asked), asked)
+        return mat_table(data, asked), ()
     text, notes = decoded(name, data)
-    return _of_text(text, asked, decimal).noted(*notes)
+    return _table_of_text(text, decimal), notes
 
 
 @takes(text=NAME, time=NAME, inputs=names, outputs=names, step=optional(POSITIVE), missing=names,
@@ -80,6 +87,10 @@ def read_record(text: str, *, time: str = "", inputs: Sequence[str] = (), output
 
 
 def _of_text(text: str, asked: Asked, decimal: str) -> Record:
+    return record_in(_table_of_text(text, decimal), asked)
+
+
+def _table_of_text(text: str, decimal: str) -> TextTable:
     if text.lstrip("\ufeff \t\r\n").startswith(("{", "[{", "[[")):
         raise EngineError("This is JSON, as of a plant, and no record: a record is a table of rows over time. Open a plant with --plant.")
-    return record_in(TextTable(text.lstrip("\ufeff"), decimal), asked)
+    return TextTable(text.lstrip("\ufeff"), decimal)

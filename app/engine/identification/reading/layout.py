@@ -117,6 +117,9 @@ def _head(before: Sequence[tuple[int, str]], remarks: Sequence[str], mark: str, 
         return tuple(heading_of(cell, unit) for cell, unit in zip(split[at], units, strict=True)), at
     if block < len(split):
         return tuple(map(heading_of, split[-1])), len(split) - 1
+    if split and mark == "," and 1 < len(split[-1]) < width <= 2 * len(split[-1]):
+        raise EngineError("The comma stands both between the columns and in the numbers (row {row}); save the file with semicolons "
+                          "between columns.", row=before[-1][0] + 1)
     if split and len(split[-1]) > 1:
         raise EngineError("In row {row} the number of values differs from that of the names in the first line: {count} instead of "
                           "{columns}.", row=before[-1][0] + 1, count=width, columns=len(split[-1]))

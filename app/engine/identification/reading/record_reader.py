@@ -13,6 +13,7 @@ from .columns import chosen
 from .doubtful_values import refuse_marks, stuck_runs
 from .moments import dated, is_moment, scaled
 from .numerals import MISSING
+from .rounded_times import unrounded
 from .tables import Choice, Heading, Table
 
 __all__ = ["Asked", "record_in"]
@@ -49,6 +50,8 @@ def record_in(table: Table, asked: Asked) -> Record:
     notes: list[Phrase] = []
     signals = (*choice.inputs, *choice.outputs)
     t, values, said = _times_and_values(table, choice, headings, asked, signals)
+    notes += said
+    t, said = unrounded(t)
     notes += said
     late = np.flatnonzero(~(np.diff(t) > 0))
     if late.size:

@@ -30,6 +30,9 @@
       const name = row?.querySelector('label')?.textContent.trim();
       if (name) { each.setAttribute('aria-label', name); each.dataset.named = ''; }
     }
+    for (const each of document.querySelectorAll('.ol-formula')) {  // one that is wider than its place is scrolled with the arrow keys
+      if (each.scrollWidth > each.clientWidth + 1) each.tabIndex = 0; else each.removeAttribute('tabindex');
+    }
     const canvas = document.querySelector(window.observerLabViser.parts.stage);
     if (canvas && canvas.getAttribute('aria-label') !== lab.stage) {
       canvas.setAttribute('role', 'img');

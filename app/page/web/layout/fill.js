@@ -3,7 +3,7 @@
 // fills it and its words alone are on the next. In usual print charts grow by equal parts into what their tab would leave empty.
 ({large}) => {
   const viser = window.observerLabViser, {chart: CHART, column: COLUMN, view: VIEW} = viser.parts;
-  const lab = window.observerLabFill ??= {}, LEAST = .3, MUCH = .35, HALF = .5, TALLEST = 1.5;  // shares; height over width
+  const lab = window.observerLabFill ??= {}, LEAST = .3, MUCH = .35, HALF = .5, SMALL = .24, TALLEST = 1.5;  // shares; height over width
   const CLEAR = 6, ASKED = 170, AIR = .7;  // px; px that a question's figure has at least; letters
   const DRAWN = `${CHART},.ol-table,.ol-figure,:has(${CHART},.ol-table,.ol-figure)`;
   const [SPARE, SLACK] = [26, 66];  // px left below grown charts, so that a caption may take a line more; px from which they grow again
@@ -47,6 +47,13 @@
     if (drawn.style.maxHeight !== left) drawn.style.maxHeight = left;
   };
 
+  // In large print the first map of a column is as high as the card leaves it, so that it is seen whole.
+  const shrink = (view, drawn, room) => {
+    if (!drawn) return;
+    const left = `${Math.round(Math.max(SMALL * view.clientHeight, room - (rect(drawn).top - rect(view.firstElementChild).top) - CLEAR))}px`;
+    if (drawn.style.maxHeight !== left) drawn.style.maxHeight = left;
+  };
+
   const fill = () => {
     fit();
     const all = [...column()?.querySelectorAll('.ol-caption[data-figure]') ?? []];
@@ -60,6 +67,7 @@
     for (const caption of captions) {
       const figure = caption.parentElement.previousElementSibling, chart = charts.find(each => figure?.contains(each.root));
       if (!figure?.offsetHeight) continue;
+      if (!chart && !before) shrink(view, figure.querySelector('.ol-figure:not([data-figure=question])>svg'), room - rect(caption).bottom + rect(figure).bottom);
       const high = figure.offsetHeight, frame = chart ? high - chart.height : 0, says = rect(caption).bottom - rect(figure).bottom;
       const rest = before ? page + room - rect(before).bottom - late - gap : room;
       const least = chart ? LEAST * room + frame : high, whole = least + says <= rest;

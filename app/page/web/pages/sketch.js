@@ -23,7 +23,9 @@
     caret.setAttribute('cy', up(heights[at] ?? .5));
     const ready = bars ? set.length === columns.length : set.length > 1 && columns[set.at(-1)] - columns[set[0]] >= .4 * (columns.at(-1) - columns[0]);
     send.disabled = !ready;
-    send.dataset.value = ready ? `sketch:${filled(heights).map(height => height.toFixed(3)).join(',')}` : '';
+    const said = ready ? filled(heights).map(height => height.toFixed(3)).join(',') : '';
+    send.dataset.value = said && `sketch:${said}`;  // for a page of one's own
+    send.dataset.answer = said;  // for a class's vote
   };
   const follow = (svg, event, last) => {
     const figure = frame(svg), {columns, top, foot} = read(figure), sketch = held(figure), point = svg.createSVGPoint();

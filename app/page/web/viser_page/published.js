@@ -94,7 +94,7 @@
         if (value === undefined || prop === '') continue;
         if (prop.startsWith('@')) special.push(value); else plain[prop] = value;
       }
-      if (create) made.push({...head, props: plain}); else if (Object.keys(plain).length) moved.push(update(entity, plain));
+      if (create) made.push({...head, ...('value' in plain && {value: plain.value}), props: plain}); else if (Object.keys(plain).length) moved.push(update(entity, plain));
       moved.push(...special);
     }
     return [...gone, ...made, ...moved, ...last.map(farther)];

@@ -1,0 +1,98 @@
+"""Hold the file of a record until it is used, with what was told about it and what was read."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
+
+from ...course.knobs import KnobError
+from ...text import text
+
+if TYPE_CHECKING:  # the reader is imported late: it brings scipy.optimize
+    from ...engine.identification import RecordPreview
+
+MAX_RECORD_BYTES = 1_000_000
+MAX_COLUMNS = 40  # of a file whose roles the page can change
+ROLES = ("t", "u", "y", "")
+TIME_UNITS = ("", "s", "ms", "us", "ns", "min", "h", "d")
+DECIMALS = ("", ".", ",")
+LONGEST_MARKS = 80
+
+
+@dataclass(frozen=True)
+class Told:
+    """The words of a person about a file: the role of each column (None as found), and how its cells are read."""
+
+    roles: tuple[str, ...] | None = None
+    unit: str = ""
+    decimal: str = ""
+    step: float = 0.0
+    missing: str = ""
+    hold: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class RecordFile:
+    """A file that was brought, what was told about it, and what was read so."""
+
+    name: str
+    data: bytes = field(repr=False)
+    told: Told
+    preview: RecordPreview
+
+
+def open_record(name: object, data: object) -> RecordFile:
+    """The record file that a browser sent. Raises KnobError, and EngineError where it holds no table."""
+    from ...engine.identification import preview_record
+
+    if not isinstance(data, bytes) or not isinstance(name, str):
+        raise KnobError(text("The browser did not send a file; nothing was changed."))
+    if len(data) > MAX_RECORD_BYTES:
+        raise KnobError(text("The file is larger than 1 MB; keep fewer rows or columns, or start the lab with --data."))
+    preview = preview_record(name, data)
+    if len(preview.columns) > MAX_COLUMNS:
+        raise KnobError(text("The file has {count} columns; keep at most {most} of them.", count=len(preview.columns), most=MAX_COLUMNS))
+    return RecordFile(name, data, Told(), preview)
+
+
+def told_again(file: RecordFile, changes: Mapping[str, object]) -> RecordFile:
+    """The file read anew with other words about it. Raises KnobError for words that make no sense, and EngineError."""
+    from ...engine.identification import preview_record
+
+    told = replace(file.told, **{name: _checked(name, value, len(file.preview.columns)) for name, value in changes.items()})
+    columns, roles = file.preview.columns, told.roles
+    time, inputs, outputs = "", tuple[str, ...](), tuple[str, ...]()
+    if roles is None and told.unit:
+        roles = tuple(column.role for column in columns)
+    if roles is not None:
+        named = {role: tuple(column.words for column, its in zip(columns, roles, strict=True) if its == role) for role in ROLES}
+        time, inputs, outputs = "" if told.step or not named["t"] else named["t"][0], named["u"], named["y"]
+        time = f"{time}[{told.unit}]" if time and told.unit else time
+    preview = preview_record(file.name, file.data, time=time, inputs=inputs, outputs=outputs, step=told.step or None,
+                             missing=tuple(told.missing.replace(";", " ").split()), decimal=told.decimal, hold=told.hold)
+    if roles is not None and len(preview.columns) == len(roles):
+        preview = replace(preview, columns=tuple(replace(column, role=role) for column, role in zip(preview.columns, roles, strict=True)))
+    return replace(file, told=replace(told, roles=roles), preview=preview)
+
+
+def with_role(file: RecordFile, place: object, role: object) -> RecordFile:
+    """The file with another role for one column; only one column can be the time. Raises KnobError and EngineError."""
+    roles = [column.role for column in file.preview.columns]
+    if not isinstance(place, int) or not 0 <= place < len(roles) or role not in ROLES:
+        raise KnobError(text("A column can be t, u, y or unused."))
+    if role == "t":
+        roles = ["" if its == "t" else its for its in roles]
+    roles[place] = str(role)
+    return told_again(file, {"roles": tuple(roles)})
+
+
+def _checked(name: str, value: object, columns: int) -> object:
+    allowed: Mapping[str, bool] = {
+        "roles": isinstance(value, tuple) and len(value) == columns, "unit": value in TIME_UNITS, "decimal": value in DECIMALS,
+        "step": isinstance(value, float | int) and math.isfinite(value) and 0 <= value <= 1e6,
+        "missing": isinstance(value, str) and len(value) <= LONGEST_MARKS, "hold": isinstance(value, bool)}
+    if not allowed.get(name, False):
+        raise KnobError(text("The browser sent a value that a record's file cannot have; nothing was changed."))
+    return value

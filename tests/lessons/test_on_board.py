@@ -1,0 +1,57 @@
+"""Scene "On the board": its bars come from the step that is exported, by the faults that its options name."""
+
+import numpy as np
+import pytest
+from device_bodies import run_c, write_files
+
+from observer_lab.course.guiding.questions import Asked
+from observer_lab.devices import design_of_run
+from observer_lab.export.devices.c_project import c_project
+from observer_lab.lessons import LESSONS
+from observer_lab.lessons.toolkit.on_board import FAULTS, board_designs
+
+GIVEN = {"noise": ({"speed": 1.0}, 0.05, 20), "arm": ({}, np.radians(1.0), 5)}
+
+
+def started(name: str):
+    lesson = LESSONS[name]
+    outcome = lesson.compute(lesson.apply(lesson.start(), GIVEN[name][0]))
+    return lesson, outcome
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", sorted(GIVEN))
+def test_every_fault_gives_the_bits_of_the_compiled_step(tmp_path, name: str) -> None:
+    for fault, (design, single) in board_designs(design_of_run(started(name)[1].run), *GIVEN[name][1:]).items():
+        folder = write_files(tmp_path / fault, c_project(design, "test", single))
+        for flags in (["-O0"], ["-O3"]):
+            assert run_c(folder, flags).endswith("every bit as in the lab's Python."), fault
+
+
+@pytest.mark.parametrize("name, index", [("noise", 1), ("arm", 3)])
+def test_bars_are_the_errors_of_a_plain_observer_under_these_faults(name: str, index: int) -> None:
+    """A second loop, written here in NumPy, takes the model, the gain and the readings of the run."""
+    lesson, outcome = started(name)
+    design = design_of_run(outcome.run)
+    tables = {each.name: np.array(each.values).reshape(each.shape) for each in design.routine.constants}
+    A, B, C, L, K = (tables.get(key) for key in "ABCLK")
+    start, y, x = np.array(design.routine.states[0].values), design.y, outcome.run.x
+    _, step, late = GIVEN[name]
+
+    def error(readings: np.ndarray) -> float:
+        xhat, found = start, []
+        for k, reading in enumerate(readings):
+            u = design.u[k] if K is None else np.clip(design.r[k] - K @ xhat, tables["u_min"].ravel(), tables["u_max"].ravel())
+            v = np.where(np.isnan(reading), 0.0, reading - C @ xhat)
+            found.append(xhat[index])
+            xhat = A @ xhat + B @ u + L @ v
+        gap = x[:len(found), index] - np.array(found)
+        return float(np.sqrt(np.mean(gap[len(found) // 3:] ** 2)))
+
+    lost = y.copy()
+    lost[4::5] = np.nan
+    expected = [error(y), error(np.vstack([np.repeat(y[:1], late, axis=0), y[:-late]])), error(lost), error(step * np.round(y / step))]
+    drawn = lesson.questions["board"](Asked(lesson, outcome, outcome))
+    heights = [float(curve.y[-1]) for curve in drawn.run]
+    assert np.allclose(heights, expected, rtol=1e-5)
+    assert FAULTS[int(np.argmax(heights))] == "late" and abs(heights[0] / expected[0] - 1) < 1e-4

@@ -1,0 +1,31 @@
+"""What a published page knows of its knobs: where each stands on entry, and by which widget it is moved."""
+
+from __future__ import annotations
+
+import pytest
+
+from observer_lab.course.scenes import Move
+from observer_lab.lessons import LESSONS
+from observer_lab.page.record.recorded_screen import WINDOWS, Look
+from observer_lab.static_pages.points import Points
+from observer_lab.static_pages.recorder import Recorder
+from observer_lab.static_pages.site import _widgets
+
+SAMPLED = ("virtual-sensor", "error-dynamics", "noise")
+FEW = Points(2, 2, 2)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("lesson", [pytest.param(id, marks=() if id in SAMPLED else pytest.mark.whole) for id in LESSONS])
+def test_every_knob_stands_somewhere_on_entry_and_has_widgets_of_its_own(lesson: str) -> None:
+    recorder, tried = Recorder(LESSONS, lesson, [Look("en", False, next(iter(WINDOWS)))], FEW), 0
+    moving = [k for k, scene in enumerate(recorder.path) if isinstance(scene.do, Move) and len(scene.knobs) > 1]
+    for k in moving or range(1):
+        states = recorder.scene(k).states
+        entry, widgets = states[0].values[0], _widgets(states, 0)
+        at = {place for place, value in entry.items() if place[1] == "" and isinstance(value, dict) and "value" in value}
+        assert {(entity, "value") for entity, _ in at} <= set(entry), "what was never moved has a value all the same"
+        taken = [each for found in widgets.values() for each in found]
+        assert len(set(taken)) == len(taken), f"{recorder.path[k].id}: a widget of two knobs: {widgets}"
+        tried += len(taken)
+    assert tried or not moving
