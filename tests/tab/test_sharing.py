@@ -15,6 +15,8 @@ from observer_lab.session.commands.commands import (
     OpenState,
     PlaceOpened,
     Predict,
+    Redo,
+    Reset,
     SaveState,
     SetKnobs,
     SetLanguage,
@@ -25,6 +27,7 @@ from observer_lab.session.commands.guide import GoToScene
 from observer_lab.session.session import Session
 from observer_lab.session.state.saved_state import SavedState, write_state
 from observer_lab.session.state.token import DAMAGED_LINK, read_token, write_token
+from observer_lab.session.state.view import Picture
 from observer_lab.text import text
 
 LESSONS = {name: toy(name) for name in ("first", "second")}
@@ -64,6 +67,22 @@ def test_the_address_bar_follows_what_is_done() -> None:
     tab.do(OpenLesson("second"))
     written, lesson, _ = tab.view.addresses[-1]
     assert lesson == "second" and read_token(written, LESSONS).language == "zh"
+
+
+def test_the_address_bar_is_written_before_the_page_says_that_it_rests(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Scripts and tests wait for a page that rests, and then read its address."""
+    tab, same = Tab(LESSONS), list[bool]()
+    show = tab.view.show
+
+    def shown(picture: Picture) -> None:
+        if picture.resting:
+            same.append(read_token(tab.view.addresses[-1][0], LESSONS).design == picture.design)
+        show(picture)
+    monkeypatch.setattr(tab.view, "show", shown)
+    for edit in (SetKnobs({"gain": 2.0}), SetKnobs({"gain": 3.0}), Undo(), SetKnobs({"gain": FORBIDDEN}), Redo(), Reset()):
+        tab.do(edit)
+        tab.rest()
+    assert len(same) >= 5 and all(same)
 
 
 def test_nothing_is_written_into_the_address_bar_before_what_stands_there_is_known() -> None:

@@ -228,11 +228,11 @@ class Presenter:
             (self._build_page if self._torn else self.view.show)(self.shown)
 
     def rest(self) -> None:
-        """The knobs rest: the final picture, and what a reload should bring back."""
+        """The knobs rest: what a reload should bring back, and the final picture, whose mark says that both are there."""
         self.complete()
+        self.remember()
         self.resting = True
         self.redraw()
-        self.remember()
 
     def report_refusal(self, problem: BaseException, command: bool = False) -> None:
         """Say in one sentence why something was not done, and show the last good picture again."""
