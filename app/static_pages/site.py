@@ -7,6 +7,7 @@ import json
 import re
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 from ..course.lectures import Lecture
@@ -15,6 +16,21 @@ from ..page.record.lecture_page import lecture_page
 from ..page.record.published_page import published_page
 from ..page.record.questions_page import questions_page
 from ..page.record.recorded_screen import Look
+from ..session.commands.commands import (
+    ChangeSpeed,
+    Command,
+    Kick,
+    LookFrom,
+    Play,
+    Reset,
+    Rewind,
+    SetLanguage,
+    ToggleCourse,
+    ToggleHelp,
+    ToggleTheme,
+    TurnPage,
+)
+from ..session.commands.guide import ToggleGlossary
 from ..session.commands.shortcuts import SHORTCUTS
 from .packing import Arrays, Table, data_file, difference, pack_run
 from .points import Points
@@ -23,6 +39,10 @@ from .screens import Values
 from .store import Write, write_file
 
 DATA, PAGE = "data", "index.html"
+ACTS: Mapping[Command, str] = MappingProxyType({  # what `published.js` does for a key
+    Play(): "play", Kick(): "kick", Rewind(): "rewind", ChangeSpeed(-1): "slower", ChangeSpeed(+1): "faster", Reset(): "reset",
+    ToggleCourse(): "course", TurnPage(+1): "page:1", TurnPage(-1): "page:-1", SetLanguage(): "language", ToggleTheme(): "theme",
+    ToggleGlossary(): "terms", ToggleHelp(): "help", LookFrom("all"): "view", LookFrom("plant"): "view", LookFrom("boards"): "view"})
 SKETCH = re.compile(r'data-sketch="([^"]*)"')  # in the HTML of a question's figure
 
 
@@ -45,13 +65,8 @@ def write_lesson(lessons: Mapping[str, Lesson], lesson: str, looks: Sequence[Loo
         pairs = [[places.add(list(place)), values.add(value)] for place, value in bases[k].items()]
         shown = {name: difference(bases[k], standing[k], places, values) for name, standing in overlays.items()}
         content = {"places": places.kept, "values": values.kept, "base": pairs, "overlays": shown, "scenes": scenes,
-                   "commands": {shortcut.label(look.language): type(shortcut.command).__name__ + _detail(shortcut.command)
-                                for shortcut in SHORTCUTS}}
+                   "commands": {each.label(look.language): ACTS[each.command] for each in SHORTCUTS if each.command in ACTS}}
         write(f"{look.name}.js", data_file(f"{lesson}/{look.name}", content, arrays.kept))
-
-
-def _detail(command: Any) -> str:
-    return "".join(f":{getattr(command, name)}" for name in command.__struct_fields__)
 
 
 def _write_scene(lesson: str, scene: RecordedScene, looks: Sequence[Look], bases: Sequence[Values], write: Write) -> None:

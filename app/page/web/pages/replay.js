@@ -2,8 +2,8 @@
 ({run, words}) => {
   const viser = window.observerLabViser, calm = matchMedia('(prefers-reduced-motion: reduce)').matches, find = name => document.querySelector(name);
   const [button, start, view, time, speed, clock] = ['play', 'start', 'view', 'time', 'speed', 'clock'].map(name => find(`.ol-replay-${name}`));
-  const last = run.t.length - 1, STALL = .25, LETTERS = 11;  // s that one frame covers at most; px of letters on the stage
-  let now = run.t[0], playing = false, before = 0, shape = 0;
+  const LETTERS = 11;  // px of letters on the stage
+  let shape = 0;
   const place = (marks, value) => {  // of the last mark that is not above a value
     let low = 0, high = marks.length - 1;
     while (low < high) {
@@ -22,7 +22,7 @@
     });
     if (messages.length) viser.show(messages);
   };
-  const show = () => {
+  const show = now => {
     turn(run.moves, place(run.t, now + 1e-9));
     document.querySelectorAll('.ol-replay-now').forEach(line => {
       const {from, to} = line.dataset, share = (now - from) / (to - from);
@@ -32,46 +32,37 @@
     time.value = now;
     clock.textContent = `t = ${now.toFixed(run.digits)} s`;
     time.setAttribute('aria-valuetext', clock.textContent);
-    button.textContent = playing ? words.pause : words.play;
+    button.textContent = player.playing ? words.pause : words.play;
   };
-  const go = wanted => {
-    if (wanted && now >= run.end - 1e-9) now = run.t[0];
-    playing = wanted;
-    before = performance.now();
-    show();
-    if (playing) requestAnimationFrame(frame);
-  };
-  const frame = stamp => {
-    if (!playing) return;
-    now = Math.min(now + Math.min(Math.max(stamp - before, 0) / 1000, STALL) * run.rate * speed.value, run.end);
-    before = Math.max(stamp, before);
-    if (now >= run.end) playing = false;
-    show();
-    if (playing) requestAnimationFrame(frame);
+  const player = viser.runner(show, () => run.end, () => run.rate * speed.value);
+  const go = (wanted, from = player.now) => {
+    player.now = wanted && from >= run.end - 1e-9 ? run.t[0] : from;
+    player.go(wanted);
+    show(player.now);
   };
   const look = () => {
     const {clientWidth: wide, clientHeight: high} = viser.canvas(), [x, y, z, ...aim] = run.eye;
     if (!wide || !high) return;
     shape = wide / high;
-    const back = Math.max(1, run.narrow / Math.max(shape, .2)), from = [x, y, z].map((value, k) => aim[k] + back * (value - aim[k]));
+    const [from, back] = viser.farther([x, y, z], aim, run.narrow);
     viser.lookFrom(from, aim, run.sight);
     const em = LETTERS / high * 2 * Math.tan(run.sight / 2) * (run.near * back + run.behind);
     turn(run.letters, place(run.sizes, em * 1.06));
   };
-  button.addEventListener('click', () => go(!playing));
-  start.addEventListener('click', () => { now = run.t[0]; go(false); });
+  button.addEventListener('click', () => go(!player.playing));
+  start.addEventListener('click', () => go(false, run.t[0]));
   view.addEventListener('click', look);
-  time.addEventListener('input', () => { now = Number(time.value); go(false); });
+  time.addEventListener('input', () => go(false, Number(time.value)));
   addEventListener('keydown', event => {
     if (event.code !== 'Space' || event.target.closest?.('button,select,summary,a')) return;
     event.preventDefault();
-    go(!playing);
+    go(!player.playing);
   });
   requestAnimationFrame(() => {
     find('.ol-replay-wait').hidden = true;
     const canvas = viser.canvas();
     new ResizeObserver(() => { if (Math.abs(canvas.clientWidth / canvas.clientHeight - shape) > .03 * shape) look(); }).observe(canvas);
     look();
-    go(!calm);
+    go(!calm, run.t[0]);
   });
 }

@@ -12,7 +12,6 @@
   const first = begins || !(player.last > now - every) ? now : player.last + every;  // a late message holds the last pose
   JSON.parse(moves).forEach((move, k) => player.queue.push({due: first + k * every, move, t: times[k]}));
   player.last = first + (times.length - 1) * every;
-  const {horizon, clock, words, digits, slider, step} = told;
   const message = (name, kind, value) => viser.moved(owner, name, kind, kind === 'points' ? new Float32Array(value) : value);
   const read = (move, found) => {
     for (let i = 0; i < move.length;) {
@@ -24,10 +23,8 @@
   player.show = frames => {  // one or, where frames of the browser are slow, several that have come due
     const found = new Map(), {t} = frames[frames.length - 1];
     frames.forEach(({move}) => read(move, found));
-    const messages = [...found.values()].map(each => message(...each)), gui = (id, updates) => messages.push(viser.changed(id, updates));
-    gui(clock, {content: words.replace('\ue000', (t / horizon).toFixed(4)).replace('\ue001', t.toFixed(digits))});
-    if (++player.count % SLIDE === 0 || t >= horizon) gui(slider, {value: Math.min(Number((Math.round(t / step) * step).toFixed(9)), horizon)});
-    viser.show(messages);
+    const messages = [...found.values()].map(each => message(...each));
+    viser.show([...messages, ...viser.told(told, t, ++player.count % SLIDE === 0 || t >= told.horizon)]);
   };
   const wake = stamp => {
     viser.takeUp(false);  // a stop may wait there

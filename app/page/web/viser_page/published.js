@@ -1,7 +1,7 @@
 // Runs before viser's page: stands in the place of the server with states that were recorded. A state is a patch on the base of its look,
 // so any may follow any; what a hand does leads to the state that was recorded for it, or to the nearest.
 ({lessons, looks, words, folder, web, speeds, shapes}) => {
-  const viser = window.observerLabViser, OWNER = '0', STEP = 100, STALL = .25, KEY = 'observer-lab-published', root = document.documentElement;
+  const viser = window.observerLabViser, OWNER = '0', STEP = 100, KEY = 'observer-lab-published', root = document.documentElement;
   const keep = () => { try { localStorage.setItem(KEY, JSON.stringify(memory)); } catch (error) { /* a frame without storage */ } };
   const kept = () => { try { return JSON.parse(localStorage.getItem(KEY)) ?? {}; } catch (error) { return {}; } };
   const calm = () => matchMedia('(prefers-reduced-motion: reduce)').matches;
@@ -50,26 +50,18 @@
 
   // --- what stands -------------------------------------------------------------------------------------------------------------
   let base = null, ground = new Map(), props = new Map(), at = 0, scene = null, state = {over: new Map(), held: {}}, touched = new Set();
-  let give = () => {}, speed = speeds.indexOf(1), now = 0, playing = false, before = 0, frame = 0, turn = 0, overlay = null, asks = '', drawn = '';
+  let give = () => {}, speed = speeds.indexOf(1), turn = 0, overlay = null, asks = '', drawn = '';
   const id = () => base.scenes[at].id;
   const total = (key, over = state.over) => (over.has(key) ? over.get(key) : ground.get(key));
   const dressed = (key, value) => {  // what depends on the way that somebody has come
     if (typeof value === 'string' && value.includes('class="ol-dot"')) return value.replace(/(data-value="scene:(\d+)"[^>]*?)( data-done)?>/g,
       (all, head, k) => `${head}${done[base.scenes[k]?.id] ? ' data-done' : ''}>`);
     if (drawn && typeof value === 'string' && value.includes('</svg>') && value.includes(drawn.mark)) return value.replace('</svg>', `${drawn.path}</svg>`);
-    if (key.endsWith('\noptions') && value?.includes?.(said.play)) return value.map(each => (each === said.play && playing ? said.pause : each));
+    if (key.endsWith('\noptions') && value?.includes?.(said.play)) return value.map(each => (each === said.play && player.playing ? said.pause : each));
     return value;
   };
   const named = entity => [entity.slice(0, entity.indexOf(':')), entity.slice(entity.indexOf(':') + 1)];
-  const remove = entity => {
-    const [kind, name] = named(entity), types = {modal: 'GuiCloseModalMessage', command: 'RemoveCommandMessage'};
-    return kind === 'scene' ? {type: 'RemoveSceneNodeMessage', name, owner: OWNER} : {type: types[kind] ?? 'GuiRemoveMessage', uuid: name};
-  };
-  const update = (entity, updates) => {
-    const [kind, name] = named(entity);
-    return kind === 'scene' ? {type: 'SceneNodeUpdateMessage', name, owner: OWNER, updates}
-      : {type: kind === 'command' ? 'CommandUpdateMessage' : 'GuiUpdateMessage', uuid: name, updates};
-  };
+  const remove = entity => viser.removed(...named(entity), OWNER), update = (entity, updates) => viser.updated(...named(entity), OWNER, updates);
   const messages = (keys, over) => {  // that make these places stand as in a state
     const gone = [], made = [], moved = [], last = [], changed = new Map();
     for (const key of keys) {
@@ -81,30 +73,23 @@
       const create = names.includes('') && head && (over.size === 0 || JSON.stringify(head) !== JSON.stringify(was));
       if (head === undefined && entity !== 'gui:viser-control-panel') {
         if (entity.includes(':') && was !== undefined) gone.push(remove(entity));
-        continue;
+      } else if (!/^(gui|scene|modal|command|notification):/.test(entity)) last.push(head);
+      else {
+        const special = [], own = create ? [...over.keys()].filter(key => key.startsWith(`${entity}\n`)).map(key => key.split('\n')[1]) : [];
+        for (const prop of create ? new Set([...props.get(entity) ?? [], ...own, ...names]) : names) {
+          const key = `${entity}\n${prop}`, value = dressed(key, total(key, over));
+          if (value === undefined || prop === '') continue;
+          if (prop.startsWith('@')) special.push(value); else plain[prop] = value;
+        }
+        if (create) made.push({...head, ...('value' in plain && {value: plain.value}), props: plain});
+        else if (Object.keys(plain).length) moved.push(update(entity, plain));
+        moved.push(...special);
       }
-      if (!/^(gui|scene|modal|command|notification):/.test(entity)) {
-        last.push(head);
-        continue;
-      }
-      const special = [];
-      const own = create ? [...over.keys()].filter(key => key.startsWith(`${entity}\n`)).map(key => key.split('\n')[1]) : [];
-      for (const prop of create ? new Set([...props.get(entity) ?? [], ...own, ...names]) : names) {
-        const key = `${entity}\n${prop}`, value = dressed(key, total(key, over));
-        if (value === undefined || prop === '') continue;
-        if (prop.startsWith('@')) special.push(value); else plain[prop] = value;
-      }
-      if (create) made.push({...head, ...('value' in plain && {value: plain.value}), props: plain}); else if (Object.keys(plain).length) moved.push(update(entity, plain));
-      moved.push(...special);
     }
     return [...gone, ...made, ...moved, ...last.map(farther)];
   };
-  const farther = message => {  // a window that is narrower than the recorded one looks from farther off
-    if (message.type !== 'SetCameraPositionMessage') return message;
-    const {clientWidth: wide, clientHeight: high} = viser.canvas() ?? {}, aim = total('SetCameraLookAtMessage\n')?.look_at;
-    const times = wide && high && aim ? Math.max(1, shapes[width] / (wide / high)) : 1;
-    return times === 1 ? message : {...message, position: message.position.map((each, k) => aim[k] + times * (each - aim[k]))};
-  };
+  const farther = message => (message.type === 'SetCameraPositionMessage' && viser.canvas()
+    ? {...message, position: viser.farther(message.position, total('SetCameraLookAtMessage\n').look_at, shapes[width])[0]} : message);
   const show = (next, camera = false) => {
     const keys = [...new Set([...state.over.keys(), ...next.over.keys(), ...touched])];
     const wanted = new Set(keys.filter(key => touched.has(key) || total(key) !== total(key, next.over)));
@@ -133,40 +118,28 @@
     return run;
   };
   const pose = t => {
-    const {told} = state;
     if (!state.run) return;
-    now = t;
-    const run = ready(state.run), k = Math.max(run.at.findLastIndex(each => each <= t + 1e-6), 0);
+    player.now = t;
+    const told = {...state.told, words: state.told.words[speed]}, run = ready(state.run), k = Math.max(run.at.findLastIndex(each => each <= t + 1e-6), 0);
     const batch = run.frames.map(({name, kind, many, numbers}) => {
       const part = numbers.slice(k * many, (k + 1) * many);
       touched.add(`scene:${name}\n${SENT[kind] ?? kind}`);
       return viser.moved(OWNER, name, kind, kind === 'points' ? part : [...part]);
     });
-    const clock = told.words[speed].replaceAll('\ue000', (t / told.horizon).toFixed(4)).replaceAll('\ue001', t.toFixed(told.digits));
-    const value = Math.min(Number((Math.round(t / told.step) * told.step).toFixed(9)), told.horizon);
     touched.add(`gui:${told.clock}\ncontent`).add(`gui:${told.slider}\nvalue`);
-    give([...batch, viser.changed(told.clock, {content: clock}), viser.changed(told.slider, {value})]);
+    give([...batch, ...viser.told(told, t)]);
   };
   const label = () => {  // play or pause on the first button of the run
     for (const key of ground.keys()) {
       if (key.endsWith('\noptions') && total(key)?.includes?.(said.play)) touch(key.split('\n')[0], {options: dressed(key, total(key))});
     }
   };
-  const go = (wanted, from = now) => {
-    cancelAnimationFrame(frame);
-    if (!state.run || (!wanted && !playing)) return;
-    playing = wanted;
+  const player = viser.runner(t => { pose(t); if (!player.playing) label(); }, () => state.run.end, () => state.run.rate * speeds[speed]);
+  const go = (wanted, from = player.now) => {
+    if (!state.run || (!wanted && !player.playing)) return;
+    player.go(wanted);
     label();
     pose(wanted && from >= state.run.end - 1e-9 ? 0 : from);
-    before = performance.now();
-    const tick = stamp => {
-      if (!playing) return;
-      const t = Math.min(now + Math.min(Math.max(stamp - before, 0) / 1000, STALL) * state.run.rate * speeds[speed], state.run.end);
-      before = Math.max(stamp, before);
-      pose(t);
-      if (t >= state.run.end) go(false); else frame = requestAnimationFrame(tick);
-    };
-    if (wanted) frame = requestAnimationFrame(tick);
   };
 
   // --- scenes --------------------------------------------------------------------------------------------------------------------
@@ -229,7 +202,7 @@
     go(false);
     note(next);
     show(next);
-    pose(Math.min(now, next.run?.end ?? 0));
+    pose(Math.min(player.now, next.run?.end ?? 0));
   };
   const turnKnob = (knob, place, value) => {
     const {entry} = scene.states, moved = alone(knob).filter(each => far(total(place, each.over), total(place, entry.over)) > 0);
@@ -288,9 +261,9 @@
   const toLesson = name => (lessons.includes(name) && name !== lesson ? leave({lesson: name, scene: ''}) : close());
   const acts = {
     turn: by => enter(at + Number(by)), scene: k => enter(Number(k)), option: k => reach(`option:${k}`), sketch, lesson: toLesson, close,
-    play: () => (!playing && !done[id()] && reach('play')) || go(!playing), kick: () => reach('kick'),
+    play: () => (!player.playing && !done[id()] && reach('play')) || go(!player.playing), kick: () => reach('kick'),
     rewind: () => { go(false); pose(0); }, kept: () => reach(done[id()]), reset: () => { delete done[id()]; enter(at, false); },
-    slower: () => { speed = Math.max(speed - 1, 0); pose(now); }, faster: () => { speed = Math.min(speed + 1, speeds.length - 1); pose(now); },
+    slower: () => { speed = Math.max(speed - 1, 0); pose(player.now); }, faster: () => { speed = Math.min(speed + 1, speeds.length - 1); pose(player.now); },
     language: () => { memory.language = other(parts(0), language); leave({lang: memory.language}); },
     theme: () => { memory.theme = other(parts(1), theme); leave({theme: memory.theme}); },
     course: () => dialog('course'), terms: () => dialog('terms'), help: () => dialog('help'),
@@ -318,9 +291,6 @@
         .replace('data-rests="0"', 'data-rests="1"')});
     }
   };
-  const KEYS = {Play: 'play', Kick: 'kick', Rewind: 'rewind', 'ChangeSpeed:-1': 'slower', 'ChangeSpeed:1': 'faster', ToggleCourse: 'course',
-    'TurnPage:1': 'page:1', 'TurnPage:-1': 'page:-1', SetLanguage: 'language', ToggleTheme: 'theme', ToggleGlossary: 'terms', ToggleHelp: 'help',
-    'LookFrom:all': 'view', 'LookFrom:plant': 'view', 'LookFrom:boards': 'view', Reset: 'reset'};
   const cover = Object.assign(document.createElement('div'), {className: 'ol-cover', innerHTML: '<b>Observer Lab</b>'}), came = location.href;
   root.append(cover);
   viser.onConnecting = () => history.replaceState(history.state, '', came);  // where viser's page has put the server it looks for
@@ -347,7 +317,7 @@
       if (!scene) return;
       if (message.type === 'GuiUpdateMessage' && 'value' in (message.updates ?? {})) heard(message);
       else if (message.type === 'SceneNodeDragMessage') drag(message);
-      else if (message.type === 'CommandTriggerMessage') act(KEYS[base.commands[total(`command:${message.uuid}\nlabel`)]] ?? '');
+      else if (message.type === 'CommandTriggerMessage') act(base.commands[total(`command:${message.uuid}\nlabel`)] ?? '');
     },
   };
   addEventListener('popstate', event => { if (event.state?.scene !== undefined) enter(event.state.scene, false); });

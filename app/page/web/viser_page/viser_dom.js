@@ -66,6 +66,16 @@
     if (prop === 'visible') return {type: 'SetSceneNodeVisibilityMessage', name, owner, visible: value};
     return {type: 'SceneNodeUpdateMessage', name, owner, updates: {[prop]: value}};
   };
+  lab.updated = (kind, name, owner, updates) => (kind === 'scene' ? {type: 'SceneNodeUpdateMessage', name, owner, updates}
+    : {...lab.changed(name, updates), ...(kind === 'command' && {type: 'CommandUpdateMessage'})});
+  const REMOVED = {modal: 'GuiCloseModalMessage', command: 'RemoveCommandMessage'};
+  lab.removed = (kind, name, owner) => (kind === 'scene' ? {type: 'RemoveSceneNodeMessage', name, owner}
+    : {type: REMOVED[kind] ?? 'GuiRemoveMessage', uuid: name});
+  lab.told = ({horizon, clock, words, digits, slider, step}, t, slides = true) => {  // what the clock and the slider of a run say at a time
+    const said = words.replaceAll('\ue000', (t / horizon).toFixed(4)).replaceAll('\ue001', t.toFixed(digits));
+    const value = Math.min(Number((Math.round(t / step) * step).toFixed(9)), horizon);
+    return [lab.changed(clock, {content: said}), ...(slides ? [lab.changed(slider, {value})] : [])];
+  };
   lab.lookFrom = (from, at, angle) => lab.show([{type: 'SetCameraUpDirectionMessage', position: [0, 0, 1], initial: false},
     {type: 'SetCameraPositionMessage', position: from, initial: false}, {type: 'SetCameraLookAtMessage', look_at: at, initial: false},
     {type: 'SetCameraFovMessage', fov: angle, initial: false}]);
@@ -148,6 +158,29 @@
       lab.labels = part.parent;  // where viser puts one more mesh for each size of letters
       lab.labels.addEventListener('childadded', ({child}) => dress(child));
     });
+  };
+
+  // --- a run by the frames of the browser --------------------------------------------------------------------------------------
+  lab.runner = (show, end, rate) => {  // `show(t)` at each frame until `end()`, at `rate()` of the run's seconds in one
+    const STALL = .25, run = {now: 0, playing: false};  // s that one frame covers at most
+    let before = 0, wake = 0;
+    const tick = stamp => {
+      run.now = Math.min(run.now + Math.min(Math.max(stamp - before, 0) / 1000, STALL) * rate(), end());
+      before = Math.max(stamp, before);
+      if (run.now >= end()) run.go(false); else wake = requestAnimationFrame(tick);
+      show(run.now);
+    };
+    run.go = wanted => {
+      cancelAnimationFrame(wake);
+      run.playing = wanted;
+      before = performance.now();
+      if (wanted) wake = requestAnimationFrame(tick);
+    };
+    return run;
+  };
+  lab.farther = (from, aim, shape) => {  // a window that is narrower than a picture's `shape` looks from farther off
+    const {clientWidth: wide, clientHeight: high} = lab.canvas() ?? {}, times = wide && high ? Math.max(1, shape / Math.max(wide / high, .2)) : 1;
+    return [from.map((each, k) => aim[k] + times * (each - aim[k])), times];
   };
 
   // --- before viser's page runs ----------------------------------------------------------------------------------------------
