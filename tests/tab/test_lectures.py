@@ -7,7 +7,7 @@ from fakes import FakeView, Tab
 
 from observer_lab.course.lectures import Lecture, prepared_lectures, read_lecture, words_in, write_lecture
 from observer_lab.lessons import LESSONS
-from observer_lab.session.commands.commands import OpenLesson, SetLanguage, Undo
+from observer_lab.session.commands.commands import OpenLesson, SetLanguage, TurnPage, Undo
 from observer_lab.session.commands.guide import EndLecture, GoToScene, OpenLecture, RecordStop, SaveLecture, SetMode, TurnScene
 from observer_lab.session.session import Session
 from observer_lab.session.state.view import Picture
@@ -67,6 +67,22 @@ def test_a_lecture_is_given_in_the_language_chosen_and_its_notes_come_before_tho
     tab.do(SetLanguage("zh"))
     assert where(tab.picture) == ("duality", "meet")
     assert tab.picture.note == LESSONS["duality"].words["zh"].scenes["meet"].note
+
+
+def test_keys_for_lessons_turn_the_stops_of_a_lecture_and_the_scenes_before_a_hall() -> None:
+    tab = Tab(LESSONS, "duality")
+    tab.do(OpenLecture(SHORT))
+    tab.do(TurnPage(+1))
+    assert where(tab.picture) == ("duality", "meet") and tab.picture.state.talk is not None
+    tab.do(TurnPage(-1))
+    assert where(tab.picture) == ("separation", "predict")
+    hall = Tab(LESSONS, "separation", mode="present")
+    hall.do(TurnPage(+1))
+    assert where(hall.picture) == ("separation", LESSONS["separation"].path[1].id)
+    for mode in ("guide", "lab"):
+        tab = Tab(LESSONS, "separation", mode=mode)
+        tab.do(TurnPage(+1))
+        assert tab.picture.lesson.id == "duality"
 
 
 def test_a_wrong_lecture_is_one_sentence_and_nothing_is_lost() -> None:

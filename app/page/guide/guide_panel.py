@@ -129,15 +129,18 @@ class GuidePanel:
                                        button=told["button"])
 
     def _tell_notes(self, picture: Picture) -> None:
-        """Give the speaker's window the notes of the scene, what comes next, and the planned time."""
-        lang, talk = picture.state.language, picture.state.talk
-        minutes = minutes_of(picture.lesson.path, False) if talk is None else talk.minutes
-        told: dict[str, object] = {"note": picture.note, "title": picture.scene_words.title, "next": picture.next_title,
-                                   "minutes": round(minutes), "words": {"notes": phrases.NOTES(lang), "next": phrases.NEXT_IS(lang)}}
+        """Give the speaker's window the notes of the scene, what comes next, and when the plan begins and ends it."""
+        lang, talk, state = picture.state.language, picture.state.talk, picture.state
+        stops, at = (picture.lesson.path, state.scene) if talk is None else (talk.stops, state.stop)
+        begin = sum(stop.minutes for stop in stops[:at])
+        told: dict[str, object] = {
+            "note": picture.note, "title": picture.scene_words.title, "next": picture.next_title, "begin": begin,
+            "end": begin + stops[at].minutes, "minutes": round(minutes_of(picture.lesson.path, False) if talk is None else talk.minutes),
+            "words": {"notes": phrases.NOTES(lang), "next": phrases.NEXT_IS(lang), "onTime": phrases.ON_TIME(lang),
+                      "behind": phrases.BEHIND.format(minutes="#")(lang), "ahead": phrases.AHEAD.format(minutes="#")(lang)}}
         if told != self._told:
             self._told = told
-            viser_internals.run_script(self._client, "presenter", hand=self._hand, note=told["note"], title=told["title"],
-                                       next=told["next"], minutes=told["minutes"], words=told["words"])
+            viser_internals.run_script(self._client, "presenter", hand=self._hand, **told)
 
     def progress(self, fraction: float | None) -> None:
         """The guide starts no long computation."""

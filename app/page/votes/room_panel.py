@@ -51,15 +51,21 @@ class RoomPanel:
         """`hand` is the widget for which the buttons answer."""
         self._hand, self._client = hand, client
         self._hall: str | None = None  # what this page shows over the stage, None where that is not known
+        self._told: str | None = None  # what the speaker's window shows of the class
         self._room = client.gui.add_html("") if picture.state.room is not None else None
+        self._ask = ask_html(hand, picture.state.language) + audience_html(picture)
         if self._room is not None:
-            client.gui.add_html(ask_html(hand, picture.state.language) + audience_html(picture))
+            client.gui.add_html(self._ask)
             viser_internals.run_script(client, "ask")
 
     def show(self, picture: Picture) -> None:
         """The counts as they are now."""
         if self._room is not None:
-            write_content(self._room, room_html(picture, self._hand))
+            room = room_html(picture, self._hand)
+            write_content(self._room, room)
+            if room != self._told:
+                self._told = room
+                viser_internals.run_script(self._client, "presenter", room=room, ask=self._ask, hand=self._hand)
             hall = hall_html(picture)
             if hall != self._hall:
                 self._hall = hall

@@ -14,6 +14,7 @@ LECTURE_HINT = text("A lecture is a TOML file: scenes of any lessons in order, w
                     "scene in the guide, then save it from the menu ⋯.")
 LECTURE_STOPS = text("{minutes:.0f} min, {count} scenes")
 NOTES, NEXT_IS = text("Speaker's notes"), text("next")
+ON_TIME, BEHIND, AHEAD = text("on time"), text("{minutes} min behind the plan"), text("{minutes} min ahead of the plan")
 LESSON_KIND, SCENE_KIND = text_in("search", "Lesson"), text_in("search", "Scene")
 KNOB_KIND, FIGURE_KIND = text_in("search", "Knob"), text_in("search", "Figure")
 QUESTION_KIND = text_in("search", "Question")

@@ -8,7 +8,7 @@ from dataclasses import replace
 from ...course.knobs import KnobError
 from ...text import languages, text
 from ..state.validate import check_number, check_pixels
-from . import guide
+from . import guide, lectures
 from .presenter import Presenter
 
 SAME_WINDOW = 0.01  # share of its size by which a window may differ without being another
@@ -23,7 +23,10 @@ def open_lesson(show: Presenter, lesson: object) -> None:
 
 
 def turn_page(show: Presenter, steps: int) -> None:
-    """Open the lesson so many places on. Raises what the lesson raises."""
+    """Open the lesson so many places on; before a class turn its scenes, so that no key leaves it. Raises what the lesson raises."""
+    if show.state.talk is not None or (show.state.mode == "present" and show.picture.scene is not None):
+        lectures.turn_scene(show, steps)
+        return
     ids = list(show.lessons)
     open_lesson(show, ids[(ids.index(show.lesson.id) + steps) % len(ids)])
 

@@ -1,38 +1,62 @@
-// Shows the speaker's notes in a window of their own, with a clock; its keys turn the scenes of the page that opened it.
-({hand, note, title, next, minutes, words}) => {
-  const lab = window.observerLabNotes ??= {began: null, view: null};
-  Object.assign(lab, {hand, note, title, next, minutes, words});
-  const say = value => window.observerLabViser.tell(lab.hand, value);
-  const write = () => {
-    const page = lab.view;
-    if (!page || page.closed) return;
-    const put = (id, text) => { page.document.getElementById(id).textContent = text; };
+// Shows the speaker's notes in a window of their own, with a clock and, where a class follows, its counts, votes and buttons; while it is
+// open they leave the page that the hall sees. Its keys turn the scenes of that page, as a clicker's do there.
+given => {
+  const lab = window.observerLabNotes ??= {began: null, view: null, room: '', ask: ''}, viser = window.observerLabViser;
+  Object.assign(lab, given);
+  const TURNS = {ArrowRight: 1, PageDown: 1, ' ': 1, ArrowLeft: -1, PageUp: -1};
+  const turn = event => {
+    const by = TURNS[event.key];
+    if (!by || event.altKey || event.ctrlKey || event.metaKey) return;
+    event.preventDefault();
+    viser.tell(lab.hand, `turn:${by}`);
+  };
+  const typing = target => target?.closest?.('input,textarea,select,button,summary,a,[role],[tabindex]');
+  lab.write = () => {
+    const there = !!lab.view && !lab.view.closed, root = document.documentElement;
+    root.classList.toggle('ol-speaks', there);
+    if (!there) return;
+    const find = id => lab.view.document.getElementById(id), put = (id, text) => { if (find(id).textContent !== text) find(id).textContent = text; };
+    const gone = Math.floor((performance.now() - lab.began) / 1000), minutes = gone / 60, {words} = lab;
+    const late = minutes > lab.end ? minutes - lab.end : Math.min(minutes - lab.begin, 0), whole = Math.max(Math.round(Math.abs(late)), 1);
     put('title', lab.title);
     put('note', lab.note);
-    put('next', lab.next ? `${lab.words.next}: ${lab.next}` : '');
-    const gone = Math.floor((performance.now() - lab.began) / 1000);
+    put('next', lab.next ? `${words.next}: ${lab.next}` : '');
     put('clock', `${Math.floor(gone / 60)}:${String(gone % 60).padStart(2, '0')} / ${lab.minutes} min`);
+    put('pace', Math.abs(late) < .5 ? words.onTime : (late > 0 ? words.behind : words.ahead).replace('#', whole));
+    for (const part of ['room', 'ask']) {
+      if (find(part).dataset.said === lab[part]) continue;
+      find(part).innerHTML = find(part).dataset.said = lab[part];
+    }
   };
-  lab.write = write;
   lab.open ??= () => {
-    lab.view = window.open('', 'observer-lab-notes', 'width=720,height=520');
+    lab.view = window.open('', 'observer-lab-notes', 'width=720,height=640');
     if (!lab.view) return;
     lab.began ??= performance.now();
-    const page = lab.view.document;
+    const page = lab.view.document, made = (tag, id) => Object.assign(page.createElement(tag), {id});
     page.title = lab.words.notes;
-    page.body.style.cssText = 'font:22px/1.5 system-ui,sans-serif;margin:1.5rem;max-width:44rem';
-    page.body.replaceChildren(...[['h1', 'title'], ['p', 'note'], ['p', 'next'], ['p', 'clock']].map(([tag, id]) =>
-      Object.assign(page.createElement(tag), {id})));
-    page.onkeydown = event => {
-      const turn = {ArrowRight: 1, PageDown: 1, ' ': 1, ArrowLeft: -1, PageUp: -1}[event.key];
-      if (turn) { event.preventDefault(); say(`turn:${turn}`); }
+    Object.assign(page.documentElement, {lang: document.documentElement.lang}).dataset.olTheme = document.documentElement.dataset.olTheme;
+    page.head.replaceChildren(...[...document.querySelectorAll('style')].filter(each => each.textContent.includes('.ol-do'))
+      .map(each => page.importNode(each, true)));
+    page.body.className = 'ol-console';
+    page.body.replaceChildren(...[['h1', 'title'], ['p', 'clock'], ['p', 'pace'], ['p', 'note'], ['p', 'next'], ['div', 'room'], ['div', 'ask']]
+      .map(([tag, id]) => made(tag, id)));
+    page.onkeydown = event => { if (!typing(event.target)) turn(event); };
+    page.onclick = event => {
+      const pressed = event.target?.closest?.('button:enabled'), field = pressed?.dataset.asks && pressed.parentElement.querySelector('textarea');
+      if (pressed?.dataset.to) viser.tell(pressed.dataset.to, pressed.dataset.value);
+      if (!field) return;
+      viser.tell(pressed.dataset.asks, `${pressed.dataset.kind}:${field.value}`);
+      field.value = '';
     };
     lab.timer ??= setInterval(() => lab.write(), 500);
     lab.write();
   };
   if (!lab.listens) {
     lab.listens = true;
-    document.addEventListener('click', event => { if (event.target?.closest?.('.ol-notes')) window.observerLabNotes.open(); });
+    document.addEventListener('click', event => { if (event.target?.closest?.('.ol-notes')) lab.open(); });
+    document.addEventListener('keydown', event => {  // of a clicker: an arrow on a widget is the widget's
+      if (event.key !== ' ' && document.querySelector('.ol-present') && !typing(event.target)) turn(event);
+    });
   }
-  write();
+  lab.write();
 }
