@@ -11,6 +11,7 @@ from typing import IO, Any
 import numpy as np
 
 from ..course.figures.records import Figure
+from ..course.figures.scene import Stage
 from ..course.lesson import Design, Outcome
 from ..devices import DeviceError, Routine
 from ..engine import EngineError
@@ -22,8 +23,9 @@ from .rows import Rows
 
 __all__ = ["LiveDesk", "record_head", "record_row"]
 
-STRIPS_S = 0.5  # between two drawings of the strips; the stage moves with each picture
+STRIPS_S, PICTURE_S = 0.5, 0.5  # between two drawings of the strips, and two pictures, at least; body and ghost move with the lines
 LOST_PICTURE_S, REST = 2.0, 0.3  # after which a picture counts as lost; share of the time of drawing in which a page rests
+HIDDEN_S = 1.0  # without a picture drawn for so long, a page is hidden or behind: its ghost waits
 SILENT_PERIODS, SILENT_S = 3.0, 1.0  # without a line for so long, the page says so: periods, and s at least
 COUNTS = text("Until {t:.2f} s: {taken} taken, {lost} lost, {jittered} late by more than a quarter period, {refused} refused.")
 WAITING = text("No line has come yet; the observer works every {period:.4g} s.")
@@ -53,11 +55,12 @@ def record_row(sample: Sample) -> str:
 
 @dataclass
 class Picture:
-    """The last picture that a tab was given: its number, when it was sent, and when the page had drawn it."""
+    """The last picture that a tab was given: its number, when it was sent, when the page had drawn it, since when it owes one."""
 
     number: int = 0
     sent: float = float("-inf")
     drawn: float = float("-inf")
+    owing: float = float("inf")
 
 
 class LiveDesk:
@@ -115,19 +118,31 @@ class LiveDesk:
             if now - self._strips[0] >= STRIPS_S or not self._strips[1]:
                 self._strips = now, self._rows.figures(routine)
             picture = self._pictures.setdefault(tab, Picture())
-            picture.number, picture.sent = picture.number + 1, now
+            picture.number, picture.sent, picture.owing = picture.number + 1, now, min(picture.owing, now)
             return replace(outcome, stage=self._rows.stage(outcome.stage, routine), run=None), self._strips[1]
+
+    def stage(self, outcome: Outcome[Any]) -> Stage | None:
+        """The body of a tab's outcome on the rows that are there now."""
+        with self._lock:
+            return self._rows.stage(outcome.stage, self.observer.routine)
 
     def number(self, tab: Hashable) -> int:
         """Of the last picture of a tab; the page says it once it is drawn."""
         return self._pictures.get(tab, Picture()).number
 
     def wants(self, tab: Hashable) -> bool:
-        """Whether a tab takes another picture: it has drawn the last one and had half as long to rest, or is silent for long."""
+        """Whether a tab takes another picture: it has drawn the last one and had time to rest, or is silent for long."""
         with self._lock:
             last, now = self._pictures.get(tab, Picture()), self._clock()
             took = last.drawn - last.sent
-            return now - last.sent > LOST_PICTURE_S or (took >= 0 and now - last.drawn >= took * REST)
+            rested = took >= 0 and now - last.drawn >= took * REST
+            return now - last.sent > (PICTURE_S if rested else LOST_PICTURE_S)
+
+    def moves(self, tab: Hashable) -> bool:
+        """Whether a tab takes its ghost's place now: its page draws what it is given."""
+        with self._lock:
+            last = self._pictures.get(tab)
+            return last is not None and self._clock() - last.owing < HIDDEN_S
 
     def _change(self, outcome: Outcome[Any]) -> None:
         try:
@@ -217,7 +232,7 @@ class LiveDesk:
         with self._lock:
             last = self._pictures.get(tab)
             if last is not None and number == last.number and last.drawn < last.sent:
-                last.drawn = self._clock()
+                last.drawn, last.owing = self._clock(), float("inf")
             if self.drive is not None:
                 self.drive.hear(tab, self._clock())
 

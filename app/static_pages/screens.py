@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from ..course.course_map import Progress
+from ..course.lesson import Stage
 from ..page.record.recorded_screen import Look, RecordedScreen
 from ..session.state.view import Picture
 from ..text import Text
@@ -37,6 +38,9 @@ class RecordedScreens:
         """Move each stage to time t."""
         for screen in self.screens:
             screen.pose(t)
+
+    def follow(self, stage: Stage) -> None:
+        """No running plant is recorded."""
 
     def play(self, t: float, end: float, rate: float, every: float) -> float:
         """The run is recorded, not played."""

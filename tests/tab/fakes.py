@@ -96,6 +96,9 @@ class FakeView:
     def pose(self, t: float) -> None:
         self.calls.append(("pose", t))
 
+    def follow(self, stage: Stage) -> None:
+        self.calls.append(("follow", stage))
+
     def play(self, t: float, end: float, rate: float, every: float) -> float:
         if not self.plays:
             self.pose(t)

@@ -28,6 +28,7 @@ from observer_lab.live.lines import LineReader
 from observer_lab.live.observer import RESET_LINES, LiveObserver
 from observer_lab.live.rows import measured_states
 from observer_lab.live.simulated import simulated
+from observer_lab.page.record.recorded_screen import Look, RecordedScreen
 from observer_lab.session.commands.commands import SetKnobs
 from observer_lab.session.commands.files import LinesCame
 from observer_lab.session.session import Session
@@ -151,6 +152,46 @@ def test_knob_of_the_page_changes_the_observer_that_runs_and_a_new_tab_does_not(
     assert any("Another tab" in words("en") for words in desk.said(2)) and not any("Another tab" in words("en") for words in desk.said(1))
 
 
+def test_ghost_alone_moves_with_a_line_between_two_pictures(tmp_path) -> None:
+    """On the page's own screen: parts of body and ghost stand where the last line puts them, and nothing else has changed."""
+    lesson, design, desk = desk_for("noise", tmp_path, Clock())
+    screen = RecordedScreen(Look("en"))
+    session = Session({"noise": live_lesson(lesson, lesson.start(), desk)}, screen, "noise", clock=Clock())
+    session.open()
+    for k in range(30):
+        feed(desk, line(design, k))
+    session.post(LinesCame(1, lambda: None))
+    session.step()
+    before, shown, pictures = dict(screen.values), session.picture, desk.number(1)
+    feed(desk, line(design, 30))
+    done = []
+    session.post(LinesCame(1, lambda: done.append(1), whole=False))
+    session.step()
+    changed = {place for place, value in screen.values.items() if not np.array_equal(before.get(place), value)}
+    body, xhat = shown.outcome.stage.body, design.expected()["xhat"][30]
+    pose = body.pose([*xhat, *shown.outcome.stage.x[0, len(xhat):]], body.gain)
+    moved = [part.name for part in body.parts if part.twin and (f"scene:/ghost/{part.name}", "@SetPositionMessage") in changed]
+    assert moved and done == [1] and session.picture is shown and desk.number(1) == pictures
+    stands = {name: screen.values[f"scene:/ghost/{name}", "@SetPositionMessage"]["position"] for name in moved}
+    assert all(np.allclose(place, pose[name].position, rtol=0, atol=1e-9) for name, place in stands.items())
+    nodes = {f"scene:/{root}/{part.name}" for root in ("ghost", "plant") for part in body.parts}
+    assert {name for name, _ in changed} <= nodes | {"scene:/errors", "scene:/forces"}
+
+
+def test_hidden_page_is_given_no_places_until_it_draws_again(tmp_path) -> None:
+    clock = Clock()
+    lesson, _, desk = desk_for("noise", tmp_path, clock)
+    outcome = lesson.compute(lesson.start())
+    assert not desk.moves(3)  # it has had no picture yet
+    for _ in range(3):
+        desk.shown(3, outcome)
+        assert desk.moves(3) == (clock.now < 101.0)
+        clock.advance(2.5)
+    assert not desk.moves(3) and desk.wants(3)
+    desk.hear(3, desk.number(3))
+    assert desk.moves(3)
+
+
 def test_drive_stays_within_its_limits_and_ends_with_the_page() -> None:
     drive, T = Drive(2.0, 10.0), 0.1
     assert drive.input(np.array([5.0]), T, 0.0).tolist() == [0.0]
@@ -228,10 +269,11 @@ def test_page_that_draws_slowly_is_given_time(tmp_path) -> None:
     outcome = lesson.compute(lesson.start())
     desk.shown(3, outcome)
     assert not desk.wants(3)
-    clock.advance(0.4)
+    clock.advance(1.2)
     desk.hear(3, desk.number(3))
+    clock.advance(0.3)
     assert not desk.wants(3)
-    clock.advance(0.25)
+    clock.advance(0.1)
     assert desk.wants(3)
     desk.shown(3, outcome)
     clock.advance(2.5)

@@ -19,7 +19,8 @@ if TYPE_CHECKING:
     from ...page.screen.server import LabServer
 
 HOST = "127.0.0.1"
-FRAME_S, IDLE_S, QUIET_S = 0.04, 0.25, 0.05  # between two pictures of a tab; between two without a line; for bytes at a time
+POSE_S, TAB_S = 0.02, 0.002  # between two places of the ghost, and as much more for each tab
+LOOK_S, QUIET_S = 0.1, 0.05  # between two looks whether a tab takes a picture; for bytes at a time
 MOST_TABS = 40
 
 
@@ -51,27 +52,52 @@ def show_page(lesson: Lesson, design: Design, desk: LiveDesk, source: Port, port
         server.stop()
 
 
+class Tabs:
+    """The tabs of a live page; each is told of lines once it has shown what it was told before."""
+
+    def __init__(self, desk: LiveDesk, server: LabServer) -> None:
+        self._desk, self._server = desk, server
+        self._waiting: set[int] = set()  # tabs that have not shown the last lines yet
+        self.present: set[int] = set()
+
+    def count(self) -> None:
+        """See who has come and who has left."""
+        present = set(self._server.sessions)
+        for tab in self.present - present:
+            self._desk.leave(tab)
+            self._waiting.discard(tab)
+        self.present = present
+
+    def tell(self, whole: bool) -> None:
+        """Lines have come: give those a picture that take one, or move their ghosts."""
+        from ...session.commands.files import LinesCame
+
+        takes = self._desk.wants if whole else self._desk.moves
+        for tab, session in list(self._server.sessions.items()):
+            if tab not in self._waiting and takes(tab):
+                self._waiting.add(tab)
+                session.post(LinesCame(tab, partial(self._waiting.discard, tab), whole))
+
+
 def _follow(desk: LiveDesk, source: Port, server: LabServer, seconds: float | None, ended: threading.Event) -> None:
     """Take the lines, answer the device, and tell the tabs."""
-    waiting: set[int] = set()  # tabs that have not shown the last picture yet
-    known: set[int] = set()
-    begun = told = time.monotonic()
-    fresh = False
+    tabs = Tabs(desk, server)
+    begun = moved = looked = time.monotonic()
+    fresh = False  # whether a line has come since the ghost was moved
     try:
         while not ended.is_set() and (seconds is None or time.monotonic() - begun < seconds):
-            data = source(QUIET_S if not fresh else FRAME_S / 4)
+            data = source(QUIET_S if not fresh else POSE_S / 4)
             if data is None:
                 return
             fresh |= _take(desk, source, data)
             now = time.monotonic()
-            if now - told >= (FRAME_S if fresh else IDLE_S):
-                told, fresh = now, False
-                present = set(server.sessions)
-                for tab in known - present:
-                    desk.leave(tab)
-                    waiting.discard(tab)
-                known = present
-                _tell(desk, server, waiting)
+            if now - looked >= LOOK_S:
+                looked = now
+                tabs.count()
+                tabs.tell(True)
+            if fresh and now - moved >= POSE_S + TAB_S * len(tabs.present):
+                moved, fresh = now, False
+                tabs.tell(False)
     finally:
         ended.set()
 
@@ -86,15 +112,6 @@ def _take(desk: LiveDesk, source: Port, data: bytes) -> bool:
     if answer and source.send is not None:
         source.send(answer)
     return came
-
-
-def _tell(desk: LiveDesk, server: LabServer, waiting: set[int]) -> None:
-    from ...session.commands.files import LinesCame
-
-    for tab, session in list(server.sessions.items()):
-        if tab not in waiting and desk.wants(tab):
-            waiting.add(tab)
-            session.post(LinesCame(tab, partial(waiting.discard, tab)))
 
 
 def desk_of(lesson: Lesson, design: Design, reader: LineReader, ts: float | None, drive: tuple[float, float] | None) -> LiveDesk:

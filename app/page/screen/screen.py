@@ -11,7 +11,7 @@ import viser
 from ...colours import COLOURS, rgb
 from ...course.course_map import Progress
 from ...course.figures.records import figure_below, tab_names
-from ...course.lesson import Board
+from ...course.lesson import Board, Stage
 from ...session.commands.commands import Edit, PickPoint, RunOnTabThread, SetKnobs
 from ...session.state.view import Picture
 from ...text import Text
@@ -32,6 +32,7 @@ from ..stage.screen_size import ScreenSized, follow_camera
 from ..stage.stage import StageView
 from ..stage.viewpoint import letters
 from ..viser_private import page_scripts, viser_internals
+from ..viser_private.write_once import write_content
 from ..web.html_page import APP_NAME
 from .browser import Browser
 from .page_setup import bind_shortcuts, run_page_scripts, stage_name, watch_page_visibility
@@ -191,14 +192,21 @@ class Screen(Browser):
 
     def pose(self, t: float) -> None:
         """Stage and cursors at time t."""
-        if self._picture is None:
-            return
-        with self._client.atomic():
-            self._stop_page_playback()
-            self._stage.pose(t)
-            if self._transport is not None:
-                self._transport.pose(t, self._picture.horizon)
-        self._client.flush()
+        if self._picture is not None:
+            with self._client.atomic():
+                self._stop_page_playback()
+                self._stage.pose(t)
+                if self._transport is not None:
+                    self._transport.pose(t, self._picture.horizon)
+            self._client.flush()
+
+    def follow(self, stage: Stage) -> None:
+        """The stage alone at the end of another run of its body; nothing is given to a browser that is behind."""
+        if self._picture is not None and not viser_internals.unsent(self._client):
+            with self._client.atomic():
+                self._stop_page_playback()
+                self._stage.follow(stage)
+            self._client.flush()
 
     def progress(self, fraction: float | None, label: Text | None) -> None:
         """A long job's progress."""
@@ -210,9 +218,8 @@ class Screen(Browser):
     def say(self, words: Text, bad: bool) -> None:
         """One sentence as a notification; the last two stay, older ones go."""
         language = self._picture.state.language if self._picture is not None else "en"
-        note = self._client.add_notification("Observer Lab", words(language), color="red" if bad else "blue",
-                                             auto_close_seconds=9.0 if bad else 5.0)
-        self._notes.append(note)
+        self._notes.append(self._client.add_notification("Observer Lab", words(language), color="red" if bad else "blue",
+                                                         auto_close_seconds=9.0 if bad else 5.0))
         while len(self._notes) > 2:
             self._notes.pop(0).remove()
         self._client.flush()
@@ -265,15 +272,13 @@ class Screen(Browser):
                                                        self._post)
 
     def _show_style(self, picture: Picture) -> None:
-        content = sheet_of(picture)
-        if self._style is not None and self._style.content != content:
-            self._style.content = content
+        if self._style is not None:
+            write_content(self._style, sheet_of(picture))
 
     def _board(self, board: Board, picture: Picture) -> BoardView:
         if board.id not in self._boards:
             self._boards[board.id] = BoardView(
-                self._client, board, picture.state.language, letters(self._client.camera, picture.state.lecture),
-                picture.state.is_dark,
+                self._client, board, picture.state.language, letters(self._client.camera, picture.state.lecture), picture.state.is_dark,
                 lambda values, grip: self._post(SetKnobs(values, grip)),
                 lambda words: self._post(RunOnTabThread(lambda: self.say(words, False))))
         return self._boards[board.id]

@@ -199,6 +199,15 @@ class StageView:
         before, self._frame, self._posed = self._frame, self.frame_at(place), (place, self._stage)
         viser_internals.move(self._scene, changed_values(before, self._frame))
 
+    def follow(self, stage: Stage) -> None:
+        """Move every part to the end of another run of the same body; words and hands stay as they are."""
+        if stage.body is not self._body:
+            return
+        if self._errors is not None:
+            self._errors.take(stage)
+        self._stage, self.built = stage, object()
+        self.pose(float(stage.t[-1]))
+
     def place_at(self, t: float) -> Place | None:
         """Which samples of the run and of the pins' runs are shown at time t, None on an empty stage."""
         return None if self._stage is None or self._body is None else (sample_at(self._stage.t, t), self._pins.place_at(t))

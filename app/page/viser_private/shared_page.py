@@ -39,6 +39,11 @@ class SharedPage(infra.WebsockMessageHandler):
         """Where viser puts a message."""
         return self
 
+    @property
+    def message_from_id(self) -> dict[str, Any]:
+        """What waits to be sent, under the name that it has in viser's buffer."""
+        return self._new
+
     def push(self, message: Any) -> None:
         """Keep a message until the next flush; a newer one takes the place of those that it makes idle."""
         script = script_name(message)

@@ -33,10 +33,11 @@ class LessonsChanged(Notice, frozen=True):
 
 
 class LinesCame(Notice, frozen=True):
-    """The running plant has sent lines; `done` is called once this tab shows them."""
+    """The running plant has sent lines; `done` is called once this tab shows them: `whole`, or by its body and ghost alone."""
 
     tab: int
     done: Callable[[], object]
+    whole: bool = True
 
 
 class PinDesign(Command, frozen=True):

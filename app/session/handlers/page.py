@@ -44,11 +44,17 @@ def see_window(show: Presenter, across: object, up: object, night: object) -> No
         show.state = replace(state, window=before.window)
 
 
-def show_lines(show: Presenter, tab: int, done: Callable[[], object]) -> None:
-    """Show the running plant as it is now, beside the present design."""
+def show_lines(show: Presenter, tab: int, done: Callable[[], object], whole: bool) -> None:
+    """Show the running plant as it is now, beside the present design, or only move its body and its ghost there."""
     try:
         desk = show.lesson.live
-        if desk is not None and show.shown is not None and show.unfinished is None:
+        if desk is None or show.shown is None or show.unfinished is not None:
+            return
+        if not whole:
+            stage = desk.stage(show.picture.outcome)
+            if stage is not None:
+                show.view.follow(stage)
+        else:
             drawn = desk.shown(tab, show.picture.outcome)
             stage = drawn[0].stage
             show.state = replace(show.state, playing=False, loop=None, t=0.0 if stage is None else float(stage.t[-1]))

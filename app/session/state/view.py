@@ -15,7 +15,7 @@ from ...course.figures.records import Figure, TableFigure
 from ...course.guiding.questions import DrawnQuestion
 from ...course.lazy import FigureSet
 from ...course.lectures import words_in
-from ...course.lesson import Board, Design, Lesson, Outcome
+from ...course.lesson import Board, Design, Lesson, Outcome, Stage
 from ...course.pinned_designs import Ghost, Pinned, boards_with_pins, comparison_table, figures_with_pins, ghosts_of_pins
 from ...course.scenes import Scene, SceneWords
 from ...text import Text
@@ -220,6 +220,9 @@ class View(Protocol):
 
     def pose(self, t: float) -> None:
         """Move the stage and the cursors to time t of the last picture."""
+
+    def follow(self, stage: Stage) -> None:
+        """Move the body of the last picture to the end of another run, and nothing else; a browser that is behind is left alone."""
 
     def play(self, t: float, end: float, rate: float, every: float) -> float:
         """Show the last picture in motion from t to `end`, `rate` seconds of the run in one; a pose `every` so many seconds.
