@@ -18,10 +18,11 @@ from ...classroom.kept_room import Place, open_pages, open_room
 from ...classroom.room import LECTURE, UNSOLVED, RoomView, overview
 from ...classroom.vote_writer import VoteWriter
 from ...classroom.votes import Asked, Vote
-from ...session.commands.commands import RunOnTabThread
-from ...session.commands.room import RoomChanged
+from ...session.commands import commands, guide
+from ...session.commands.commands import Edit, Play, RunOnTabThread
+from ...session.commands.room import LeadShown, Mirrored, RoomChanged
 from ...session.session import Session
-from ...text import languages
+from ...text import Text, languages
 from ..access.connection import Connection, ConnectionClosed
 from ..charts.print_sizes import SHEET_MAX_WIDTH_PX
 from ..words import phrases
@@ -33,6 +34,10 @@ from .relay import Relay
 
 COUNT_S = 0.25  # s between two counts of the room
 REPORT_S = 20.0  # s after which a worker reports its counts again where nothing has changed
+MIRRORED = (commands.SetKnobs, commands.DrawByHand, Play, commands.Kick, commands.Rewind, commands.Seek, commands.ChangeSpeed,
+            commands.Undo, commands.Redo, commands.Reset, commands.ChoosePlant, commands.PickPoint, commands.Predict, commands.PredictAgain,
+            commands.ShowAgain, commands.Reveal, commands.OpenLesson, commands.TurnPage, guide.SetMode, guide.GoToScene, guide.TurnScene,
+            guide.ChooseOption, guide.AnswerByHand, guide.RestartScene, guide.ShowKeptRun, guide.OpenLecture, guide.EndLecture)
 log = logging.getLogger(__name__)
 
 
@@ -46,7 +51,7 @@ class LectureRoom:
         self._writer = VoteWriter(self._store)
         self._relay: Relay | None = None
         self._loop: asyncio.AbstractEventLoop | None = None
-        self._broadcast = Broadcast(self._pages, self._wake, self._store.keep_state, self._stop_leading)
+        self._broadcast = Broadcast(self._pages, self._wake, self._keep_state, self._led_elsewhere)
         self._seats = ClassSeats(self._store, worker)
         self._followers: dict[int, Follower] = {}
         self._tasks: dict[int, asyncio.Task[None]] = {}
@@ -95,16 +100,36 @@ class LectureRoom:
         return self._store.state
 
     def presenter_screen(self, client: viser.ClientHandle) -> PresenterScreen:
-        """The screen of a tab that presents; the one before it no longer leads."""
-        self._stop_leading()
+        """The screen of a tab that presents; it leads, and those before it follow it as it follows them."""
+        self._stop_leading(phrases.TWO_PAGES)
         self._broadcast.lead()
         return PresenterScreen(client, self._broadcast)
 
-    def _stop_leading(self) -> None:
+    def _led_elsewhere(self) -> None:
+        self._stop_leading(phrases.OTHER_LEADS)
+
+    def _stop_leading(self, why: Text) -> None:
         for session, screen in list(self._presenting.values()):
             if screen.leads:
                 screen.leads = False
-                session.post(RunOnTabThread(partial(screen.say, phrases.OTHER_LEADS, True)))
+                session.post(RunOnTabThread(partial(screen.say, why, why is phrases.OTHER_LEADS)))
+
+    def _keep_state(self, token: str) -> None:
+        self._store.keep_state(token)
+        for session, screen in list(self._presenting.values()):
+            if not screen.leads:
+                session.post(LeadShown(token))
+
+    def _mirror(self, one: Session, edit: Edit) -> None:
+        """Let the other pages of the presenter do what a hand has done on one; a run that plays on both is not stopped on the other."""
+        if not isinstance(edit, MIRRORED):
+            return
+        for other, _ in list(self._presenting.values()):
+            theirs, mine = other.picture, one.picture
+            if other is one or theirs is None or mine is None or (
+                    isinstance(edit, Play) and theirs.state.playing == mine.state.playing):
+                continue
+            other.post(Mirrored(edit))
 
     def own_screen(self, client: viser.ClientHandle) -> OwnScreen:
         """The screen of a tab that works on its own."""
@@ -113,6 +138,7 @@ class LectureRoom:
     def present(self, client_id: int, session: Session, screen: PresenterScreen) -> None:
         """A tab presents."""
         self._presenting[client_id], self._told, self._shows_runs = (session, screen), None, False
+        session.mirror = partial(self._mirror, session)
 
     def work_alone(self, client_id: int, session: Session) -> None:
         """A tab works on its own."""

@@ -70,3 +70,15 @@ class RoomChanged(Notice, frozen=True):
     """Who is here, where, and how the votes stand; nobody has asked for it."""
 
     view: RoomView
+
+
+class Mirrored(Notice, frozen=True):
+    """What a hand has done on another page of the same presenter; this page does it too."""
+
+    edit: object
+
+
+class LeadShown(Notice, frozen=True):
+    """The state that the leading page of the same presenter shows now that it rests, as a token."""
+
+    token: str

@@ -16,6 +16,7 @@ from ..state.token import is_token, read_token, write_token
 from .guide import entry_design
 from .presenter import Presenter
 
+LEAD_S = 1.0  # s after its last edit in which a page keeps what a hand has made there
 log = logging.getLogger(__name__)
 
 
@@ -42,7 +43,19 @@ def save_state(show: Presenter) -> None:
 def take(show: Presenter, words: object) -> None:
     """Open the state in a token, a link or the words of a file, and say what could not be taken over. Raises KnobError and
     what the lesson raises."""
-    saved = _read(show, words)
+    _take(show, _read(show, words))
+
+
+def follow_lead(show: Presenter, token: str) -> None:
+    """Show what the leading page of the same presenter shows, where a hand has not just been here: language, print and camera stay."""
+    mine, lead = show.saved(), _read(show, token)
+    lead = replace(lead, language=mine.language, lecture=mine.lecture, camera=mine.camera, tab=mine.tab, step=mine.step, notes=())
+    same = (lead.design, lead.scene, lead.answered, lead.mode) == (mine.design, mine.scene, mine.answered, mine.mode)
+    if not same and show.resting and show.clock() - show.last_edit > LEAD_S:
+        _take(show, lead)
+
+
+def _take(show: Presenter, saved: SavedState) -> None:
     show.open_state(saved)
     if saved.scene:
         scene = [each.id for each in show.lesson.path].index(saved.scene)

@@ -113,6 +113,7 @@ HANDLERS: Mapping[type[Command], Callable[..., object]] = MappingProxyType({
     room.Reveal: hall.reveal,
     room.LowerHands: hall.lower_hands,
     room.RoomChanged: hall.show_room,
+    room.LeadShown: sharing.follow_lead,
     room.RunSeeds: lambda show: show.run_seeds(),
 })
 

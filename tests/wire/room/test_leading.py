@@ -135,19 +135,34 @@ def test_a_code_that_no_other_machine_can_open_says_so(enter: Enter) -> None:
     own.until(lambda: "Only this computer can open this link" in part(own, '<div class="ol-take"'), "the sentence beside the code")
 
 
-def test_the_last_presenter_leads_and_the_one_before_leads_again_when_it_leaves(enter: Enter, present: Present) -> None:
+def test_two_pages_of_a_presenter_follow_each_other_and_one_leads_on_when_the_other_leaves(enter: Enter, present: Present) -> None:
     first, follower = present(), enter()
     follower.until(lambda: 'data-scene="predict"' in card(follower), "the first presenter's scene")
     second = present()
-    first.until(lambda: any("Another tab now leads" in note for note in first.notes), "that another leads")
+    first.until(lambda: any("Another page of yours" in note for note in first.notes), "that another page presents")
     _, here, there, *_ = (scene.id for scene in LESSONS["separation"].path)
-    ask(first, "scene:1")
-    first.settle()
-    ask(second, "scene:2")
-    follower.until(lambda: f'data-scene="{there}"' in card(follower), "the second presenter's scene")
-    assert not any(f'data-scene="{here}"' in str(m.get("updates")) for m in follower.messages)
+    for acts, scene, other in ((first, 1, second), (second, 2, first)):
+        ask(acts, f"scene:{scene}")
+        stands = f'data-scene="{(here, there)[scene - 1]}"'
+        for page in (acts, other, follower):
+            page.until(lambda page=page, stands=stands: stands in card(page), "the scene of the page that acts")
     second.close()
-    follower.until(lambda: f'data-scene="{here}"' in card(follower), "the first presenter's scene once more")
+    ask(first, "scene:1")
+    follower.until(lambda: f'data-scene="{here}"' in card(follower), "the page that is left leads")
+
+
+def test_a_second_page_of_the_presenter_gets_knobs_answer_and_mode(present: Present) -> None:
+    first, second = present(), present()
+    second.settle()
+    ask(first, "option:1")
+    second.until(lambda: "ol-chosen" in card(second), "the answer on the second page")
+    second.settle()
+    ask(second, "mode:lab")
+    for page in (second, first):
+        page.until(lambda page=page: not card(page) and page.mark(), "the lab on both pages")
+        page.settle()
+    first.update("stiffness error in the model [%]", value=12.0)
+    second.until(lambda: second.value("stiffness error in the model [%]") == 12.0, "the knob on the second page")
 
 
 def test_in_the_lab_followers_see_the_knobs_that_the_presenter_has_moved(enter: Enter, present: Present,
