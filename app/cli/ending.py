@@ -4,8 +4,26 @@ from __future__ import annotations
 
 import signal
 import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 ENDINGS = (signal.SIGINT, signal.SIGTERM)
+KILLS = tuple(getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name))  # what ends a process without a word
+
+
+@contextmanager
+def ended_as_by_ctrl_c() -> Iterator[None]:
+    """SIGTERM and a closed terminal interrupt what goes on, so that children end and files are put away; what is ignored stays so."""
+    def interrupt(*_: object) -> None:
+        raise KeyboardInterrupt
+    asked = KILLS if threading.current_thread() is threading.main_thread() else ()
+    before = {kill: signal.signal(kill, interrupt) for kill in asked if signal.getsignal(kill) is signal.SIG_DFL}
+    try:
+        yield
+    finally:
+        for kill, handler in before.items():
+            signal.signal(kill, handler)
 
 
 class Ending:

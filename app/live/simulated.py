@@ -40,8 +40,8 @@ def simulated(files: Mapping[str, str], samples: int, *, lost: float = 0.0, jitt
         tty.setraw(theirs)
         asked = (str(samples), repr(lost), repr(jitter), str(int(paced)), str(int(driven)), str(knocks))
         process = subprocess.Popen([str(Path(folder) / "plant"), *asked], stdout=theirs, stdin=theirs if driven else subprocess.DEVNULL)
-        os.close(theirs)
         try:
+            os.close(theirs)
             with from_descriptor(ours, answers=driven) as port:
                 yield port
         finally:

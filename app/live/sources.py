@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import select
 import socket
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
@@ -12,6 +13,7 @@ from dataclasses import dataclass
 __all__ = ["Port", "SourceError", "from_descriptor", "from_serial", "from_udp"]
 
 PIECE_BYTES = 65_536  # read at once, at most
+TORN = b"\xff"  # no ASCII: between what came before a cable was pulled and what came after, so that no line is made of both
 Read = Callable[[float], "bytes | None"]  # waits so many seconds; b"" where nothing came, None at the end
 
 
@@ -81,7 +83,7 @@ def from_udp(port: int, host: str = "127.0.0.1") -> Iterator[Port]:
 
 @contextmanager
 def from_serial(port: str, baud: int) -> Iterator[Port]:
-    """Bytes of a serial port; it is opened again when the cable comes back. Raises SourceError."""
+    """Bytes of a serial port; it is opened again when the cable comes back, and the line that was cut is refused. Raises SourceError."""
     try:
         import serial
     except ImportError as problem:
@@ -91,15 +93,22 @@ def from_serial(port: str, baud: int) -> Iterator[Port]:
     except (serial.SerialException, ValueError) as problem:
         raise SourceError(f"{port[:60]} cannot be opened as a serial port; check its name, its rights and the cable.") from problem
 
+    torn = False
+
     def read(seconds: float) -> bytes | None:
+        nonlocal torn
         try:
             if not line.is_open:
                 line.open()
             line.timeout = seconds
-            return line.read(1) + line.read(line.in_waiting)
+            found = line.read(1) + line.read(line.in_waiting)
+            if torn and found:
+                torn, found = False, TORN + found
+            return found
         except (serial.SerialException, OSError):
             line.close()
-            select.select([], [], [], seconds)
+            torn = True
+            time.sleep(seconds)
             return b""
 
     def send(data: bytes) -> None:

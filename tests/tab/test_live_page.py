@@ -1,6 +1,5 @@
 """A page beside a running plant: what is drawn, recorded and sent, and that nothing is sent once the page is gone."""
 
-import subprocess
 import time
 from dataclasses import replace
 from functools import reduce
@@ -9,14 +8,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from device_bodies import STRICT, write_files
 from fakes import Clock, FakeView
 from laws import each
+from live_endurance import replayed
 
 from observer_lab.cli import main
 from observer_lab.devices import watching
 from observer_lab.engine.systems import discretise
-from observer_lab.export.devices.c_project import lab_c, lab_h
 from observer_lab.export.devices.folders import device_design
 from observer_lab.export.devices.live_line import column_names
 from observer_lab.export.devices.simulator import simulator_files
@@ -32,24 +30,6 @@ from observer_lab.page.record.recorded_screen import Look, RecordedScreen
 from observer_lab.session.commands.commands import SetKnobs
 from observer_lab.session.commands.files import LinesCame
 from observer_lab.session.session import Session
-
-REPLAY = """
-#include <stdio.h>
-#include <stdlib.h>
-#include "lab.h"
-int main(void) {
-    double y[LAB_P], u[LAB_M];
-    int i;
-    lab_init();
-    for (;;) {
-        for (i = 0; i < LAB_M; i++) if (scanf("%lf", u + i) != 1) return 0;
-        for (i = 0; i < LAB_P; i++) if (scanf("%lf", y + i) != 1) return 1;
-        lab_step(y, u);
-        for (i = 0; i < LAB_N; i++) printf("%a ", lab_xhat[i]);
-        putchar('\\n');
-    }
-}
-"""
 
 
 def desk_for(name: str, folder: Path, clock: Clock, drive: Drive | None = None):
@@ -86,20 +66,7 @@ def test_record_replayed_by_the_compiled_step_gives_every_bit_of_the_page(name: 
                 shown.append(desk.take(sample)[0].xhat)
     desk.toggle_record()
     rows = np.loadtxt(folder / "live-1.csv", delimiter=",", skiprows=1, ndmin=2)
-    routine, m = watching(design.routine), len(design.routine.u_names)
-    steps, due, kept = [], rows[0, 0], []
-    for t, *values in rows:  # what the record's times say: a period without a row is a missing reading under the last input
-        for _ in range(round((t - due) / routine.period)):
-            steps.append([*steps[-1][:m], *[float("nan")] * len(routine.y_names)])
-        due = t + routine.period
-        kept.append(len(steps))
-        steps.append(values)
-    write_files(folder, {"lab.h": lab_h(routine, False), "lab.c": lab_c(routine, False), "replay.c": REPLAY})
-    subprocess.run(["gcc", "-O3", *STRICT, "-o", "replay", "replay.c", "lab.c", "-lm"], cwd=folder, check=True)
-    said = subprocess.run([str(folder / "replay")], input="\n".join(" ".join(map(repr, map(float, row))) for row in steps),
-                          capture_output=True, text=True, check=True).stdout.splitlines()
-    found = np.array([[float.fromhex(v) for v in row.split()] for row in said])
-    assert len(rows) == 116 and np.array_equal(found[kept], np.array(shown))
+    assert len(rows) == 116 and np.array_equal(replayed(folder, design.routine, rows), np.array(shown))
 
 
 def test_record_of_the_page_is_what_the_lesson_record_reads(tmp_path, capsys) -> None:

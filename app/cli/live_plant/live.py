@@ -12,6 +12,7 @@ from dataclasses import replace
 from typing import IO, TYPE_CHECKING
 
 from ...text import languages
+from ..ending import ended_as_by_ctrl_c
 from ..options import PLANT_HELP, STATE_HELP, CommandError, seconds, whole_number
 
 if TYPE_CHECKING:
@@ -91,6 +92,7 @@ def execute(options: argparse.Namespace) -> int:
         reader = LineReader(tuple(name for kind, _, name in names if kind == "u"), tuple(name for kind, _, name in names if kind == "y"),
                             options.checksum)
         with ExitStack() as open_ones:
+            open_ones.enter_context(ended_as_by_ctrl_c())
             read = open_ones.enter_context(_source(options, lesson, outcome))
             if options.page is not None:
                 return _on_page(options, lesson, design, read, reader)
