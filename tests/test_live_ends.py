@@ -7,16 +7,20 @@ import subprocess
 import sys
 import time
 import tty
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 import pytest
 from live_endurance import LIVE, endure
 
+from observer_lab.engine.systems import discretise
 from observer_lab.export.devices.folders import device_design
+from observer_lab.export.devices.simulator import simulator_files
 from observer_lab.lessons import LESSONS
 from observer_lab.live.lines import LineReader
 from observer_lab.live.observer import LiveObserver
+from observer_lab.live.simulated import simulated
 from observer_lab.live.sources import from_serial
 
 PATIENCE_S = 90.0
@@ -133,6 +137,20 @@ def test_live_ends_with_its_counts_where_its_plant_is_killed(tmp_path) -> None:
     assert process.returncode == 0 and b"lines " in said and b"refused: none" in said
     assert np.isfinite(np.loadtxt(tmp_path / "run.csv", delimiter=",", skiprows=1)).all()
     assert list((tmp_path / "temporary").iterdir()) == []
+
+
+def test_plant_that_falls_over_is_put_back_and_goes_on() -> None:
+    """Nobody feeds an unstable plant anything back: it must not run off until all its readings are missing."""
+    lesson = LESSONS["saturation"]
+    outcome = lesson.compute(lesson.start())
+    design, s = device_design(lesson, outcome), outcome.run.scenario
+    files = simulator_files(design, discretise(s.plant, design.routine.period), s.x0)
+    reader, fallen = LineReader(("force",), ("position",)), []
+    with simulated(files, 3000, paced=False, driven=True, knocks=250) as source:
+        while (data := source(5.0)) is not None:
+            fallen += [float(np.abs(sample.y).max()) for sample in reader.feed(data)]
+    assert reader.refused == {} and np.isfinite(fallen).all() and max(fallen) < 200 * 20 * np.abs(s.x0).max()
+    assert sum(after < before / 10 for before, after in pairwise(fallen)) > 2
 
 
 @pytest.mark.slow

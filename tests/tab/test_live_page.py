@@ -27,7 +27,8 @@ from observer_lab.live.observer import RESET_LINES, LiveObserver
 from observer_lab.live.rows import measured_states
 from observer_lab.live.simulated import simulated
 from observer_lab.page.record.recorded_screen import Look, RecordedScreen
-from observer_lab.session.commands.commands import SetKnobs
+from observer_lab.page.words import phrases
+from observer_lab.session.commands.commands import PageSeen, Play, Seek, SetKnobs
 from observer_lab.session.commands.files import LinesCame
 from observer_lab.session.session import Session
 
@@ -77,9 +78,34 @@ def test_record_of_the_page_is_what_the_lesson_record_reads(tmp_path, capsys) ->
     for k in range(300):
         feed(desk, line(exciting, k))
     desk.toggle_record()
-    head = (tmp_path / "live-1.csv").read_text().splitlines()[0].split(",")
-    assert main(["run", "record", "--data", str(tmp_path / "live-1.csv"), "--columns", f"t=t u={head[1]} y={head[2]}", "--json"]) in (0, 1)
+    head, *rows = (tmp_path / "live-1.csv").read_text().splitlines()
+    assert len(rows) == 300
+    columns = "t=t u={1} y={2}".format(*head.split(","))
+    assert main(["run", "record", "--data", str(tmp_path / "live-1.csv"), "--columns", columns, "--json"]) in (0, 1)
     capsys.readouterr()
+
+
+def test_record_begun_in_the_middle_of_a_run_holds_what_came_from_then_on_and_is_read(tmp_path, capsys) -> None:
+    """Its first time is not 0, lines are lost in it, others late; a second record of the same run is a file of its own."""
+    _, design, desk = desk_for("noise", tmp_path, Clock())
+    random = np.random.default_rng(5)
+    u = random.choice([-1.0, 1.0], (800, 1))
+    exciting = replace(design, u=u, y=0.01 * u.cumsum(axis=0) + 1e-3 * random.normal(size=(800, 1)))
+    T, late = design.routine.period, np.where(random.random(800) < 0.05, 0.2 * random.random(800), 0.0)
+    times = [3600.0 + (k + late[k]) * T for k in range(800)]
+    for k in range(700):
+        if k in (250, 620):
+            desk.toggle_record()
+        if k not in {300, 301, 455, 630}:
+            feed(desk, line(exciting, k, times[k]))
+        if k in (599, 699):
+            desk.toggle_record()
+    for file, kept in (("live-1.csv", sorted({*range(250, 600)} - {300, 301, 455})), ("live-2.csv", sorted({*range(620, 700)} - {630}))):
+        rows = np.loadtxt(tmp_path / file, delimiter=",", skiprows=1)
+        assert np.array_equal(rows[:, 0], [times[k] for k in kept]) and np.array_equal(rows[:, 2], exciting.y[kept, 0])
+    columns = "t=t u={1} y={2}".format(*(tmp_path / "live-1.csv").read_text().splitlines()[0].split(","))
+    assert main(["run", "record", "--data", str(tmp_path / "live-1.csv"), "--columns", columns, "--json"]) in (0, 1)
+    assert '"data": "own"' in capsys.readouterr().out
 
 
 def test_body_stands_where_the_readings_are_and_the_ghost_where_the_estimate_is(tmp_path) -> None:
@@ -143,6 +169,24 @@ def test_ghost_alone_moves_with_a_line_between_two_pictures(tmp_path) -> None:
     assert all(np.allclose(place, pose[name].position, rtol=0, atol=1e-9) for name, place in stands.items())
     nodes = {f"scene:/{root}/{part.name}" for root in ("ghost", "plant") for part in body.parts}
     assert {name for name, _ in changed} <= nodes | {"scene:/errors", "scene:/forces"}
+
+
+@each("language, live", [("en", "Live"), ("zh", "实时")])
+def test_page_of_a_running_plant_offers_no_other_time_than_now(language: str, live: str, tmp_path_factory) -> None:
+    lesson, design, desk = desk_for("noise", tmp_path_factory.mktemp("page"), Clock())
+    screen = RecordedScreen(Look(language, width="phone"))
+    session = Session({"noise": live_lesson(lesson, lesson.start(), desk)}, screen, "noise", language, clock=Clock())
+    session.open()
+    for k in range(30):
+        feed(desk, line(design, k))
+    for command in (LinesCame(1, lambda: None), Play(), Seek(0.0), PageSeen(1)):
+        session.post(command)
+        session.step()
+    assert not session.picture.state.moving and session.picture.state.t == session.picture.horizon > 0
+    parts = next(str(value) for value in screen.values.values() if 'class="ol-parts"' in str(value))
+    assert live in parts and 'data-part="tasks"' not in parts
+    offered = [str(value) for place, value in screen.values.items() if place[1] == "options"]
+    assert not any(phrases.PLAY(language) in words for words in offered) and any(phrases.UNDO(language) in words for words in offered)
 
 
 def test_hidden_page_is_given_no_places_until_it_draws_again(tmp_path) -> None:

@@ -35,9 +35,10 @@ def end_of(horizon: float) -> float:
 
 def _parts(picture: Picture) -> str:
     """The names of the parts of the lesson, for a phone, which shows one at a time."""
-    lang, named = picture.state.language, [("predict", phrases.PREDICTION), ("knobs", phrases.KNOBS)]
+    lang, live = picture.state.language, picture.lesson.live is not None
+    named = [("predict", phrases.LIVE if live else phrases.PREDICTION), ("knobs", phrases.KNOBS)]
     named += [("curves", phrases.CURVES)] if picture.seen else []
-    named += [("why", phrases.STEPS), ("tasks", phrases.TASKS)]
+    named += [("why", phrases.NUMBERS)] if live else [("why", phrases.STEPS), ("tasks", phrases.TASKS)]
     buttons = "".join(f'<button type="button" data-part="{part}">{words(lang)}</button>' for part, words in named)
     return f'<nav class="ol-parts">{buttons}</nav>'
 
@@ -64,6 +65,7 @@ class PlaybackControls:
             self._time = gui.add_slider(phrases.TIME(lang), 0.0, self._horizon, step_of(self._horizon), 0.0)
             self._back = ReadBack(self._time, lambda t: post(Seek(t)))
             self._clock = gui.add_html(clock(0.0, picture.horizon, picture.rate, self._caption))
+            self._time.visible = self._clock.visible = picture.lesson.live is None  # a running plant has no other time than now
         panel.expand()  # a phone folds it otherwise
         self._panel, self._width = panel, Sizes(picture.state).run
         panel.float(x=BAR, y=-BAR, width=self._width)
@@ -75,12 +77,13 @@ class PlaybackControls:
         return html.escape(stage.body.caption(self._lang)) if stage is not None else ""
 
     def _options(self, picture: Picture) -> tuple[str, ...]:
-        words: list[Any] = [phrases.PAUSE if picture.state.moving else phrases.PLAY]
-        if picture.lesson.kick:
-            words.append(phrases.KICK)
+        words: list[Any] = []
+        if picture.lesson.live is None:
+            words += [phrases.PAUSE if picture.state.moving else phrases.PLAY, *([phrases.KICK] if picture.lesson.kick else [])]
+            words += [phrases.REWIND, phrases.SLOWER, phrases.FASTER]
         if picture.guided:
-            return tuple(w(self._lang) for w in (*words, phrases.REWIND, phrases.SLOWER, phrases.FASTER))
-        words += [phrases.REWIND, phrases.SLOWER, phrases.FASTER, phrases.UNDO, phrases.REDO, phrases.RESET, phrases.VIEW]
+            return tuple(w(self._lang) for w in words)
+        words += [phrases.UNDO, phrases.REDO, phrases.RESET, phrases.VIEW]
         if Sizes(picture.state).lists_keys:
             words.append(phrases.HELP)
         return tuple(w(self._lang) for w in words)

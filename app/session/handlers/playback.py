@@ -135,7 +135,7 @@ def _ended(show: Presenter) -> bool:
 
 def play(show: Presenter) -> None:
     """Play or pause."""
-    if warn_if_locked(show) or show.picture.horizon <= 0:
+    if warn_if_locked(show) or show.picture.horizon <= 0 or show.lesson.live is not None:
         return
     playing = not show.state.moving
     t = 0.0 if playing and _ended(show) else show.state.t
@@ -144,8 +144,8 @@ def play(show: Presenter) -> None:
 
 
 def seek(show: Presenter, t: object) -> None:
-    """Go to a time of the run. Raises KnobError."""
-    if warn_if_locked(show):
+    """Go to a time of the run, where it has others than now. Raises KnobError."""
+    if warn_if_locked(show) or show.lesson.live is not None:
         show.redraw()
         return
     t = min(max(check_number(t), 0.0), show.picture.horizon)
@@ -183,6 +183,6 @@ def kick(show: Presenter) -> None:
 
 
 def _has_ghost(show: Presenter) -> bool:
-    """Whether the run that is shown has a ghost beside its plant."""
+    """Whether the run that is shown has a ghost beside its plant, and is not a plant that runs now."""
     stage = show.picture.outcome.stage
-    return stage is not None and stage.xhat is not None
+    return stage is not None and stage.xhat is not None and show.lesson.live is None
