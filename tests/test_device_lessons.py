@@ -36,6 +36,34 @@ def test_lesson_gives_the_page_estimate_and_the_same_bits_in_c(tmp_path, name: s
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("statistic", ["energy", "mean"])
+@pytest.mark.parametrize("part", ["VL", "u1", "u3"])
+def test_one_observer_of_the_bank_alone_gives_the_page_statistic_and_the_same_bits_in_c(tmp_path, part: str, statistic: str) -> None:
+    """An unknown-input observer sees every fault but that of the coil that it ignores, as the bank's verdict on the page does."""
+    lesson = LESSONS["fault-diagnosis"]
+    alarms = {}
+    for place in ("none", "u1", "HL"):
+        outcome = lesson.compute(lesson.apply(lesson.start(), {"place": place, "statistic": statistic, "bias": 10.0, "loss": 100.0,
+                                                               "force": 4.0, "rate": 1e-6}))
+        design = device_design(lesson, outcome, part=part)
+        gap = design.gap()
+        assert gap is not None and gap < 1e-9
+        alarms[place] = bool(design.expected()["alarm"].any())
+    assert alarms == {"none": False, "u1": part != "u1", "HL": True}
+    files = device_files(lesson, outcome, "token", "c", part=part)
+    assert f"part {part}" in files["README.md"]
+    for flags in (["-O0"], ["-O3"]):
+        assert run_c(write_files(tmp_path, files), flags).endswith("every bit as in the lab's Python.")
+
+
+def test_part_that_a_lesson_does_not_have_is_refused_with_those_that_it_has() -> None:
+    for name, said in (("fault-diagnosis", "there are VL, HL, VR, HR, u1, u2, u3"), ("kalman", "leave the part out")):
+        lesson = LESSONS[name]
+        with pytest.raises(DeviceError, match=said):
+            device_design(lesson, lesson.compute(lesson.start()), part="u9")
+
+
+@pytest.mark.slow
 def test_reduced_order_observer_gives_the_page_estimate_and_the_same_bits_in_c(tmp_path) -> None:
     """Readings are held over a period on a device, and the page's run is continuous: the two differ by that alone."""
     lesson = LESSONS["virtual-sensor"]

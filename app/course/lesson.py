@@ -185,7 +185,8 @@ class Lesson(Generic[S]):
     the figure that shows why. `aside` names the knobs that are turned rarely: the page keeps them behind "more". `key` names
     those that a hall needs, at most KEYS of which matter at once: in large print all others are behind "more knobs".
     `code` says what a script of a design starts from and finds again, where the run is no plain loop.
-    `device` says what a device computes, and every how many seconds, where the run is no plain loop.
+    `device` says what a device computes, and every how many seconds, where the run is no plain loop; `device_parts` are its parts, by
+    their names, that a device can compute alone.
     `take_record(lesson, record)` makes the lesson for a person's own record;
     `estimates` is the table of what a filter finds along a person's record.
     `derived` gives the numbers of the derivation's places, `place` its place in the course, `again` its second prediction,
@@ -228,6 +229,7 @@ class Lesson(Generic[S]):
     estimates: Callable[[Outcome[S]], Sheet] | None = None
     take_record: Callable[[Lesson, Record], Lesson] | None = None
     live: LiveDesk | None = None  # of a page beside a running plant
+    device_parts: Mapping[str, Callable[[Outcome[S], float | None], DeviceDesign]] = field(default_factory=dict)
 
     @classmethod
     def from_folder(cls, *modules: ModuleType, **given: Any) -> Lesson[Any]:

@@ -88,7 +88,8 @@ if alarms > 0.0:
 
 
 def bank_routine(system: Plant, members: int, signature: np.ndarray, threshold: float, window: int, energy: bool,
-                 start: Sequence[float] | np.ndarray, names: tuple[Sequence[str], Sequence[str], Sequence[str]]) -> Routine:
+                 start: Sequence[float] | np.ndarray, names: tuple[Sequence[str], Sequence[str], Sequence[str]],
+                 kind: str = "fault bank") -> Routine:
     """The bank `system` from (u, y) to the residuals of all members, judged over `window` samples.
 
     `fault` is the column of the signature that alone fits the alarms, −1 without an alarm, −2 where none or several fit.
@@ -99,7 +100,7 @@ def bank_routine(system: Plant, members: int, signature: np.ndarray, threshold: 
     faults = signature.shape[1]
     source = "".join([RESIDUALS, ENERGY if energy else MEAN, "column = -1.0\n", ALARMS.lstrip()])
     return Routine(
-        "fault bank", system.dt, {"n": system.n, "m": m, "p": p, "q": q, "members": members, "faults": faults, "window": window},
+        kind, system.dt, {"n": system.n, "m": m, "p": p, "q": q, "members": members, "faults": faults, "window": window},
         (table("A", system.A, "all members: z+ = A z + B (u, y), residual = C z + D (u, y)"), table("B", system.B), table("C", system.C),
          table("D", np.asarray(system.D)), table("threshold", [threshold, float(window)], "of the statistic, and samples of the window"),
          table("signature", signature.astype(float), "which member sees which fault"),

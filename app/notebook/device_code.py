@@ -13,8 +13,9 @@ from ..session.state.token import write_token
 __all__ = ["write_device"]
 
 
-def write_device(lesson: str, folder: str, to: str = "c", *, ts: float | None = None, single: bool = False, **knobs: object) -> list[str]:
-    """Write the observer of a lesson into a folder as code, its knobs given by name; gives the names of the files.
+def write_device(lesson: str, folder: str, to: str = "c", *, ts: float | None = None, single: bool = False, part: str | None = None,
+                 **knobs: object) -> list[str]:
+    """Write the observer of a lesson, or a part of it alone, into a folder as code, its knobs given by name; the names of the files.
 
     Raises ValueError at an unknown lesson or kind, KnobError at a knob, DeviceError where no device can run the design.
     """
@@ -25,7 +26,8 @@ def write_device(lesson: str, folder: str, to: str = "c", *, ts: float | None = 
         raise ValueError(f"There is no kind {str(to)[:40]}; use {', '.join(BODIES)}.")
     taken = lessons[lesson]
     design = taken.apply(taken.start(), knobs)
-    files = device_files(taken, taken.compute(design), write_token(taken, SavedState(design, "en")), to, ts=ts, single=single)
+    files = device_files(taken, taken.compute(design), write_token(taken, SavedState(design, "en")), to, ts=ts, single=single,
+                         part=part)
     Path(folder).mkdir(parents=True, exist_ok=True)
     for name, content in files.items():
         (Path(folder) / name).parent.mkdir(parents=True, exist_ok=True)

@@ -9,6 +9,7 @@ from __future__ import annotations
 import argparse
 import sys
 import tempfile
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -26,10 +27,10 @@ BODIES = ("gcc -O0", "gcc -O3", "sanitizers", "wasm", "FMPy", "Python", "ST", "f
 SAME = "every bit as in the lab's Python."
 
 
-def tried(lesson, outcome, folder: Path, bodies: tuple[str, ...] = BODIES) -> dict[str, bool]:
-    """Whether a design gives the same bits, by body."""
-    design = device_design(lesson, outcome)
-    write_files(folder, device_files(lesson, outcome, "token", "c"))
+def tried(lesson, outcome, folder: Path, bodies: tuple[str, ...] = BODIES, part: str | None = None) -> dict[str, bool]:
+    """Whether a design, or a part of it alone, gives the same bits, by body."""
+    design, files = device_design(lesson, outcome, part=part), partial(device_files, lesson, outcome, "token", part=part)
+    write_files(folder, files("c"))
     found = {}
     for body in bodies:
         if body in ("gcc -O0", "gcc -O3"):
@@ -39,18 +40,18 @@ def tried(lesson, outcome, folder: Path, bodies: tuple[str, ...] = BODIES) -> di
         elif body == "wasm":
             found[body] = run_wasm(folder).endswith(SAME)
         elif body == "Python":
-            found[body] = run_python(write_files(folder / "python", device_files(lesson, outcome, "token", "micropython"))).endswith(SAME)
+            found[body] = run_python(write_files(folder / "python", files("micropython"))).endswith(SAME)
         elif body == "ST":
             try:
-                block = str(device_files(lesson, outcome, "token", "st")["FB_Lab.st"])
+                block = str(files("st")["FB_Lab.st"])
             except DeviceError:  # a filter with functions of its own, as sine; it is said to the person
                 continue
             found[body] = st_differences(block, design) == 0
         elif body == "FMPy":
-            unit = write_files(folder / "fmu", device_files(lesson, outcome, "token", "fmu")) / "lab.fmu"
+            unit = write_files(folder / "fmu", files("fmu")) / "lab.fmu"
             found[body] = fmu_differences(unit, design) == 0
         elif body == "float":
-            single = write_files(folder / "float", device_files(lesson, outcome, "token", "c", single=True))
+            single = write_files(folder / "float", files("c", single=True))
             found[body] = run_c(single, ["-O3"]).endswith(SAME)
     return found
 
@@ -63,7 +64,8 @@ def main() -> int:
     options = parser.parse_args()
     wrong = 0
     print(f"{'lesson':<20}{'designs':>8}{'refused':>8}  " + "".join(f"{body:>12}" for body in BODIES))
-    for name, lesson in LESSONS.items():
+    rows = [(name, lesson, part) for name, lesson in LESSONS.items() for part in (None, *lesson.device_parts)]
+    for name, lesson, part in rows:
         if options.lessons and name not in options.lessons:
             continue
         random, done, refused = np.random.default_rng(50), 0, 0
@@ -75,11 +77,11 @@ def main() -> int:
                 continue
             done += 1
             with tempfile.TemporaryDirectory() as folder:
-                for body, same in tried(lesson, outcome, Path(folder)).items():
+                for body, same in tried(lesson, outcome, Path(folder), part=part).items():
                     differ[body] = (differ[body] or 0) + (not same)
         wrong += sum(count or 0 for count in differ.values())
         counts = "".join(f"{'–' if count is None else count:>12}" for count in differ.values())
-        print(f"{name:<20}{done:>8}{refused:>8}  {counts}", flush=True)
+        print(f"{f'{name} {part}' if part else name:<20}{done:>8}{refused:>8}  {counts}", flush=True)
     return int(wrong > 0)
 
 

@@ -29,6 +29,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--plant", metavar="FILE", help=PLANT_HELP)
     add_record_options(parser)
     parser.add_argument("--ts", type=seconds, metavar="SECONDS", help="code for a device: its period (default: that of the page's run)")
+    parser.add_argument("--part", metavar="NAME", help="code for a device: a part alone, as u1 of fault-diagnosis")
     parser.add_argument("--float", action="store_true", dest="single", help="code for a device: numbers of four bytes")
     parser.add_argument("--final", action="store_true", help="do the lesson's long computation too, if it has one")
 
@@ -50,8 +51,8 @@ def execute(options: argparse.Namespace) -> int:
     from ..outputs import save_bytes, save_page, save_words, write_folder, write_whole_file
     from ..records import from_record
 
-    if options.to not in FOLDERS and (options.ts is not None or options.single):
-        raise CommandError(f"--ts and --float are for code of a device; --to {options.to} has neither.")
+    if options.to not in FOLDERS and (options.ts is not None or options.single or options.part is not None):
+        raise CommandError(f"--ts, --float and --part are for code of a device; --to {options.to} has none of them.")
     lessons = lessons_of(options)
     origin = find_lesson(options.lesson, lessons)
     if options.data is not None:
@@ -65,7 +66,8 @@ def execute(options: argparse.Namespace) -> int:
     try:
         outcome = outcome_of(lesson, design, options.final)
         if options.to in FOLDERS:
-            write_folder(name, device_files(lesson, outcome, token, options.to, ts=options.ts, single=options.single))
+            write_folder(name, device_files(lesson, outcome, token, options.to, ts=options.ts, single=options.single,
+                                            part=options.part))
             print(name)
             return 0
         if options.to in SCRIPTS:

@@ -41,6 +41,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--set", action="append", default=[], metavar="KNOB=VALUE", dest="changes", help="set a knob; may be repeated")
     parser.add_argument("--state", metavar="TOKEN|FILE", help=STATE_HELP)
     parser.add_argument("--plant", metavar="FILE", help=PLANT_HELP)
+    parser.add_argument("--part", metavar="NAME", help="a part of the design alone, as u1 of fault-diagnosis")
     parser.add_argument("--ts", type=seconds, metavar="SECONDS", help="period of the lines (default: that of the page's run)")
     parser.add_argument("--checksum", action="store_true", help="refuse lines without a checksum")
     parser.add_argument("--record", metavar="FILE", help="write the lines as a table that the lesson record reads")
@@ -86,7 +87,7 @@ def execute(options: argparse.Namespace) -> int:
     lesson = fit_lesson(origin, design.plant)
     try:
         outcome = outcome_of(lesson, design, False)
-        found = device_design(lesson, outcome, options.ts)
+        found = device_design(lesson, outcome, options.ts, options.part)
         observer = LiveObserver(found.routine)
         names = [name.partition(":") for name in column_names(found.routine)[1:]]
         reader = LineReader(tuple(name for kind, _, name in names if kind == "u"), tuple(name for kind, _, name in names if kind == "y"),
@@ -116,7 +117,8 @@ def execute(options: argparse.Namespace) -> int:
 def _on_page(options: argparse.Namespace, lesson: Lesson, design: Design, source: Port, reader: LineReader) -> int:
     from .page import desk_of, show_page
 
-    desk = desk_of(lesson, design, reader, options.ts, None if options.drive is None else (options.drive, options.drive_rate))
+    drive = None if options.drive is None else (options.drive, options.drive_rate)
+    desk = desk_of(lesson, design, reader, options.ts, drive, options.part)
     if options.record:
         desk.toggle_record(options.record)
         if not desk.recording:
@@ -145,7 +147,7 @@ def _simulated(options: argparse.Namespace, lesson: Lesson, outcome: Outcome) ->
 
     if outcome.run is None:
         raise CommandError(f"Lesson {lesson.id} has no plain loop to simulate as a device; use --stdin, --udp or --serial.")
-    design, s = device_design(lesson, outcome, options.ts), outcome.run.scenario
+    design, s = device_design(lesson, outcome, options.ts, options.part), outcome.run.scenario
     plant = s.plant if s.plant.dt else discretise(replace(s.plant), design.routine.period)
     count = SIMULATED_SAMPLES if options.seconds is None else int(options.seconds / design.routine.period) + 1
     return simulated(simulator_files(design, plant, s.x0), count, driven=options.drive is not None,

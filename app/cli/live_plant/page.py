@@ -114,15 +114,16 @@ def _take(desk: LiveDesk, source: Port, data: bytes) -> bool:
     return came
 
 
-def desk_of(lesson: Lesson, design: Design, reader: LineReader, ts: float | None, drive: tuple[float, float] | None) -> LiveDesk:
+def desk_of(lesson: Lesson, design: Design, reader: LineReader, ts: float | None, drive: tuple[float, float] | None,
+            part: str | None = None) -> LiveDesk:
     """What the tabs share. Raises DeviceError, and CommandError where a design that feeds nothing back is to drive."""
     from ...export.devices.folders import device_design
     from ...live.desk import LiveDesk
     from ...live.drive import Drive, feedback_of
     from ...study.points import outcome_of
 
-    routine = device_design(lesson, outcome_of(lesson, design, False), ts).routine
+    routine = device_design(lesson, outcome_of(lesson, design, False), ts, part).routine
     if drive is not None and feedback_of(routine) is None:
         raise CommandError(f"Lesson {lesson.id} feeds nothing back with these settings, so it cannot drive a plant; leave --drive out.")
-    return LiveDesk(routine, design, lambda outcome: device_design(lesson, outcome, ts).routine, reader, time.monotonic, Path.cwd(),
+    return LiveDesk(routine, design, lambda outcome: device_design(lesson, outcome, ts, part).routine, reader, time.monotonic, Path.cwd(),
                     None if drive is None else Drive(*drive))

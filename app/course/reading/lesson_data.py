@@ -25,7 +25,7 @@ NEEDED = ("knobs", "compute", "figures", "tasks")
 PARTS: Mapping[str, tuple[str, str]] = MappingProxyType({  # field of a lesson → its module and its name there
     "knobs": ("knobs", "KNOBS"), "compute": ("study", "compute"), "figures": ("figures", "figures"), "tasks": ("tasks", "TASKS"),
     "exams": ("exams", "EXAMS"), "derived": ("derive", "derived"), "code": ("code", "code"), "job": ("job", "JOB"),
-    "device": ("device", "device"), "estimates": ("estimates", "estimates"),
+    "device": ("device", "device"), "device_parts": ("device", "PARTS"), "estimates": ("estimates", "estimates"),
     "questions": ("questions", "QUESTIONS"), "pick": ("job", "pick"), "seeds": ("seeds", "run_seeds"), "adapt": ("own", "adapted"),
     "take_record": ("own", "with_record")})
 

@@ -24,11 +24,21 @@ BODIES: Mapping[str, Writer] = MappingProxyType({
     "c": c_project, "arduino": arduino_sketch, "micropython": micropython_folder, "fmu": fmu_folder, "st": structured_text_folder,
     "simulink": simulink_folder})  # what writes the files for it, by the name of the body
 NO_DEVICE = text("Lesson {id} has no observer, filter or controller that a device could run.")
+NO_PARTS = text("Lesson {id} has no part that a device computes alone; leave the part out.")
+NO_SUCH_PART = text("Lesson {id} has no part {part}; there are {parts}.")
 BORN = (2020, 1, 1, 0, 0, 0)  # of every file in a zip, so that the same design gives the same bytes
 
 
-def device_design(lesson: Lesson, outcome: Outcome, ts: float | None = None) -> DeviceDesign:
-    """What a device computes for this design, sampled every `ts` seconds. Raises DeviceError where there is nothing, or it breaks."""
+def device_design(lesson: Lesson, outcome: Outcome, ts: float | None = None, part: str | None = None) -> DeviceDesign:
+    """What a device computes for this design, or for a part of it alone, sampled every `ts` seconds.
+
+    Raises DeviceError where there is nothing, or it breaks.
+    """
+    if part is not None:
+        if part not in lesson.device_parts:
+            raise DeviceError(NO_SUCH_PART.format(id=lesson.id, part=part[:40], parts=", ".join(lesson.device_parts))
+                              if lesson.device_parts else NO_PARTS.format(id=lesson.id))
+        return lesson.device_parts[part](outcome, ts)
     if lesson.device is not None:
         return lesson.device(outcome, ts)
     if outcome.run is None:
@@ -37,11 +47,12 @@ def device_design(lesson: Lesson, outcome: Outcome, ts: float | None = None) -> 
 
 
 def device_files(lesson: Lesson, outcome: Outcome, token: str, body: str, *, ts: float | None = None, single: bool = False,
-                 ) -> Mapping[str, str | bytes]:
+                 part: str | None = None) -> Mapping[str, str | bytes]:
     """The files for a body by their names. Raises DeviceError."""
     knobs = ", ".join(f"{name} {value}" for name, value in outcome.design.values if value != lesson.start()[name])[:300]
-    source = f"lesson {lesson.id}, {f'with {knobs}' if knobs else 'default settings'}; state {token[:600]}"
-    return BODIES[body](device_design(lesson, outcome, ts), source, single)
+    called = lesson.id if part is None else f"{lesson.id}, part {part}"
+    source = f"lesson {called}, {f'with {knobs}' if knobs else 'default settings'}; state {token[:600]}"
+    return BODIES[body](device_design(lesson, outcome, ts, part), source, single)
 
 
 def zip_of(folder: str, files: Mapping[str, str | bytes]) -> bytes:
