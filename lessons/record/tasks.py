@@ -11,7 +11,7 @@ from .knobs import FURNACE, MASSES, TANKS
 from .study import Study
 
 DOUBTFUL, HALF, CLOSE = 2.0, 0.5, 0.05
-SURE, LITTLE = 0.09, 30.0
+SURE, LITTLE = 0.09, 45.0
 
 
 def _other(outcome: Outcome[Study], data: str) -> bool:
@@ -61,7 +61,7 @@ def _little_data(outcome: Outcome[Study]) -> Verdict:
         return Verdict(False, text("The least certain pole has a standard deviation of {sigma:.2g}; at most 0.09 is allowed.",
                                    sigma=m["deviation"]))
     if d["share"] > LITTLE:
-        return Verdict(False, text("The poles are certain enough; do it with at most 30 % of the record."))
+        return Verdict(False, text("The poles are certain enough; do it with at most 45 % of the record."))
     return Verdict(True, text("With {share:.0f} % of the record the least certain pole has a standard deviation of {sigma:.2g}.",
                               share=d["share"], sigma=m["deviation"]))
 
@@ -88,7 +88,7 @@ TASKS = (
     Task("right-order", _right_order, {"data": MASSES, "order": 4}),
     Task("over-confident", _over_confident, {"factor": 0.035}),
     Task("under-confident", _under_confident, {"data": TANKS, "factor": 16.0}),
-    Task("little-data", _little_data, {"data": MASSES, "order": 4, "share": 30}),
+    Task("little-data", _little_data, {"data": MASSES, "order": 4, "share": 45}),
     Task("real", _real, {"data": FURNACE, "factor": 20.0}),
     typed_task("back", BACK),
 )

@@ -120,11 +120,11 @@ def _slopes(kf: KalmanFilter, track: Track, record: Record, first: int, tuned: b
     de = −C dx − dC x̂ − dD u. The last columns are a constant for each output; those of D stand first.
     """
     n, p = kf.n, kf.C.shape[0]
-    K = kf.A @ track.schedule.gains[-1]
-    steady = kf.A - K @ kf.C
     x, u = track.predicted[first:], record.u[first:]
     nu = track.innovations[first:]
     seen = np.isfinite(nu).all(axis=1)
+    K = kf.A @ track.gains[first + int(np.flatnonzero(seen)[-1]) if seen.any() else -1]  # a row without a reading has the gain 0
+    steady = kf.A - K @ kf.C
     e = np.where(np.isfinite(nu), nu, 0.0)
     N = len(x)
     columns = []

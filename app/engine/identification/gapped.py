@@ -13,6 +13,7 @@ from .noise_fit import NoiseFit, fit_noise_to
 from .predictor import Pieces, gapped_pieces, pieces_of
 from .probe import filled
 from .smoother import smooth
+from .spread import simulated_spread
 from .subspace import Subspace, subspace
 from .windows import segments_of
 
@@ -26,18 +27,27 @@ def fit_states(u: np.ndarray, y: np.ndarray, order: int | None) -> tuple[Subspac
     """A, C by subspace and B, D, Q, R by likelihood, of inputs and outputs about their level; NaN where a measurement is missing.
 
     Where long stretches are whole, they are fitted. Otherwise each gap is filled for the subspace method by the smoother of the fit
-    before; the likelihood is that of the measured rows, with a gain for each. `order` None takes the largest order, up to the suggested
-    one, for which there is a filter. Source: Shumway and Stoffer, Journal of Time Series Analysis 3 (1982) 253–264.
+    before; the likelihood is that of the measured rows, with a gain for each. The spread of the poles is that of `simulated_spread`.
+    `order` None takes the largest order, up to the suggested one, for which there is a filter.
+    Source: Shumway and Stoffer, Journal of Time Series Analysis 3 (1982) 253–264.
     """
     fit = _whole if in_long_stretches(y) else _gapped
     if order is not None:
-        return fit(u, y, order)
+        return _with_spread(*fit(u, y, order), y)
     suggested = subspace(u, y if fit is _whole else filled(y)).suggested
     for n in range(suggested, 0, -1):
         with suppress(EngineError) if n > 1 else nullcontext():
             found, noises, pieces = fit(u, y, n)
             break
-    return replace(found, suggested=suggested), noises, pieces
+    return _with_spread(replace(found, suggested=suggested), noises, pieces, y)
+
+
+def _with_spread(found: Subspace, noises: NoiseFit, pieces: Pieces, y: np.ndarray) -> tuple[Subspace, NoiseFit, Pieces]:
+    """The fit with the spread of records that the model makes, and that of the jackknife where it makes none."""
+    spread = simulated_spread(found, noises, pieces, int(np.isfinite(y).all(axis=1).sum()))
+    if spread is not None:
+        found = replace(found, spread=spread, deviations=np.sqrt(np.trace(spread, axis1=1, axis2=2)))
+    return found, noises, pieces
 
 
 def _whole(u: np.ndarray, y: np.ndarray, order: int) -> tuple[Subspace, NoiseFit, Pieces]:

@@ -46,8 +46,9 @@ def subspace(u: np.ndarray, y: np.ndarray, *, order: int | None = None, horizon:
 
     With L of [u_f; z_p; y_f] = L Q: W⁻¹ L₃₂ = U S Vᵀ, W Wᵀ = L₃₂ L₃₂ᵀ + L₃₃ L₃₃ᵀ; Γ = W U_n S_n^½, C its first rows, Γ↓ A = Γ↑.
     u (n_t, m), y (n_t, p) about their means, NaN in y where missing. The spread comes from leaving out one block of rows after the
-    other (jackknife). Sources: Verhaegen, Automatica 30 (1994) 61–74; Larimore, American Control Conference (1983) 445–451; Efron,
-    The Jackknife (1982). Raises EngineError for records that are too short or inputs that do not excite.
+    other (jackknife); `identify` gives that of records which the fitted model makes. Sources: Verhaegen, Automatica 30 (1994) 61–74;
+    Larimore, American Control Conference (1983) 445–451; Efron, The Jackknife (1982). Raises EngineError for records that are too
+    short or inputs that do not excite.
     """
     m, p = u.shape[1], y.shape[1]
     if horizon is None:
