@@ -117,3 +117,26 @@ def error_of_the_best(log: Heater, rows: np.ndarray, settled: int) -> float:
         away.append(x + LEVEL - log.clean[k])
         x, P = POLE * x + (1 - POLE) * STEADY * log.u[k, 0], POLE**2 * P + DISTURBANCE**2
     return float(np.sqrt(np.mean(np.square(away[settled:]))))
+
+
+DROP = """([name, words]) => {
+  const folder = document.querySelector('input[type=file][accept*=".csv"]').closest(window.observerLabViser.parts.folder);
+  const data = new DataTransfer();
+  data.items.add(new File([words], name, {type: 'text/csv'}));
+  const event = type => new DragEvent(type, {bubbles: true, cancelable: true, dataTransfer: data});
+  folder.dispatchEvent(event('dragover'));
+  const marked = 'olDropHere' in folder.dataset;
+  const kept = !document.body.dispatchEvent(event('drop'));  // beside the folder: the page stays, and nothing is read
+  folder.dispatchEvent(event('dragover'));
+  folder.dispatchEvent(event('drop'));
+  return [marked, kept, 'olDropHere' in folder.dataset];
+}"""
+
+
+@pytest.mark.slow
+def test_a_file_that_is_dropped_on_the_folder_is_looked_at(new_tab: Callable[..., Tab]) -> None:
+    tab, words = new_tab(), LESSONS["record"].words["en"]
+    tab.choose_lesson(words.title, words.question)
+    tab.unfold(phrases.RECORD_FILE("en"))
+    assert tab.page.evaluate(DROP, ["dropped.csv", heater().log.decode()]) == [True, True, False]
+    eventually(tab.page.get_by_text("dropped.csv", exact=True).count, lambda n: n == 1, "the preview of the dropped file")

@@ -33,6 +33,7 @@ PAGE_SCRIPTS = (
     "snapshot",  # let the dialog keep the stage as a picture, drawn with all its pixels on the ground that the page gives it
     "countdown",  # count down how long the class discusses
     "parts",  # let a phone show one part of the lesson at a time
+    "drop",  # take a file that is dropped on a folder with an upload button
     "floor",  # keep the camera from turning or sliding under the floor, from where nothing can be seen
 )
 

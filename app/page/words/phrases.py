@@ -235,8 +235,8 @@ UPLOAD_HINT = text("Your own A, B, C and D (F and K too if it is bilinear), up t
                    "it, or MATLAB's save -v7.")
 RECORD_FILE = text("your own record")
 UPLOAD_RECORD = text("Upload a record (.csv, .mat)")
-UPLOAD_RECORD_HINT = text("A table with times, inputs u and outputs y, up to 1 MB. The file stays in this tab; after a reload of the page "
-                          "you upload it again.")
+UPLOAD_RECORD_HINT = text("A table with times, inputs u and outputs y, up to 1 MB. Choose the file or drop it here. It stays in this "
+                          "tab; after a reload of the page you upload it again.")
 ROLE_HINT = text("The column is the time t, an input u, an output y, or not used.")
 ROLE_UNUSED = text("not used")
 ROLE_TIME, ROLE_INPUT, ROLE_OUTPUT = text("t: time"), text("u: input"), text("y: output")
