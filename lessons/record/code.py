@@ -18,12 +18,13 @@ def code(outcome: Outcome[Study]) -> Code:
     study, d = outcome.study, outcome.design
     record, s, fitted = study.found.record, study.found.subspace, study.found.fitted
     kf, judged = fitted.kalman(factor=d["factor"]), study.judged
-    white, gaps = judged.whiteness, bool(np.isnan(record.y).any())
+    y, white = study.used, judged.whiteness
+    gaps = bool(np.isnan(y).any())
     return Code(
         ("record_gaps",) if gaps else ("record",),
         (
             GivenValue("u", record.u, "inputs about their level, one row for each time"),
-            GivenValue("y", record.y, "outputs about their level"),
+            GivenValue("y", y, "outputs about their level" + ("; NaN where the gate set a row aside" if judged.set_aside.any() else "")),
             GivenValue("h", record.dt, "s"),
             GivenValue("delay", study.found.delay, "rows by which an input acts later"),
             GivenValue("t_start", study.found.trend.start, "s, where the drift is zero"),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from importlib.resources import files
 from types import MappingProxyType
@@ -15,9 +15,11 @@ from observer_lab.engine.identification import Record, RecordFit, read_record
 from observer_lab.engine.systems import affine_scan, discretise
 from observer_lab.text import text
 
-from .knobs import FURNACE, MASSES, SPRING, TANKS
+from .knobs import FAULTY, FURNACE, MASSES, SPRING, TANKS
 
 HELD, BEFORE = 5, 200  # samples that an input is held, and samples that run before the record begins
+JUMP, JUMPING, BIAS = 0.5, 0.03, 0.1  # of a faulty sensor: its jumps, their share of the readings, its bias
+FIRST_JUMP, FIRST_BIAS = 400, 640  # rows from which a faulty sensor jumps, and from which it has a bias
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +47,7 @@ class Given:
     """A record, and if it is simulated the output without sensor noise and the plant.
 
     `own` if a person brought it; `plant` if that person's plant is filtered, and not fitted; `opening`: the fit with the order that
-    its singular values suggest, with which the lesson opens.
+    its singular values suggest, with which the lesson opens. jumps, bias: what a faulty sensor adds to the readings.
     """
 
     record: Record
@@ -54,6 +56,8 @@ class Given:
     own: bool = False
     plant: Plant | None = None
     opening: RecordFit | None = None
+    jumps: np.ndarray | None = None
+    bias: np.ndarray | None = None
 
 
 def _plant(A: list[list[float]], B: list[float], C: list[float], dt: float) -> Plant:
@@ -74,6 +78,8 @@ def record_of(data: str, seed: int) -> Given:
     if data == FURNACE:
         words = (files("observer_lab.plants") / "data" / "gas-furnace.csv").read_text(encoding="utf-8")
         return Given(read_record(words, inputs=("gas rate",), outputs=("CO2",)))
+    if data == FAULTY:
+        return _faulty(record_of(SPRING, seed), seed)
     if data not in TRUTHS:
         raise KnobError(text("There is no record of your own here; upload it, or start the lab with --data FILE.csv."))
     truth = TRUTHS[data]
@@ -85,3 +91,12 @@ def record_of(data: str, seed: int) -> Given:
     y = clean + truth.r * rng.standard_normal(clean.shape)
     t = plant.dt * np.arange(truth.rows)
     return Given(Record(t, u[BEFORE:], y[BEFORE:], ("u",), ("y",)), clean[BEFORE:], truth)
+
+
+def _faulty(given: Given, seed: int) -> Given:
+    """The same record with readings that jump, and a bias from a later row on."""
+    record, rng = given.record, np.random.default_rng(seed + 1)
+    rows = np.arange(record.rows)[:, None]
+    jumps = np.where((rows >= FIRST_JUMP) & (rng.random(record.y.shape) < JUMPING), JUMP * rng.choice([-1.0, 1.0], record.y.shape), 0.0)
+    bias = np.where(rows >= FIRST_BIAS, BIAS, np.zeros(record.y.shape))
+    return replace(given, record=replace(record, y=record.y + jumps + bias), jumps=jumps, bias=bias)

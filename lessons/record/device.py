@@ -21,4 +21,4 @@ def device(outcome: Outcome[Study], ts: float | None = None) -> DeviceDesign:
         raise DeviceError(RECORDED_PERIOD.format(dt=record.dt))
     start = Belief(0 * track.means[0], track.schedule.prior[0])
     names = (fitted.plant.state_names, record.input_names, record.output_names)
-    return design_of_filter(kf, start, (record.y, record.u), names, track.means)
+    return design_of_filter(kf, start, (study.used, record.u), names, track.means)

@@ -13,7 +13,8 @@ from .study import Study
 def estimates(outcome: Outcome[Study]) -> Sheet:
     """A row a sample: t in s, inputs, each output as measured, estimated with its σ and smoothed, then the states with σ.
 
-    The estimate of a row uses the readings up to it; the smoothed one uses all. A missing reading is NaN. Units are those of the record.
+    The estimate of a row uses the readings up to it; the smoothed one uses all. A missing reading is NaN, and so is one
+    that the gate set aside. Units are those of the record.
     """
     study = outcome.study
     record, judged, trend = study.found.record, study.judged, study.found.trend
@@ -25,7 +26,7 @@ def estimates(outcome: Outcome[Study]) -> Sheet:
     columns = [("t [s]", record.t)]
     columns += zip(record.input_names, (record.u + trend.u_level + after * trend.u_slope).T, strict=True)
     for k, name in enumerate(record.output_names):
-        columns += [(name, (record.y + trend.y_level + after * trend.y_slope)[:, k]),
+        columns += [(name, (study.used + trend.y_level + after * trend.y_slope)[:, k]),
                     (f"estimate {name}", (track.means @ C.T + about)[:, k]), (f"sigma of estimate {name}", sigma[:, k]),
                     (f"smoothed {name}", (smoothed.means @ C.T + about)[:, k])]
     for kind, means, variances in (("", track.means, track.variances), ("smoothed ", smoothed.means, smoothed.variances)):

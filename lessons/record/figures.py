@@ -9,8 +9,9 @@ from observer_lab.course.figures.records import Curve, LineFigure, PlaneFigure, 
 from observer_lab.course.lazy import FigureSet, tab_figures
 from observer_lab.course.lesson import Outcome
 from observer_lab.engine.identification.evidence import WHITE
-from observer_lab.text import Text, format_number, text
+from observer_lab.text import Text, format_number, joined, text
 
+from .knobs import ONE_SENSOR
 from .study import Study
 
 RECORD_TAB, ORDER_TAB, INNOVATIONS_TAB, NIS_TAB, NUMBERS_TAB = (
@@ -22,7 +23,7 @@ TOP = 12.0  # of the NIS figure, in means
 def figures(outcome: Outcome[Study]) -> FigureSet:
     """All figures; those of hidden tabs are made when they are looked at."""
     study = outcome.study
-    return FigureSet(tab_figures(RECORD_TAB, lambda: (_output(outcome), _gap(outcome))),
+    return FigureSet(tab_figures(RECORD_TAB, lambda: (_output(outcome), _gap(outcome), _sigma(study))),
                  tab_figures(ORDER_TAB, lambda: (_values(study), _poles(study))),
                  tab_figures(INNOVATIONS_TAB, lambda: (_innovations(study), _whiteness(study))),
                  tab_figures(NIS_TAB, lambda: (_nis(study),)),
@@ -67,6 +68,20 @@ def _gap(outcome: Outcome[Study]) -> LineFigure:
                      smoother=m["smoother_error"])
     title = text("estimate less measured output") if clean is None else text("estimate less true output")
     return LineFigure("gap", title, t, tuple(curves), _unit(study), tab=RECORD_TAB, caption=words)
+
+
+def _sigma(study: Study) -> LineFigure:
+    """The standard deviation of the estimated output, with one sensor and with a second one."""
+    fusion, record = study.fusion, study.found.record
+    t = study.t[0] + record.dt * np.arange(len(fusion.alone))
+    curves = [Curve(text("one sensor"), fusion.alone, "second")]
+    words = text("With one sensor it is {sigma:.2g}.", sigma=fusion.alone[-1])
+    if study.second != ONE_SENSOR:
+        curves.append(Curve(text("two sensors"), fusion.both, "estimate"))
+        words = text("With one sensor it is {sigma:.2g}; with both it runs from {low:.2g} to {high:.2g}.", sigma=fusion.alone[-1],
+                     low=fusion.period.min(), high=fusion.period.max())
+    return LineFigure("sigma", text("standard deviation of the estimated output"), t, tuple(curves), _unit(study), tab=RECORD_TAB,
+                      caption=words)
 
 
 def _values(study: Study) -> PlaneFigure:
@@ -117,23 +132,21 @@ def _innovations(study: Study) -> LineFigure:
 
 def _whiteness(study: Study) -> PlaneFigure:
     """The autocorrelation of the innovations over the lag, with its band."""
-    white = study.judged.whiteness
+    white, p_value = study.judged.whiteness, study.judged.evidence.white
+    if p_value >= WHITE:
+        said = text("The innovations are white (p = {p:.2g}), the errors of the fit allowed for.", p=p_value)
+    else:
+        said = text("The innovations are not white (p = {p:.2g}): a better model could predict a part of them.", p=p_value)
     if white is None:
+        said = joined(said, text("Rows without a measurement are left out."))
         return PlaneFigure("whiteness", text("autocorrelation of the innovations"), (), (), text("lag"), text("correlation"),
-                           (0, 20), (-1, 1), tab=INNOVATIONS_TAB,
-                           caption=text("Measurements are missing here: the test of whiteness leaves their rows out (p = {p:.2g}).",
-                                        p=study.judged.evidence.white))
+                           (0, 20), (-1, 1), tab=INNOVATIONS_TAB, caption=said)
     r = white.correlation[:, 0]
     lags = len(r)
     points = tuple(Point(k + 1.0, float(v), "estimate" if abs(v) <= white.band else "error", "dot") for k, v in enumerate(r))
     lines = tuple(Curve(text("band of white noise"), np.full(2, side * white.band), "reference", "dash", x=np.array([0.5, lags + 0.5]))
                   for side in (1, -1))
     high = max(1.2 * float(np.abs(r).max()), 2 * white.band)
-    p_value = study.judged.evidence.white
-    if p_value >= WHITE:
-        said = text("The innovations are white (p = {p:.2g}), the errors of the fit allowed for.", p=p_value)
-    else:
-        said = text("The innovations are not white (p = {p:.2g}): a better model could predict a part of them.", p=p_value)
     return PlaneFigure("whiteness", text("autocorrelation of the innovations"), lines, points, text("lag"), text("correlation"),
                        (0.5, lags + 0.5), (-high, high), tab=INNOVATIONS_TAB, caption=said)
 
@@ -141,8 +154,10 @@ def _whiteness(study: Study) -> PlaneFigure:
 def _nis(study: Study) -> LineFigure:
     """NIS of each row that judges, its running mean, and the band of the mean at the end."""
     judged = study.judged
+    seen = np.isfinite(judged.nis.values)
     values = np.nan_to_num(judged.nis.values) / judged.nis.dof
-    mean = np.cumsum(values) / np.arange(1, len(values) + 1)
+    mean = np.cumsum(values) / np.maximum(np.cumsum(seen), 1)
+    mean = mean * judged.mean_nis / mean[-1]  # behind a gate a good filter has a mean below 1; `mean_nis` allows for it
     t, single, running = thin_samples(study.t, np.minimum(values, TOP), np.minimum(mean, TOP))
     flat = np.ones(len(t))
     return LineFigure("nis", text("normalised innovation squared (NIS)"), t,

@@ -6,11 +6,14 @@ from observer_lab.course.knobs import Choice, Number, Switch
 from observer_lab.text import text
 
 SPRING, TANKS, MASSES, FURNACE, OWN = "spring", "tanks", "masses", "furnace", "own"
+FAULTY = "faulty"  # the spring, whose sensor is faulty in the rows that judge
+NO_GATE, ONE_SENSOR, SLOW, LATE = "off", "none", "slow", "late"
 MAX_ORDER, OPENING_SHARE = 6, 0.5
 
 DATA = Choice("data", "", text("record"), default=SPRING,
               options=((SPRING, text("spring and damper (simulated)")), (TANKS, text("two tanks (simulated)")),
-                       (MASSES, text("two masses (simulated)")), (FURNACE, text("gas furnace (measured, 1970)"))),
+                       (MASSES, text("two masses (simulated)")), (FAULTY, text("spring, faulty sensor (simulated)")),
+                       (FURNACE, text("gas furnace (measured, 1970)"))),
               hint=text("The true plant behind a simulated record is known; behind a measured one nobody knows it."))
 DELAY = Number("delay", "", text("dead time of the input (rows)"), low=0, high=60, default=0, scale="integer",
                hint=text("By how many rows the output answers later than in the next row. For your own record it is estimated."))
@@ -24,6 +27,13 @@ KNOBS = (
     DELAY,
     Number("factor", "", text("Q by hand / Q by likelihood"), low=0.001, high=1000.0, default=1.0, scale="log",
            hint=text("1 keeps the most likely Q. Below 1 the filter trusts the model too much.")),
+    Choice("gate", "", text("gate of the filter"), default=NO_GATE,
+           options=((NO_GATE, text("off")), ("0.999", text("lets 99.9 % pass")), ("0.99", text("lets 99 % pass"))),
+           hint=text("A reading farther from its prediction than this share of good ones is set aside and counts as missing.")),
+    Choice("second", "", text("second sensor"), default=ONE_SENSOR,
+           options=((ONE_SENSOR, text("none")), (SLOW, text("exact, at every 10th row")), (LATE, text("the same, 5 rows late"))),
+           hint=text("A second sensor of the first output, ten times as exact as the first. The figure of the standard deviation shows "
+                     "what it gains.")),
     Switch("smoother", "", text("smoother"), default=False,
            hint=text("Estimate each moment from the whole record, not only from what came before.")),
     Number("seed", r"s_0", text("noise seed"), low=0, high=9999, default=1, scale="integer", hidden=True),

@@ -1,4 +1,4 @@
-"""Draw the questions of lesson 21: tuned NIS, singular values, a hundred times Q."""
+"""Draw the questions of lesson 21: NIS, singular values, a larger Q, a gate, a second sensor."""
 
 from __future__ import annotations
 
@@ -6,8 +6,12 @@ from types import MappingProxyType
 
 import numpy as np
 
-from observer_lab.course.guiding.questions import Asked, DrawnQuestion, question_of_bar_groups, question_of_bars
+from observer_lab.course.figures.records import Curve
+from observer_lab.course.guiding.questions import Asked, DrawnQuestion, question_of_bar_groups, question_of_bars, question_over_time
+from observer_lab.engine.identification import filter_record
 from observer_lab.text import same, text
+
+from .fusion import EVERY
 
 SHOWN_VALUES = 5  # singular values that are asked about
 SIGNAL, BELOW = 0.9, 0.7  # a singular value of a state; of the noise edge, one of noise alone
@@ -42,4 +46,35 @@ def surprise(asked: Asked) -> DrawnQuestion:
                             (FAR_ABOVE * now, now, now * S / ((S - R) * np.sqrt(factor) + R)), asked.after.metrics["mean_nis"], "estimate")
 
 
-QUESTIONS = MappingProxyType({"recall": recall, "predict": predict, "surprise": surprise})
+def faulty(asked: Asked) -> DrawnQuestion:
+    """The error of the filter where jumps and bias are taken from the readings, where the jumps are, and where nothing is.
+
+    Beside the true output, or the measured one where nobody knows the true one.
+    """
+    study = asked.entry.study
+    true = np.nan_to_num(study.measured if study.clean is None else study.clean)[:, 0]
+    given, found, first = study.given, study.found, study.first
+    jumps, bias = (np.zeros_like(found.record.y) if added is None else added for added in (given.jumps, given.bias))
+
+    def error(removed: np.ndarray) -> np.ndarray:
+        judged = filter_record(found.fitted, found.record.noted(y=found.record.y - removed), first)
+        return (judged.track.means @ found.fitted.plant.C.T)[first:, 0] + found.trend.y_level[0] - true
+    away = asked.after.study.estimate(False)[:, 0] - true
+    return question_over_time(text("estimate less true output"), study.t, (), (error(jumps + bias), error(jumps), error(0 * jumps)),
+                              Curve(text("with the gate"), away, "estimate"), "y")
+
+
+def clocks(asked: Asked) -> DrawnQuestion:
+    """σ of the estimate: as with one sensor, small at each exact reading and back within some rows, or small all along."""
+    study, now = asked.entry.study, asked.after.study.fusion
+    kf = study.found.fitted.kalman()
+    slowest = float(np.abs(np.linalg.eigvals(kf.A - kf.A @ asked.entry.gains["M"] @ kf.C)).max())
+    rows = np.arange(len(now.alone))
+    left = np.where(rows < EVERY, 0.0, slowest ** (2 * (rows % EVERY)))
+    alone, exact = now.alone[-1], now.exact
+    options = (np.full(len(rows), alone), np.sqrt(alone**2 - (alone**2 - exact**2) * left), np.where(rows < EVERY, alone, exact))
+    return question_over_time(text("standard deviation of the estimated output"), study.found.record.dt * rows, (), options,
+                              Curve(text("two sensors"), now.both, "estimate"), "y", span=(0.0, 1.3 * alone))
+
+
+QUESTIONS = MappingProxyType({"recall": recall, "predict": predict, "surprise": surprise, "faulty": faulty, "clocks": clocks})

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -18,7 +18,8 @@ from observer_lab.plants.bodies.own_body import tubes_body
 from observer_lab.text import NO_WORDS, Text, error_words, joined, text
 
 from .data import Given, record_of
-from .knobs import MAX_ORDER, OPENING_SHARE
+from .fusion import Fusion, fused
+from .knobs import MAX_ORDER, NO_GATE, ONE_SENSOR, OPENING_SHARE
 
 DEVIATIONS = 3.0  # of a pole: within them the true one is expected
 
@@ -35,6 +36,14 @@ class Study:
     judged: FilteredRecord
     true_poles: np.ndarray | None
     away: float
+    gated: bool = False
+    second: str = ONE_SENSOR
+    factor: float = 1.0
+
+    @cached_property
+    def fusion(self) -> Fusion:
+        """What a second sensor gains, from the first row that judges on."""
+        return fused(self.found.fitted.kalman(factor=self.factor), self.judged.track.schedule.prior[-1], self.second)
 
     @property
     def first(self) -> int:
@@ -68,6 +77,11 @@ class Study:
         return self.level((self.judged.track.predicted @ plant.C.T + record.u @ plant.D.T)[self.first:])
 
     @property
+    def used(self) -> np.ndarray:
+        """The outputs of all rows about their level, NaN where the gate set a row aside."""
+        return np.where(self.judged.set_aside[:, None], np.nan, self.found.record.y)
+
+    @property
     def measured(self) -> np.ndarray:
         """The outputs of the rows that judge."""
         return self.level(self.found.record.y[self.first:])
@@ -96,13 +110,15 @@ def compute(source: Source, design: Design) -> Outcome[Study]:
     """Fit the model and its noises to the first share of the record, filter the whole, judge by the rest."""
     given = source(design)
     found = _fitted(given, int(design["order"]), design["share"] / 100, int(design["delay"]))
-    judged = found.judged if design["factor"] == 1 else filter_record(
-        found.fitted, found.record, found.judged.first, factor=design["factor"])
-    study = Study(given, found, judged, *_beside(given, found))
+    gate = None if design["gate"] == NO_GATE else float(design["gate"])
+    judged = found.judged if design["factor"] == 1 and gate is None else filter_record(
+        found.fitted, found.record, found.judged.first, factor=design["factor"], gate=gate)
+    study = Study(given, found, judged, *_beside(given, found), gate is not None, design["second"],
+                  design["factor"])
     plant = found.fitted.plant
-    metrics = LazyMap(lambda: _metrics(study))
-    gains = {"M": judged.track.schedule.gains[-1], "R": found.fitted.R, "Q": design["factor"] * found.fitted.Q,
-             "S": judged.track.schedule.S[-1]}
+    metrics = LazyMap(lambda: _metrics(study, gains["M"]))
+    last = int(np.flatnonzero(np.isfinite(judged.track.innovations).all(axis=1))[-1])  # a row without a reading has the gain 0
+    gains = {"M": judged.track.gains[last], "R": found.fitted.R, "Q": design["factor"] * found.fitted.Q, "S": judged.track.S[last]}
     return Outcome(
         design, gains, {"model": np.log(found.subspace.poles.astype(complex) + 1e-300) / plant.dt}, metrics,
         LazySequence(lambda: _checks(study)), None, (), _stage(study, bool(design["smoother"])),
@@ -119,7 +135,7 @@ def _beside(given: Given, found: RecordFit) -> tuple[np.ndarray | None, float]:
     return true, float((gap.min(axis=1) / np.maximum(found.subspace.deviations[near], 1e-12)).max())
 
 
-def _metrics(study: Study) -> dict[str, float]:
+def _metrics(study: Study, M: np.ndarray) -> dict[str, float]:
     s, judged, fitted = study.found.subspace, study.judged, study.found.fitted
     known = {
         "mean_nis": judged.mean_nis, "nis_low": judged.band[0], "nis_high": judged.band[1], "fit": 100 * float(judged.fit[0]),
@@ -128,7 +144,9 @@ def _metrics(study: Study) -> dict[str, float]:
         "outliers": float(study.found.outliers.sum()), "delay": float(study.found.delay),
         "edge": s.edge, "last_value": float(s.singular_values[len(s.A) - 1]), "deviation": float(s.deviations.max()),
         "away": study.away, "sensor": float(np.sqrt(fitted.R[0, 0])), "horizon": float(s.horizon),
-        "slowest": float(np.abs(s.poles).max()), "gain": float(np.linalg.norm(fitted.plant.C @ judged.track.schedule.gains[-1]))}
+        "slowest": float(np.abs(s.poles).max()), "gain": float(np.linalg.norm(fitted.plant.C @ M)),
+        "set_aside": float(judged.set_aside.sum()), "sigma": float(study.fusion.alone[-1]),
+        "sigma_least": float(study.fusion.period.min()), "sigma_most": float(study.fusion.period.max())}
     clean = study.clean
     if clean is not None:
         for name, smoothed in (("filter_error", False), ("smoother_error", True)):
@@ -198,10 +216,12 @@ def _live(study: Study) -> Text:
         text("From the inputs alone the model gives {free:.3g} % of it.", free=100 * free) if free > 0 else
         text("From the inputs alone the model gives none of it."))
     mine = NO_WORDS if study.given.plant is None else text("The model is your own plant; only Q and R were fitted.")
+    aside = NO_WORDS if not study.gated else text(
+        "The gate set {count} of {rows} rows aside; they count as missing.", count=int(judged.set_aside.sum()), rows=len(judged.set_aside))
     other = NO_WORDS if order == suggested else text("The singular values suggest order {suggested}, not {order}.",
                                                      suggested=suggested, order=order)
     information = study.found.subspace.by_information
     criterion = NO_WORDS if information == suggested else text("An information criterion suggests order {order}.", order=information)
     return joined(*map(error_words, failures[:1] if not judged.evidence.stable else ()), nis,
-                  *map(error_words, failures[1:] if not judged.evidence.stable else failures), mine, fit, alone, other, criterion,
+                  *map(error_words, failures[1:] if not judged.evidence.stable else failures), aside, mine, fit, alone, other, criterion,
                   error_words(study.given.record.size), *map(error_words, study.found.record.notes))

@@ -21,10 +21,12 @@ NUM = r"([−+-]?[\d.,]+(?:·10[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)?)"
 
 # --- record ------------------------------------------------------------------------------------------------------------
 def _nis(one: Said) -> tuple[float, float, float]:
-    judged = one.outcome.study.judged
-    count = len(judged.nis.t) if hasattr(judged.nis, "t") else len(judged.nis.values)
-    p = one.outcome.study.found.record.y.shape[1]
-    mean = float(np.mean(judged.nis.values))
+    judged, gate = one.outcome.study.judged, one.outcome.design["gate"]
+    values = judged.nis.values[np.isfinite(judged.nis.values)]
+    count, p = len(values), one.outcome.study.found.record.y.shape[1]
+    mean = float(np.mean(values))
+    if gate != "off":  # what passes has the mean of χ² below its quantile
+        mean *= float(gate) / float(chi2(p).expect(ub=float(chi2(p).ppf(float(gate)))))
     return mean, *(float(chi2.ppf(q, p * count) / count) for q in (0.025, 0.975))
 
 
