@@ -125,11 +125,11 @@ DROP = """([name, words]) => {
   data.items.add(new File([words], name, {type: 'text/csv'}));
   const event = type => new DragEvent(type, {bubbles: true, cancelable: true, dataTransfer: data});
   folder.dispatchEvent(event('dragover'));
-  const marked = 'olDropHere' in folder.dataset;
+  const marked = folder.classList.contains('ol-drop-here');
   const kept = !document.body.dispatchEvent(event('drop'));  // beside the folder: the page stays, and nothing is read
   folder.dispatchEvent(event('dragover'));
   folder.dispatchEvent(event('drop'));
-  return [marked, kept, 'olDropHere' in folder.dataset];
+  return [marked, kept, folder.classList.contains('ol-drop-here')];
 }"""
 
 

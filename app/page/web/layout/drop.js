@@ -3,7 +3,7 @@
 () => {
   if (window.observerLabDrop) return;
   window.observerLabDrop = true;
-  const parts = window.observerLabViser.parts, MARK = 'olDropHere';
+  const parts = window.observerLabViser.parts, MARK = 'ol-drop-here';
   const brings = event => [...event.dataTransfer?.types ?? []].includes('Files');
   const folder = event => {
     for (let at = event.target.closest?.(parts.folder); at; at = at.parentElement?.closest(parts.folder)) {
@@ -12,8 +12,8 @@
     return null;
   };
   const mark = place => {
-    document.querySelectorAll('[data-ol-drop-here]').forEach(other => { if (other !== place) delete other.dataset[MARK]; });
-    if (place) place.dataset[MARK] = '';
+    document.querySelectorAll(`.${MARK}`).forEach(other => other.classList.toggle(MARK, other === place));
+    place?.classList.add(MARK);
   };
   addEventListener('dragover', event => {
     if (!brings(event)) return;
