@@ -1,4 +1,4 @@
-"""Put a second, slow and exact sensor beside the record's first one: what fusion gains, also where its readings come late."""
+"""Put a second, slow and exact sensor beside the first one of a record."""
 
 from __future__ import annotations
 
