@@ -24,7 +24,8 @@ def code(outcome: Outcome[Study]) -> Code:
         ("record_gaps",) if gaps else ("record",),
         (
             GivenValue("u", record.u, "inputs about their level, one row for each time"),
-            GivenValue("y", y, "outputs about their level" + ("; NaN where the gate set a row aside" if judged.set_aside.any() else "")),
+            GivenValue("y", y, "outputs about their level, NaN where a row was set aside" if judged.set_aside.any() else
+                       "outputs about their level"),
             GivenValue("h", record.dt, "s"),
             GivenValue("delay", study.found.delay, "rows by which an input acts later"),
             GivenValue("t_start", study.found.trend.start, "s, where the drift is zero"),
