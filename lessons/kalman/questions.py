@@ -10,11 +10,14 @@ from observer_lab.course.guiding.questions import Asked, DrawnQuestion, question
 from observer_lab.course.lesson import Outcome
 from observer_lab.text import text
 
+from ..toolkit.on_board import board_question
 from ..toolkit.questions import question_of_decades
+from .device import device
 from .filters import UNTESTED_SAMPLES
 from .knobs import WHITE
 from .study import Study, expected
 
+VZ, ROUNDED_TO, GROWS = 4, 1e-3, 10.0  # place of the vertical velocity; m/s; times by which an option lets its cause enlarge the error
 LARGER = 16.0  # times that a noise grows in the recall
 WRONG_START = 3.0  # times that the errors are as large as expected at the start, in the option that says so
 
@@ -48,4 +51,11 @@ def surprise(asked: Asked) -> DrawnQuestion:
                                ((2.0,), (before * factors[0] / factors[1],), (6.0,)), (after,), "error")
 
 
-QUESTIONS = MappingProxyType({"recall": recall, "predict": predict, "surprise": surprise})
+def board(asked: Asked) -> DrawnQuestion:
+    """The error of the vertical velocity on a board, with Q and R as they are."""
+    outcome = asked.lesson.compute(asked.lesson.start())
+    return board_question(text("error of the vertical velocity on a board"), "σ [mm/s]", device(outcome), outcome.study.truth.x, VZ,
+                          step=ROUNDED_TO, late=1, grows=GROWS, scale=1e3)
+
+
+QUESTIONS = MappingProxyType({"recall": recall, "predict": predict, "surprise": surprise, "board": board})

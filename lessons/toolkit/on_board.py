@@ -38,15 +38,17 @@ def board_estimates(design: DeviceDesign, step: float, late: int) -> Mapping[str
             for name, (each, single) in board_designs(design, step, late).items()}
 
 
-def board_question(title: Text, unit: str, design: DeviceDesign, x: np.ndarray, state: int, *, step: float, late: int) -> DrawnQuestion:
-    """The error of one state on a board, by what goes wrong there; each option lets one cause enlarge it by half.
+def board_question(title: Text, unit: str, design: DeviceDesign, x: np.ndarray, state: int, *, step: float, late: int,
+                   grows: float = GROWS, scale: float = 1.0) -> DrawnQuestion:
+    """The error of one state on a board, by what goes wrong there; each option lets one cause enlarge it `grows` times.
 
-    x (n_t, n) is the truth at the readings. The error is the root mean square after the first third of the run.
+    x (n_t, n) is the truth at the readings. The error is the root mean square after the first third of the run,
+    times `scale` where its unit is not that of the state.
     """
     found = board_estimates(design, step, late)
     first, last = len(design.y) // 3, len(design.y)
-    size = {name: float(np.sqrt(np.mean((x[first:last, state] - xhat[first:last, state]) ** 2))) for name, xhat in found.items()}
+    size = {name: scale * float(np.sqrt(np.mean((x[first:last, state] - xhat[first:last, state]) ** 2))) for name, xhat in found.items()}
     whole = size["double"]
-    options = [[GROWS * whole if name == guilty else whole for name in FAULTS] for guilty in FAULTS]
+    options = [[grows * whole if name == guilty else whole for name in FAULTS] for guilty in FAULTS]
     run = [size[name] for name in FAULTS]
     return question_of_bar_groups(title, unit, ((text("double"), whole),), PLACES, options, run, "error")
