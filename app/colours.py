@@ -53,6 +53,7 @@ COLOURS = MappingProxyType({
     # the stage
     "label": "#000000",
     "floor": "#D6DCE5",
+    "fog": "#A9B4C4",
     "horizon": "#EEF2F7",  # what a trail fades into
     "empty": "#E2E5EA",  # what of a map is not computed
     "stand": "#969CA6",  # of a board

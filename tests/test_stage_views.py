@@ -8,6 +8,7 @@ from contextlib import nullcontext
 from functools import cache
 from types import SimpleNamespace
 from typing import Any, NamedTuple
+from unittest.mock import MagicMock
 
 import numpy as np
 from laws import holds_for_all
@@ -19,7 +20,7 @@ from observer_lab.lessons import LESSONS
 from observer_lab.page.stage.body_extent import body_corners, reach
 from observer_lab.page.stage.map_board import NEARER, place, written
 from observer_lab.page.stage.pole_boards import BOARD_FOOT, BOARD_HEIGHT, BOARD_PLACES, BOARD_WIDTH, board_contains
-from observer_lab.page.stage.stage import factors, factors_at
+from observer_lab.page.stage.stage import StageView, factors, factors_at
 from observer_lab.page.stage.viewpoint import SIGHT, Viewpoint, letters
 
 CANVASES = {"laptop": (929, 768), "small laptop": (870, 720), "wall": (1306, 1080)}  # px of the guide's stage
@@ -153,3 +154,16 @@ def test_letters_on_a_board_are_more_than_eleven_pixels_of_a_laptop_in_guide_and
         Viewpoint(client).camera("all")
         unit = seen(camera, np.array([[0.0, 1.5, BOARD_FOOT], [1.0, 1.5, BOARD_FOOT]]))
         assert letters(camera, False) * (unit[1, 0] - unit[0, 0]) / 2 >= LEAST_LETTER, size
+
+
+def test_what_is_unseen_is_sent_as_the_estimate_alone() -> None:
+    """A pole in fog: no browser gets to know where it is."""
+    lesson, sent = LESSONS["saturation"], {}
+    for fog in (False, True):
+        client = MagicMock()
+        view = StageView(client)
+        view.build(lesson.compute(lesson.apply(lesson.start(), {"fog": fog})).stage, "en", 0.1)
+        calls = [call for call in client.scene.method_calls if call.args and str(call.args[0]).startswith(("/plant/", "/ghost/"))]
+        sent[fog] = {call.args[0] for call in calls}
+    assert {"/plant/pole", "/plant/ball"} <= sent[False] and not any(name.startswith("/plant/fog") for name in sent[False])
+    assert not {"/plant/pole", "/plant/ball"} & sent[True] and {"/ghost/pole", "/ghost/ball", "/plant/cart", "/plant/fog 0"} <= sent[True]

@@ -8,13 +8,14 @@ cart stands.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import cos, sin
 from types import MappingProxyType
 from typing import Literal
 
 import numpy as np
 
+from ..colours import COLOURS
 from ..engine import EngineError, NonlinearPlant, Plant
 from ..text import text
 from .bodies.body import (
@@ -213,6 +214,32 @@ def body(parameters: Parameters = Parameters()) -> Body:
         PartName(text("balanced pole"), "ball", (0.7, -0.2, 0.1)),
         PartName(GHOST_NAME, "ball", (-0.7, -0.2, 0.1), True),
     ))
+
+
+FOG_PUFFS: Mapping[str, tuple[Vector, Vector]] = MappingProxyType({  # middles and half sizes, behind the estimate, which stays in sight
+    "fog 0": ((-1.05, 0.5, 1.55), (0.75, 0.28, 0.62)),
+    "fog 1": ((-0.35, 0.6, 1.75), (0.8, 0.3, 0.68)),
+    "fog 2": ((0.45, 0.5, 1.7), (0.85, 0.28, 0.7)),
+    "fog 3": ((1.15, 0.55, 1.5), (0.7, 0.28, 0.58)),
+    "fog 4": ((0.05, 0.45, 1.4), (1.2, 0.2, 0.45)),
+})
+FOG_OPACITY = 0.3
+
+
+def in_fog(clear: Body) -> Body:
+    """The body with its pole hidden by fog: only the cart and what the estimate says can be seen, and no line shows the error."""
+    hidden = tuple(replace(part, unseen=True) if part.name in ("pole", "ball") else part for part in clear.parts)
+    puffs = {name: Pose(middle, scale=half) for name, (middle, half) in FOG_PUFFS.items()}
+
+    def pose(x: Sequence[float], gain: float) -> Mapping[str, Pose]:
+        return {**clear.pose(x, gain), **puffs}
+
+    def anchors(x: Sequence[float], gain: float) -> tuple[Vector, ...]:
+        return clear.anchors(x, gain)[1:]
+
+    cart, _, ghost = clear.names
+    return replace(clear, parts=(*hidden, *(Part(name, Ball(1.0), COLOURS["fog"], opacity=FOG_OPACITY) for name in puffs)),
+                   pose=pose, anchors=anchors, names=(cart, PartName(text("fog hides the pole"), "fog 3", (0.5, -0.2, 0.75)), ghost))
 
 
 def grips(parameters: Parameters = Parameters()) -> tuple[Grip, ...]:

@@ -35,6 +35,9 @@ def figures(outcome: Outcome[Study]) -> tuple[Figure, ...]:
     angle, position = state_figures(MODEL, story.shown, 2)
     known = Curve(text("had x been known"), MODEL.watched[0].of(story.known), "reference", "dot", 1.6)
     angle = replace(angle, curves=(*angle.curves, known), caption=_angle_words(outcome), window=(-20.0, 20.0))
+    if design["fog"]:
+        angle = replace(angle, curves=tuple(c for c in angle.curves if c.role == "estimate"), caption=text(
+            "Fog hides the pole: only its estimate is drawn."))
     error = replace(error_figure(story.shown, story.promised), caption=_error_words(outcome), window=(1e-6, 10.0))
     force = replace(input_figure(story.shown, MODEL, design["u_max"]), window=(-10.0, 10.0), caption=text(
         "Largest force asked for: {largest_asked} N; the motor gives at most {u_max:.3g} N.",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from observer_lab.course.knobs import Choice, Number
+from observer_lab.course.knobs import Choice, Number, Switch
 from observer_lab.plants import MODELS
 from observer_lab.text import text
 
@@ -23,6 +23,8 @@ KNOBS = (
            step=0.5, hint=text("Where the pole really leans when the run begins; the cart is at rest.")),
     Number("error0", r"e_\theta(0)", text("error of its estimate"), "°", low=-20.0, high=20.0,
            default=4.0, step=0.5, hint=text("The observer starts from θ(0) minus this error.")),
+    Switch("fog", "", text("fog hides the pole"), default=False,
+           hint=text("Only the cart can be seen. The stage and the plot of the angle show the estimate of the pole alone.")),
     *(replace(knob, when=None) for knob in pole_knobs(MODEL)),
     *run_knobs(HORIZON),
     *pull_knobs(MODEL),

@@ -1,17 +1,18 @@
-"""Draw the questions of lesson 7: poles that move, the applied force, an exact start."""
+"""Draw the questions of lesson 7: a pole in fog, poles that move, the applied force, an exact start."""
 
 from __future__ import annotations
 
 from types import MappingProxyType
 
 import numpy as np
+from scipy.linalg import expm
 
 from observer_lab.course.figures.records import Curve, Point
 from observer_lab.course.guiding.questions import Asked, DrawnQuestion, question_of_bar_groups, question_of_poles, question_over_time
 from observer_lab.text import text
 
 from .knobs import APPLIED
-from .study import ANGLE
+from .study import ANGLE, CART_PLANT
 from .tasks import FAST_POLES
 
 SHIFT = 1.4  # of a pole that moves
@@ -22,6 +23,19 @@ SHOWN_S, SHOWN_DEG = 2.5, 20.0  # s and degrees of the angle's plot
 
 def _sorted(*poles: np.ndarray) -> list[complex]:
     return np.sort_complex(np.concatenate([np.asarray(each, dtype=complex) for each in poles])).tolist()
+
+
+def fog(asked: Asked) -> DrawnQuestion:
+    """The angle of a hidden pole: falling without a force, upright with the estimate, or as it was."""
+    shown = asked.entry.study.shown
+    few = shown.t <= SHOWN_S
+    t, start = shown.t[few], shown.x[0]
+    falls = np.array([(expm(CART_PLANT.A * each) @ start)[ANGLE] for each in t])
+    angles = falls, shown.x[few, ANGLE], np.full(len(t), start[ANGLE])
+    lines = tuple(np.clip(np.degrees(each), -SHOWN_DEG, SHOWN_DEG) for each in angles)
+    estimate = np.clip(np.degrees(shown.xhat[few, ANGLE]), -SHOWN_DEG, SHOWN_DEG)
+    return question_over_time(text("angle of the pole"), t, (Curve(text("estimate"), estimate, "estimate", "dash"),), lines,
+                              Curve(text("true"), lines[1]), "θ [°]")
 
 
 def recall(asked: Asked) -> DrawnQuestion:
@@ -61,4 +75,4 @@ def surprise(asked: Asked) -> DrawnQuestion:
         Curve(text("without an error"), angle(after.x)), "θ [°]")
 
 
-QUESTIONS = MappingProxyType({"recall": recall, "predict": predict, "surprise": surprise})
+QUESTIONS = MappingProxyType({"fog": fog, "recall": recall, "predict": predict, "surprise": surprise})

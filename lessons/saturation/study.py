@@ -9,9 +9,10 @@ from math import degrees, radians
 import numpy as np
 
 from observer_lab.course.figures.claims import claim
-from observer_lab.course.lesson import Check, Design, Formula, Outcome
+from observer_lab.course.lesson import Check, Design, Formula, Outcome, Stage
 from observer_lab.engine import EngineError, Plant, Scenario, autonomous_error, simulate
 from observer_lab.engine.simulation import Run, separation_meter, simulate_until
+from observer_lab.plants.cart_pendulum import in_fog
 from observer_lab.text import NO_WORDS, Text, format_number, joined, text
 
 from ..toolkit.boards import pole_boards, stage
@@ -21,7 +22,7 @@ from ..toolkit.latex import matrix
 from .ending import Ending, ending_of
 from .knobs import APPLIED, HORIZON, MODEL
 
-CART_PLANT = MODEL.plant
+CART_PLANT, FOGGY_BODY = MODEL.plant, in_fog(MODEL.body)
 DT = 0.02
 ERROR_LAW_RTOL = 1e-9  # of the error's peak: how well ė = (A − LC)e must hold to count as exact
 ANGLE = 1  # index of the angle in the state
@@ -138,8 +139,17 @@ def compute(design: Design) -> Outcome[Study]:
         Check("home", text("this start recovers"), end.home, float(np.linalg.norm(run.x[-1])), informative=True),
     )
     boards = pole_boards(MODEL, design, poles["controller"], poles["observer"])
-    return Outcome(design, {"K": K, "L": L}, poles, metrics, checks, seen, boards, stage(MODEL, shown, design),
+    return Outcome(design, {"K": K, "L": L}, poles, metrics, checks, seen, boards, _stage(shown, design),
                    _formulas(design, K, L, metrics), _live(design, metrics, story, _unstable(poles)), story)
+
+
+def _stage(shown: Run, design: Design) -> Stage:
+    """Cart and pole along the run; in fog a hand can take hold of the cart alone."""
+    clear = stage(MODEL, shown, design)
+    if not design["fog"]:
+        return clear
+    hidden = {part.name for part in FOGGY_BODY.parts if part.unseen}
+    return replace(clear, body=FOGGY_BODY, held=tuple(each for each in clear.held if hidden.isdisjoint(each[0].parts)))
 
 
 def slowest(outcome: Outcome[Study], name: str) -> float:

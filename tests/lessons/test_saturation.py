@@ -10,6 +10,7 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
 from observer_lab.course.lesson import Design, Outcome
+from observer_lab.course.scenes import Choose, entry_values
 from observer_lab.engine import Plant, Scenario, autonomous_error, observer_gain, place, simulate
 from observer_lab.engine.simulation import simulate_recovery
 from observer_lab.lessons.saturation import job
@@ -327,3 +328,32 @@ def test_a_loop_that_a_small_limit_holds_close_to_rest_does_not_recover(limit: f
         end = ending_of(simulate(Scenario(plant, np.array([[-2.0]]), np.array([[1.0]]), x0=(1.0,), xhat0=(1.0,), horizon=40.0, dt=0.05,
                                           u_min=-limit, u_max=limit, fed="applied", state_feedback=known)))
         assert end.decided and not end.home and end.unstable
+
+
+def test_fog_hides_the_pole_and_nothing_else_of_a_run() -> None:
+    clear, fog = (LESSON.compute(design(fog=each, pull=((0.0, 0.1),))) for each in (False, True))
+    assert clear.stage is not None and fog.stage is not None
+    np.testing.assert_array_equal(clear.stage.x, fog.stage.x)
+    assert {part.name for part in fog.stage.body.parts if part.unseen} == {"pole", "ball"} and clear.metrics == fog.metrics
+    assert not any(part.unseen for part in clear.stage.body.parts)
+    assert [grip.knob for grip, _ in clear.stage.held] == ["pull", "pull_2"] and [grip.knob for grip, _ in fog.stage.held] == ["pull_2"]
+    state = fog.stage.x[0].tolist()
+    assert all(z < 0.9 for *_, z in fog.stage.body.anchors(state, 1.0)), "no line leads to the hidden pole"
+    angle, position = (next(f for f in LESSON.figures(fog) if f.id == id) for id in ("state0", "state1"))
+    assert [curve.role for curve in angle.curves] == ["estimate"] and len(position.curves) == 2
+    np.testing.assert_allclose(angle.curves[0].y, np.clip(np.degrees(fog.stage.xhat[:, 1]), -49, 49))
+
+
+def test_the_hidden_pole_of_the_path_comes_upright_with_its_estimate_and_would_fall_without_a_force() -> None:
+    """By scipy's integrator, from where the scene starts."""
+    from verdict_saturation import told_of
+
+    scene = next(scene for scene in LESSON.path if scene.id == "fog")
+    values = entry_values(LESSON.path, LESSON.path.index(scene), LESSON.start())
+    assert values["fog"] and scene.play == {"fog": False} and isinstance(scene.do, Choose) and scene.do.answer == 1
+    outcome = LESSON.compute(design(**values))
+    told = told_of(outcome.run.scenario, 1, False)
+    assert told.rest and not told.clipped and outcome.run.xhat[0, 1] == 0.0
+    free = solve_ivp(lambda _, x: CART_PLANT.A @ x, (0, 1.5), outcome.run.x[0], rtol=1e-9, atol=1e-12)
+    assert free.y[1, -1] > FALLEN
+    assert np.abs(outcome.run.e[-1]).max() < 1e-9 and np.abs(np.degrees(outcome.run.x[-1, 1])) < 0.5

@@ -45,7 +45,7 @@ def body_corners(stage: Stage, moments: int) -> np.ndarray:
             if states is None:
                 continue
             poses = body.pose(states[i].tolist(), body.gain)
-            parts = [part for part in body.parts if part.twin or states is stage.x]
+            parts = [part for part in body.parts if (part.twin if states is stage.xhat else not part.unseen)]
             if parts:
                 found.append(_corners([part.shape for part in parts], [poses[part.name] for part in parts]))
     points = np.concatenate(found)

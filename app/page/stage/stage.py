@@ -107,7 +107,8 @@ class StageView:
             return
         body = stage.body
         for part in body.parts:
-            self._solid.add(part, part.colour, part.opacity)
+            if not part.unseen:
+                self._solid.add(part, part.colour, part.opacity)
             if part.twin and stage.xhat is not None:
                 self._ghost.add(part, GHOST_COLOUR, 0.55 if self._dark else 0.42)
         self._hand = PullingHand(self._scene, body.gain)

@@ -66,7 +66,8 @@ Shape = Box | Cylinder | Ball | Spring | Rod
 class Part:
     """One solid part. `twin` parts are drawn a second time, translucent, where the estimate says they are.
 
-    `opacity` below 1 lets what is behind or inside shine through: a region rather than a thing.
+    `opacity` below 1 lets what is behind or inside shine through: a region rather than a thing. What is `unseen` is drawn only where
+    the estimate says that it is.
     """
 
     name: str
@@ -74,6 +75,7 @@ class Part:
     colour: str = COLOURS["grey"]
     twin: bool = False
     opacity: float | None = None
+    unseen: bool = False
 
 
 @dataclass(frozen=True)
