@@ -13,6 +13,7 @@ from observer_lab.engine.observers import Attempt
 from observer_lab.text import Text, format_number, joined, same, text, text_in
 
 from ..toolkit.latex import pole_words
+from .assumptions import ASSUMED_TAB, assumed_figures
 from .criterion import criterion_1, of_two, steering, steering_3
 from .knobs import COLUMNS, EXAMPLE_FOUR, EXAMPLE_ONE, EXAMPLE_THREE, EXAMPLE_TWO, NORMS, REMARKS, SENSITIVITY_LINES
 from .paper_slips import PRINTED_SIZES, claimed_columns, free_columns, remark_3, true_size
@@ -36,7 +37,8 @@ def figures(outcome: Outcome[Story]) -> FigureSet:
     return FigureSet(tab_figures(TIME_TAB, lambda: (_error(outcome), _input(outcome), _output(outcome))),
                  tab_figures(J_TAB, lambda: (_criterion(outcome), _map_of(outcome), _found(outcome))),
                  tab_figures(WORST_TAB, lambda: (_frequency(outcome), _sweep(outcome))),
-                 tab_figures(PAPER_TAB, lambda: (_numbers(outcome), paper_ranks(outcome, PAPER_TAB), _slips(outcome))))
+                 tab_figures(PAPER_TAB, lambda: (_numbers(outcome), paper_ranks(outcome, PAPER_TAB), _slips(outcome))),
+                 tab_figures(ASSUMED_TAB, lambda: assumed_figures(outcome.design)))
 
 
 def _edge(values: np.ndarray) -> np.ndarray:

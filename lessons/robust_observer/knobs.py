@@ -18,10 +18,15 @@ REMARKS = MappingProxyType({
 })
 SENSITIVITY_LINES = MappingProxyType({"TA": "TΔA", "LC": "LΔC", "MC": "MΔC", "N": "N"})
 COLUMNS = MappingProxyType({"np": "n + p − r*", "nm": "n + m − r*", "mp": "m + p − r*"})
+KEPT, UNREACHED, UNSEEN, STATIC, STATIC_FIT = "kept", "unreached", "unseen", "static", "static-fit"
+ASSUMED = ((KEPT, text("controllable and observable")), (UNREACHED, text("the input does not reach the mode")),
+           (UNSEEN, text("the sensor does not see the mode")), (STATIC, text("T = 0: the nearest output feedback")),
+           (STATIC_FIT, text("T = 0, with K a multiple of C")))
 RE_LOW, RE_HIGH, IM_HIGH = -12.0, 1.0, 6.0  # of the observer's board
 SLIPS_GROUP = text("Find the slips")
 ERRORS_GROUP = text("The plant is not the model")
 SEARCH = text("Criterion and region")
+ASSUMED_GROUP = text("Assumptions")
 
 
 def _delta(name: str, symbol: str, examples: tuple[str, ...], label: Text, high: float, default: float) -> Number:
@@ -83,6 +88,8 @@ KNOBS = (
            step=0.1, group=SEARCH, hint=text("RLO keeps every pole left of this.")),
     Number("region_tall", "d", text("region for RLO, largest |Im s|"), "rad/s", low=0.0, high=IM_HIGH, default=1.5, step=0.1, group=SEARCH,
            when=("example", (EXAMPLE_FOUR,)), hint=text("With both ends a and b, a rectangle for the poles. 0: real poles only.")),
+    Choice("assumed", "", text("what is assumed of the plant"), default=KEPT, options=ASSUMED, group=ASSUMED_GROUP,
+           hint=text("Example 1 with an unstable mode more, in the tab Assumptions: each choice takes one assumption away.")),
     Choice("remark", "", text("remark 3 should read"), default="printed", group=SLIPS_GROUP, when=("example", (EXAMPLE_TWO,)),
            options=tuple((name, same(words)) for name, words in REMARKS.items()),
            hint=text("Five matrices that are to meet the observer conditions again; Λ is any regular matrix.")),
