@@ -16,6 +16,7 @@ from observer_lab.text import Text, format_number, joined, listed, same, text, t
 from .controllers import CONTROLLER_NAMES, ORDER, SHORT_NAMES, gain_gap
 from .curve_styles import CURVE_STYLES, width
 from .effort_tables import EFFORT_TAB, equal
+from .race_tables import RACE_TAB, race_figures
 from .report_levels import REPORT_TAB, report_tables
 from .score_tables import SCORE_TAB, TRIAL_TAB, friction, scored, times, tried
 from .simulation import loop_of
@@ -38,6 +39,7 @@ def figures(outcome: Outcome[Study]) -> FigureSet:
         tab_figures(TIME_TAB, lambda: [_test(outcome, j) for j in range(3)]),
         tab_figures(RUN_TAB, lambda: (_stage_velocity(outcome), _stage_force(outcome), friction(outcome, RUN_TAB))),
         tab_figures(SCORE_TAB, lambda: scored(outcome)), tab_figures(SCORE_TAB, lambda: (times(outcome),), "late"),
+        tab_figures(RACE_TAB, lambda: race_figures(outcome)),
         tab_figures(TRIAL_TAB, lambda: tried(outcome)),
         tab_figures(EFFORT_TAB, lambda: equal(outcome)), tab_figures(REPORT_TAB, lambda: report_tables(outcome)))
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from observer_lab.course.lazy import replace_keeping_cache
+from observer_lab.course.lazy import merge_lazily, replace_keeping_cache
 from observer_lab.course.lesson import Design, Job, Outcome
 from observer_lab.engine import Belief
 from observer_lab.engine.sampled import loop_density, mechanics_response, simulate_trials
@@ -17,8 +17,9 @@ from observer_lab.text import text
 from .controllers import DT, LQE, ORDER, RECURSIVE, Player, first_belief, sampled_design
 from .equal_effort import equal_effort
 from .friction import friction_of, isolation, noise
+from .race import leaders, race
 from .simulation import BAND_HZ, World, band_rms, grid, loop_of, with_resonances
-from .study import TOLERANCE, Study, Trials
+from .study import TOLERANCE, Study, Trials, acts
 
 RUN_COUNT, RUN_S, SEGMENT = 24, 32.0, 16_384
 LEARNING_SAMPLES, PART_SAMPLES = 30_000, 1000  # samples that the recursive filter is followed for, and whose gains are found at once
@@ -27,7 +28,8 @@ COSTS = ("driver", "delay", "adc", "drift", "stiffness", "damping", "placement")
 
 
 def try_out(outcome: Outcome[Study]) -> Iterator[tuple[float, Trials]]:
-    """Monte-Carlo of every player, that on the stage first, then learning, equal effort, tolerances and costs."""
+    """The ranking by runs where a limit or friction acts, then Monte-Carlo of every player, that on the stage first, learning, equal
+    effort, tolerances and costs."""
     done = 0.0
     for fraction, found in _all(outcome):
         done = max(done, fraction)
@@ -38,6 +40,10 @@ def _all(outcome: Outcome[Study]) -> Iterator[tuple[float, Trials]]:
     found = Trials((None,) * 5)
     match, design = outcome.study, outcome.design
     world, seed = match.world, int(design["seed"])
+    if acts(design):
+        for share, raced in race(world, match.five, seed, friction_of(design)):
+            found = found if raced is None else replace(found, raced=raced)
+            yield 0.14 * share, found
     shown_first = sorted(enumerate(match.five), key=lambda each: each[1].id != design["play"])
     for done, (i, player) in enumerate(shown_first):
         loop = loop_of(world, player)
@@ -172,7 +178,12 @@ def depends(design: Design) -> Design:
 
 def shown(outcome: Outcome[Study], found: Trials) -> Outcome[Study]:
     """The outcome with what was measured."""
-    return replace(outcome, study=replace_keeping_cache(outcome.study, trials=found))
+    study = replace_keeping_cache(outcome.study, trials=found)
+    if found.raced is None:
+        return replace(outcome, study=study)
+    numbers = {f"{player.id}_{channel}_raced": float(found.raced.rms[i, j]) for i, player in enumerate(study.five)
+               for j, channel in enumerate(("vertical", "rotation", "horizontal")) if not np.isnan(found.raced.rms[i, j])}
+    return replace(outcome, study=study, words=leaders(found.raced.rms), metrics=merge_lazily(outcome.metrics, numbers))
 
 
 JOB = Job(text("Monte-Carlo, tolerances, costs"), try_out, depends, shown, figure="trials", follows=True)

@@ -53,8 +53,8 @@ KNOBS = (
            hint=text("The zero of every sensor walks at random; this far in one second.")),
     Number("friction", "F_c", text("friction of each guide"), "mN", low=0.0, high=20.0, default=0.0, step=0.1,
            when=("ground", ("shaped",)), group=REAL,
-           hint=text("Where each spring meets the ground: this force against sliding, and up to it to stick. Only the tab Stage "
-                     "includes it; spectra, scores, test and trials do not.")),
+           hint=text("Where each spring meets the ground: this force against sliding, and up to it to stick. The tabs Stage "
+                     "and Ranking include it; spectra, test and trials do not.")),
     _error("stiffness", r"\varepsilon_k", text("stiffness error"), "%", 30.0,
            text("The true springs are stiffer by this much than those of the design model.")),
     _error("damping", r"\varepsilon_c", text("damping error"), "%", 90.0,

@@ -1,8 +1,9 @@
-"""Draw the questions of lesson 13: a filter and four contests."""
+"""Draw the questions of lesson 13: a filter and five contests."""
 
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import lru_cache
 from types import MappingProxyType
 
 import numpy as np
@@ -13,13 +14,17 @@ from observer_lab.course.lesson import Outcome
 from observer_lab.text import text
 
 from ..toolkit.questions import driven, size
-from .controllers import DECOUPLED, LQE, SISO, channel, channel_filter
+from .controllers import DECOUPLED, LQE, ORDER, SISO, Player, channel, channel_filter
+from .race import moves
+from .simulation import BAND_HZ, World
 from .study import Study
 
 QUIETER = 100.0  # times that the true noise is below the assumed one in the recall
 RECALL_S = np.linspace(0.0, 2.0, 241)
 BETTER_DB = 30.0  # more than before, where an option says that a controller uses the better sensors
 LITTLE = 0.7  # of the other's motion, where an option says that it is less by a little
+DAMPED = 0.3  # of the motion before, where an option says that friction damps
+FRICTION_N = 5e-3  # of each guide, as the scene sets it
 HALF, MORE = 0.5, 1.5  # of the reduction before
 
 
@@ -63,4 +68,20 @@ def surprise(asked: Asked) -> DrawnQuestion:
                             (HALF * before, MORE * before, 0.0), after)
 
 
-QUESTIONS = MappingProxyType({"recall": recall, "measures": measures, "predict": predict, "surprise": surprise})
+@lru_cache(maxsize=4)
+def _with_friction(world: World, five: tuple[Player, ...], seed: int) -> tuple[float, float]:
+    siso, lqe = (moves(world, five[ORDER.index(who)], seed, FRICTION_N) for who in (SISO, LQE))
+    return siso, lqe
+
+
+def friction(asked: Asked) -> DrawnQuestion:
+    """How many times the vertical motion grows by friction: less for both, the SISO loops most, or as before."""
+    m = asked.entry.study
+    smooth = [m.band_rms(*BAND_HZ)[ORDER.index(who), 0] for who in (SISO, LQE)]
+    grown = _with_friction(replace(m.world, shaped=True), m.five, int(asked.entry.design["seed"]))
+    siso, lqe = (now / before for now, before in zip(grown, smooth, strict=True))
+    return question_of_bar_groups(text("vertical motion with friction, times that without"), "", (), (text("SISO loops"), text("full LQG")),
+                                  ((DAMPED, DAMPED), (siso, lqe), (1.0, 1.0)), (siso, lqe))
+
+
+QUESTIONS = MappingProxyType({"friction": friction, "recall": recall, "measures": measures, "predict": predict, "surprise": surprise})

@@ -6,10 +6,11 @@ import numpy as np
 
 from observer_lab.course.figures.records import TableFigure
 from observer_lab.course.lesson import Outcome
-from observer_lab.text import Text, format_number, listed, text, text_in
+from observer_lab.text import NO_WORDS, Text, format_number, joined, listed, text, text_in
 
 from .controllers import CONTROLLER_NAMES, DECOUPLED, LQE, ORDER, SHORT_NAMES
 from .friction import friction_of
+from .race import leaders
 from .study import Study, as_predicted
 
 SCORE_TAB, TRIAL_TAB = text("Scores"), text("Trials")
@@ -45,8 +46,9 @@ def _suppression(outcome: Outcome[Study]) -> TableFigure:
     gains = np.where(stable[:, None], m.band_db, -np.inf)
     return TableFigure("suppression", text("suppression in dB, 0.5–3 Hz: of the highest peak / of the area"),
                        (text("controller"), *HEADS), rows, tab=SCORE_TAB,
-                       caption=as_predicted(outcome.design, best_words(gains[1:]) if stable[1:].any() else
-                                            text("Unstable with these settings: {names}.", names=listed(SHORT_NAMES[1:]))))
+                       caption=joined(as_predicted(outcome.design, best_words(gains[1:]) if stable[1:].any() else
+                                                   text("Unstable with these settings: {names}.", names=listed(SHORT_NAMES[1:]))),
+                                      NO_WORDS if m.trials is None or m.trials.raced is None else leaders(m.trials.raced.rms)))
 
 
 def best_words(gains: np.ndarray) -> Text:

@@ -19,6 +19,7 @@ from ..toolkit.latex import number
 from .controllers import LQE, OPEN_LOOP, ORDER, RECURSIVE, SHORT_NAMES, Player, players
 from .equal_effort import Equal
 from .friction import friction_of, rubbed
+from .race import Raced
 from .simulation import (
     BAND_HZ,
     Analysis,
@@ -46,7 +47,7 @@ class Trials:
     dB over the band of each player on decks within the tolerance, NaN where unstable; costs (switches, 5, 3): change of
     the gain in dB by one switch alone, NaN where it makes the loop unstable; sizes: how far each was turned. rubbing (5, 3, 3): RMS of
     each player's channels over the band in µm/s without friction and with it, and how often each guide sticks; NaN where unstable.
-    equal: all at one effort, None where the full LQG is unstable.
+    equal: all at one effort, None where the full LQG is unstable. raced: the ranking by runs, None where no limit and no friction acts.
     """
 
     noise: tuple[MonteCarlo | None, ...]
@@ -57,6 +58,7 @@ class Trials:
     sizes: tuple[float, ...] = ()
     rubbing: np.ndarray | None = None
     equal: Equal | None = None
+    raced: Raced | None = None
 
 
 MOTION_GAIN = 1000.0  # times that the stage exaggerates motion: 20 µm are drawn as 0.15
@@ -121,8 +123,12 @@ class Study:
     @cached_property
     def band_db(self) -> np.ndarray:
         """The same of the power in the band (5, 3)."""
-        rms = self._rms([s.density[:, :3] for s in self.spectra], *BAND_HZ)
+        rms = self.band_rms(*BAND_HZ)
         return np.where(self._held[:, None], 20 * np.log10(rms[0] / np.where(self._held[:, None], rms, 1.0)), 0.0)
+
+    def band_rms(self, low: float, high: float) -> np.ndarray:
+        """The predicted rms of the channels between two frequencies in µm/s (5, 3); 0 for a loop that is not stable."""
+        return self._rms([s.density[:, :3] for s in self.spectra], low, high)
 
     @cached_property
     def whole(self) -> np.ndarray:
@@ -219,10 +225,14 @@ def _formulas(design: Design, m: Study) -> tuple[Formula, ...]:
     )
 
 
+def acts(design: Design) -> bool:
+    """Whether a coil limit or friction acts, which no prediction has."""
+    return bool(design["limited"]) or friction_of(design) > 0
+
+
 def as_predicted(design: Design, said: Text) -> Text:
     """What the linear theory says of a loop; it has neither the limit of the coils nor friction, and says so where one of them acts."""
-    beside = design["limited"] or friction_of(design) > 0
-    return text("Predicted without coil limit and friction: {said}", said=said) if beside and said.id else said
+    return text("Predicted without coil limit and friction: {said}", said=said) if acts(design) and said.id else said
 
 
 def _ranking(m: Study) -> Text:

@@ -13,6 +13,8 @@ from verdict_runs import compensator, error_matrix, loop_of, noisy, observer, ra
 from verdict_saturation import error_law
 from witnesses import read
 
+from observer_lab.lessons.robust_observer.assumptions import assumed_run
+
 TOLERANCE = 1e-8  # of the largest entry: what counts as zero
 SMALL_PLANT, NEWTON_STEPS = 6, 3  # states up to which covariances are found in fifty digits; Newton's steps to the least one
 UNSURE = 1e-4  # so small a distance may be called hidden or not
@@ -213,6 +215,15 @@ def true_loop(want: bool) -> Judge:
     return judge
 
 
+def assumed_loop(one: Said, match: re.Match[str]) -> None:
+    """The rightmost of eig(A − BK) and eig F: what is fed back is K x, of a mode that no sensor sees nothing; with T = 0 it is M C x."""
+    case = assumed_run(one.outcome.design["assumed"])
+    fed = case.N @ case.T + case.M @ case.plant.C
+    rightmost = max(float(np.linalg.eigvals(M).real.max()) for M in (case.plant.A - case.plant.B @ fed, case.F) if len(M))
+    assert abs(rightmost - read(match[1])) < 0.006 * max(1.0, abs(rightmost)), f"rightmost {rightmost:.4g}"
+    assert (rightmost < 0) == (match[2] == "stable")
+
+
 def law_of_one_pole(one: Said, match: re.Match[str]) -> None:
     """|ε| and e^{pole t} part by the named share at most, without a kick."""
     pole = float(one.outcome.poles["observer"].real.max())
@@ -397,6 +408,7 @@ ALL = tuple(
             (r"the loop with the true plant is stable", true_loop(True)),
             (r"With the true plant the loop is unstable", true_loop(False)),
             (r"e_u settles to an amplitude", true_loop(True)),
+            (rf"rightmost pole of the loop is {NUM}: the loop is (stable|unstable)", assumed_loop),
             (r"the loop is unstable|[Tt]he loop is unstable, so|least value|[Ll]east|grows", None),
         ),
         ("bilinear-observer",): (

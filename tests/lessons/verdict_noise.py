@@ -254,6 +254,14 @@ def least_named(one: Said, match: re.Match[str]) -> None:
             assert all(m.rms[i, j] > 1.009 * least for i in range(5) if i not in named), f"others tie: {m.rms[:, j]}"
 
 
+def least_raced(one: Said, match: re.Match[str]) -> None:
+    """The named players are within 1 % of the least motion of the runs in each channel; NaN is a lost run."""
+    rms = one.outcome.study.trials.raced.rms
+    for j, names in enumerate(match.groups()):
+        least = float(np.nanmin(rms[:, j]))
+        assert {SHORT.index(name) for name in re.split(r",\s*", names)} == set(np.flatnonzero(rms[:, j] <= 1.01 * least)), rms[:, j]
+
+
 ALL = tuple(
     witness(pattern, judge, *lessons)
     for lessons, rows in {
@@ -294,6 +302,7 @@ ALL = tuple(
         ("weak-states",): ((r"is unstable on the platform", cut_loop), (r"stable|unstable|least|largest|smallest|known|observable", None)),
         ("showdown",): (
             (r"^(?:Predicted without coil limit and friction: )?(?:Least RMS|Best by area)", least_named),
+            (r"Least motion over 0.5–3 Hz in runs with limit and friction: (.*) vertically, (.*) in rotation, (.*) horizontally", least_raced),
             (r"^(?:Predicted without coil limit and friction: )?Unstable with these settings: (.*)\.", players_unstable),
             (r"[Uu]nstable|stable|least|[Bb]est|[Rr]ecovered|lost|[Ss]ettle|noisier|better|optimal|white", None),
         ),
