@@ -302,7 +302,7 @@ ALL = tuple(
         ("weak-states",): ((r"is unstable on the platform", cut_loop), (r"stable|unstable|least|largest|smallest|known|observable", None)),
         ("showdown",): (
             (r"^(?:Predicted without coil limit and friction: )?(?:Least RMS|Best by area)", least_named),
-            (r"Least motion over 0.5–3 Hz in runs with limit and friction: (.*) vertically, (.*) in rotation, (.*) horizontally", least_raced),
+            (r"in runs with limit and friction: (.*) vertically, (.*) in rotation, (.*) horizontally", least_raced),
             (r"^(?:Predicted without coil limit and friction: )?Unstable with these settings: (.*)\.", players_unstable),
             (r"[Uu]nstable|stable|least|[Bb]est|[Rr]ecovered|lost|[Ss]ettle|noisier|better|optimal|white", None),
         ),
