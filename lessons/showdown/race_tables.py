@@ -12,7 +12,7 @@ from observer_lab.text import Text, format_number, joined, text
 from .controllers import CONTROLLER_NAMES, ORDER, SHORT_NAMES
 from .curve_styles import CURVE_STYLES, width
 from .race import BINS_HZ, leaders, places
-from .score_tables import CELL_SEPARATOR, CELLS_CAPTION, NOT_YET, cells
+from .score_tables import CELL_SEPARATOR, CELLS_CAPTION, MIN_SHOWN_SPEED, NOT_YET, cells
 from .simulation import BAND_HZ
 from .study import Study, acts
 
@@ -30,16 +30,20 @@ def _race(outcome: Outcome[Study]) -> TableFigure:
     predicted = np.where(stable[:, None], m.band_rms(*BAND_HZ), np.nan)
     raced = None if m.trials is None else m.trials.raced
     rows = []
-    for i, name in enumerate(CONTROLLER_NAMES):
-        row: list[Text | str] = [name, cells(predicted[i], bool(stable[i]), ".3g"), _places(predicted, i)]
+    for i, name in enumerate(SHORT_NAMES):
+        row: list[Text | str] = [name, _speeds(predicted[i]), _places(predicted, i)]
         rows.append((*row, *(("–",) * 3 if raced is None else
-                             (cells(raced.rms[i], not np.isnan(raced.rms[i, 0]), ".3g"), _places(raced.rms, i),
+                             (_speeds(raced.rms[i]), _places(raced.rms, i),
                               "–" if np.isnan(raced.clipped[i]) else format_number(100 * raced.clipped[i], ".2g")))))
     said = (joined(leaders(raced.rms), CELLS_CAPTION) if raced is not None else NOT_YET if acts(outcome.design) else
             text("Neither a coil limit nor friction is set, so the prediction is the ranking."))
-    return TableFigure("race", text("RMS velocity in µm/s, 0.5–3 Hz, and places: predicted, and in runs with limit and friction"),
+    return TableFigure("race", text("RMS velocity in µm/s, 0.5–3 Hz: predicted, and in runs with limit and friction"),
                        (text("controller"), text("predicted"), text("place"), text("in runs"), text("place in runs"),
                         text("clipped [%]")), tuple(rows), tab=RACE_TAB, caption=said)
+
+
+def _speeds(rms: np.ndarray) -> Text | str:
+    return cells(np.where(rms < MIN_SHOWN_SPEED, 0.0, rms), not np.isnan(rms[0]), ".2g")
 
 
 def _places(rms: np.ndarray, i: int) -> str:
@@ -63,4 +67,4 @@ def _spectrum(outcome: Outcome[Study]) -> LineFigure:
         said = text("Mean of the runs, with limit and friction. Dotted: predicted without them for {name}.", name=SHORT_NAMES[chosen])
     top = max(float(curve.y.max()) for curve in curves)
     return over_frequency("race_spectrum", text("vertical velocity over frequency"), f, tuple(curves), "[(µm/s)²/Hz]", said, RACE_TAB,
-                          (top * 1e-7, top))
+                          (top * 1e-5, top))
