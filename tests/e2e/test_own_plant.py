@@ -45,6 +45,16 @@ def test_an_uploaded_plant_changes_the_plots_and_survives_a_torn_file_and_a_relo
     assert not tab.complaints
 
 
+def test_a_plant_that_is_dropped_on_the_button_is_taken(tab: Tab) -> None:
+    lesson = tab.shown()
+    tab.page.get_by_role("button", name=TORN).first.evaluate("""(button, words) => {
+      const data = new DataTransfer();
+      data.items.add(new File([words], 'motor.json', {type: 'application/json'}));
+      button.dispatchEvent(new DragEvent('drop', {bubbles: true, cancelable: true, dataTransfer: data}));
+    }""", (PLANTS / "motor.json").read_text(encoding="utf-8"))
+    eventually(tab.shown, lambda shown: shown != lesson and "output tachometer" in shown, "the plant's own plots")
+
+
 def takes_a_bilinear_one(tab: Tab, file: Path) -> None:
     """The motor came along, which is linear; F1, F2 and K of the next file are the page's, and each input has a drive of its own."""
     words = LESSONS["bilinear-observer"].words["en"]

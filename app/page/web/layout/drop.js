@@ -1,11 +1,13 @@
-// Lets a file be dropped on a folder with an upload button, as if it had been chosen there. Elsewhere a dropped file does nothing: the browser
-// would open it in place of the page.
+// Lets a file be dropped on an upload button, or on a folder that has one, as if it had been chosen there. Elsewhere a dropped file does
+// nothing: the browser would open it in place of the page.
 () => {
   if (window.observerLabDrop) return;
   window.observerLabDrop = true;
   const parts = window.observerLabViser.parts, MARK = 'ol-drop-here';
   const brings = event => [...event.dataTransfer?.types ?? []].includes('Files');
   const folder = event => {
+    const beside = event.target.closest?.(parts.button)?.parentElement;
+    if (beside?.querySelector(':scope > input[type=file]')) return beside;
     for (let at = event.target.closest?.(parts.folder); at; at = at.parentElement?.closest(parts.folder)) {
       if (at.querySelector('input[type=file]')) return at;
     }
