@@ -15,16 +15,22 @@ DEAD_ERROR_SHARE = 0.1  # of the run: an error that was dead for longer lives an
 MIN_WINDOW_SHARE = 0.1  # of the run: no part is shorter
 AFTER_SHARE = 0.3  # of the part: how long one sees that the error is gone
 MIN_REST_SHARE = 0.05  # of the run: how long one sees at least that nothing moves any more
+EARLY_SHARE, HALVED = 0.05, 0.5  # of the part: a peak that early tells nothing yet; of the peak: when the ghost is on its way
 MIN_ROUND_S = 2.0  # s that a round of a part takes at least, and less than 2.5 times as long
 
 
 @dataclass(frozen=True)
 class ErrorWindow:
-    """From `begin` to `end` of a run, in its seconds; at `peak` the error is largest."""
+    """From `begin` to `end` of a run, in its seconds; at `peak` the error is largest.
+
+    `telling` is the moment at which a run that is over rests: the peak, or where the error began at its largest, when half of it has
+    gone: then the plant has moved, and its ghost still stands apart.
+    """
 
     begin: float
     end: float
     peak: float
+    telling: float
 
     @property
     def rate(self) -> float:
@@ -72,7 +78,7 @@ def find_error_window(stage: Stage, since: float = 0.0) -> ErrorWindow:
     gap = np.where(t >= since - 1e-12, gap, 0.0)
     top = int(np.argmax(gap))
     if not gap[top] > 0:
-        return ErrorWindow(since, last, since)
+        return ErrorWindow(since, last, since, since)
     alive = np.flatnonzero(gap > DECAYED_SHARE * gap[top])
     breaks = np.flatnonzero(np.diff(t[alive]) > DEAD_ERROR_SHARE * (last - first))
     groups = np.split(alive, breaks + 1)
@@ -80,4 +86,7 @@ def find_error_window(stage: Stage, since: float = 0.0) -> ErrorWindow:
     begin = max(since, float(t[max(own[0] - 1, 0)]))
     end = float(t[min(own[-1] + 1, len(t) - 1)])
     end = min(last, max(end + AFTER_SHARE * (end - begin), begin + MIN_WINDOW_SHARE * (last - first)))
-    return ErrorWindow(begin, end, min(max(float(t[top]), begin), end))
+    peak = min(max(float(t[top]), begin), end)
+    halved = np.flatnonzero((t > peak) & (gap <= HALVED * gap[top]))
+    early = peak - begin < EARLY_SHARE * (end - begin)
+    return ErrorWindow(begin, end, peak, peak if not early else min(float(t[halved[0]]), end) if len(halved) else 0.5 * (begin + end))

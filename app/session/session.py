@@ -21,9 +21,8 @@ from ..course.lectures import Lecture
 from ..course.lesson import Lesson
 from ..course.scenes import Mode
 from ..engine import EngineError
-from .commands.base import Command, Notice
-from .commands.commands import Edit, MemoryRecalled, SetKnobs
-from .commands.room import Mirrored
+from .commands.base import Notice
+from .commands.commands import Edit, MemoryRecalled
 from .handlers import design, guide, lectures, playback, sharing, tasks
 from .handlers.many_seeds import SeedRunner
 from .handlers.presenter import Presenter
@@ -78,10 +77,10 @@ class Session:
         self._recall = MemoryRequest(self._show, lambda *kept: self.post(MemoryRecalled(*kept)))
 
     # --- outside ---------------------------------------------------------------------------------------------------
-    def post(self, edit: Edit) -> int:
+    def post(self, edit: Edit, mirrored: bool = False) -> int:
         """Hand an edit over; returns at once, with the number that a picture's `answered` reaches when it is worked
-        on."""
-        return self._mailbox.post(edit)
+        on. `mirrored` says that a hand has done it on another page."""
+        return self._mailbox.post(edit, mirrored)
 
     def start(self, ended: Callable[[], object] = lambda: None) -> None:
         """Open the lesson and work on a thread until `close`; `ended` is called where the watch had to end the tab."""
@@ -125,7 +124,6 @@ class Session:
             if self._mailbox.closed:  # whoever asked has left, and what waits would be done for nobody
                 return
             self._show.answered = number
-            edits, mirrored = (_of_another_page(edits.edit), True) if isinstance(edits, Mirrored) else (edits, False)
             self._show.touched |= not isinstance(edits, Notice)
             try:
                 if isinstance(edits, list):
@@ -136,8 +134,9 @@ class Session:
                     self._show.complete()
                     run_command(self._show, edits)
                 guide.follow(self._show, edits)
-                for edit in () if mirrored else edits if isinstance(edits, list) else (edits,):
-                    self.mirror(edit)
+                if not self._mailbox.was_mirrored(number):
+                    for edit in edits if isinstance(edits, list) else (edits,):
+                        self.mirror(edit)
             except (KnobError, EngineError) as problem:
                 self._show.report_refusal(problem)
             except BaseException as problem:  # a lesson that asks the process to exit is a lesson that failed
@@ -207,7 +206,3 @@ class Session:
         frame = playback.wait_for_frame(self._show, now)
         rest = None if self._show.resting else max(0.0, self._show.last_edit + FINAL_PICTURE_DELAY_S - now)
         return min((wait for wait in (frame, rest, self._recall.wait(now), guide.wait(self._show, now)) if wait is not None), default=None)
-
-
-def _of_another_page(edit: Edit) -> list[SetKnobs] | Command:
-    return [edit] if isinstance(edit, SetKnobs) else edit

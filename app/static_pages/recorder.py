@@ -222,7 +222,7 @@ class Recorder:
         part = playback.part_with_error(show) if alive else None
         screens = self.screens.screens
         return RecordedState(name, self.screens.standing(), screens[0].recorded_run(), tuple(screen.told_of_run() for screen in screens),
-                             show.state.t, part.peak if part is not None else show.picture.end,
+                             show.state.t, part.telling if part is not None else show.picture.end,
                              (part.begin, part.end) if part is not None else None, scene is not None and scene.id in show.state.done,
                              runs, steps, held)
 

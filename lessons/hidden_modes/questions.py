@@ -69,9 +69,11 @@ def surprise(asked: Asked) -> DrawnQuestion:
 
 def detectable(asked: Asked) -> DrawnQuestion:
     """With which setup an observer's error decays: with none, with both, or with the soft springs alone."""
-    works = tuple(float(outcome.metrics["error_rate"] < 0) for outcome in (asked.after, asked.entry))
-    return question_of_bar_groups(text("with which setup can an observer work?"), text("works (1) or not (0)"), (),
-                                  (text("soft springs"), text("magnets")), ((0, 0), (1, 1), (1, 0)), works)
+    soft, magnets = (float(outcome.metrics["error_rate"]) for outcome in (asked.after, asked.entry))
+    usual = (abs(soft) + abs(magnets)) / 2
+    return question_of_bar_groups(text("slowest part of the error: below zero it decays"), text("rate [1/s]"), (),
+                                  (text("soft springs"), text("magnets")), ((usual, usual), (-usual, -usual), (-usual, usual)),
+                                  (soft, magnets))
 
 
 QUESTIONS = MappingProxyType({"recall": recall, "predict": predict, "surprise": surprise, "detectable": detectable})

@@ -13,7 +13,6 @@ from observer_lab.text import text
 
 from ..toolkit.questions import driven, size
 
-STAYS = 1e-3  # of a pole's size: so little it may move and still stays
 SHIFT = 1.35  # of poles that an option says move, where it does not say where to
 
 
@@ -40,11 +39,12 @@ def predict(asked: Asked) -> DrawnQuestion:
 
 
 def surprise(asked: Asked) -> DrawnQuestion:
-    """The loop's poles with a wrong model: the controller's stay, the observer's stay, all stay, or none does."""
+    """How far a wrong model moves the loop's poles: the controller's stay, the observer's stay, all stay, or none does."""
     K, L, loop = (np.asarray(asked.after.poles[name]) for name in ("controller", "observer", "loop"))
-    stay = [sum(float(np.min(np.abs(loop - s))) < STAYS * abs(s) for s in each) for each in (K, L)]
-    return question_of_bar_groups(text("poles that stay where the boards show them"), text("poles"), (),
-                                  (text("controller"), text("observer")), ((len(K), 0), (0, len(L)), (len(K), len(L)), (0, 0)), stay)
+    far = [float(np.mean([np.min(np.abs(loop - s)) for s in each])) for each in (K, L)]
+    usual = sum(far) / 2
+    return question_of_bar_groups(text("how far the loop's poles are from those on the boards"), text("distance [1/s]"), (),
+                                  (text("controller"), text("observer")), ((0, usual), (usual, 0), (0, 0), (usual, usual)), far)
 
 
 QUESTIONS = MappingProxyType({"recall": recall, "predict": predict, "surprise": surprise})

@@ -73,7 +73,7 @@ def test_the_part_holds_the_peak_of_the_error_and_ends_after_its_death(rate: flo
     e = np.where(t >= since, size * np.exp(-rate * 10 / horizon * (t - since)), 0.0)
     stage = Stage(MODEL.body, t, np.column_stack([e, 0 * t]), np.zeros((400, 2)))
     part = find_error_window(stage, since)
-    assert since <= part.begin <= part.peak <= part.end <= horizon
+    assert since <= part.begin <= part.peak <= part.telling <= part.end <= horizon and part.telling > part.begin
     assert part.end - part.begin >= min(MIN_WINDOW_SHARE * horizon, horizon - since) * (1 - 1e-9)
     assert part.begin - since <= 2 * horizon / (MOMENTS - 1)
     moments, gap = apart(stage)
@@ -130,7 +130,7 @@ def test_a_lesson_that_is_seen_shows_its_run_a_few_rounds_long_before_any_predic
     tab.do(PageSeen(1))
     assert tab.picture.state.moving and rounds(tab) == OPENING_ROUNDS
     state, part = tab.picture.state, find_error_window(with_ghost(tab.picture.design).stage)  # type: ignore[arg-type]
-    assert state.t == part.peak and not state.revealed and state.predicted is None
+    assert state.t == part.telling and not state.revealed and state.predicted is None
     tab.view.clear()
     tab.run_for(5.0)
     assert not tab.view.calls, "silent when it rests"

@@ -36,6 +36,7 @@ MOST_NAMES, NAME_COLOUR_SHARE = (
     0.66,
 )  # names of curves that stand beside them, more stand in a key; how much of a curve's colour is its name's
 BOLD = 1.08  # how much wider bold words are
+LEAST_BAR_PX = 2.5  # px that a bar is high at least
 TITLE_PX = 13.0  # px of a drawing's title; in large print it is as large as its other words
 BARS = re.compile("▮+")  # the level of a number in a table: a bar as many parts long
 TIMES_TEN = "·10"  # a number parts before its power of ten as those of a cell do
@@ -106,6 +107,8 @@ def _plane(figure: PlaneFigure, language: str, large: bool, high: float) -> tupl
     for curve in figure.curves:
         xs = np.arange(len(curve.y)) if curve.x is None else curve.x
         path = [axes.at(float(a), float(b)) for a, b in zip(finite(xs, 1e6), finite(curve.y, 1e6), strict=True)]
+        if figure.names and len(path) == 2 and path[0][0] == path[1][0] and abs(path[1][1] - path[0][1]) < LEAST_BAR_PX:
+            path[1] = (path[1][0], path[0][1] - LEAST_BAR_PX)  # a bar of height zero is seen to stand there
         drawn.append(path)
         points = " ".join(f"{px:.1f},{py:.1f}" for px, py in path)
         out.append(f'<polyline points="{points}" fill="none" stroke="{COLOURS[curve.role]}" '
@@ -115,14 +118,14 @@ def _plane(figure: PlaneFigure, language: str, large: bool, high: float) -> tupl
     marks = [(*axes.held(p.x, p.y), p.name(language)) for p in figure.points if math.isfinite(p.x + p.y)]
     names, taken = _names(marks, np.array([at for path in drawn for at in path], dtype=float).reshape(-1, 2), axes.frame)
     told = {curve.entry(language): k for k, curve in reversed(list(enumerate(figure.curves))) if curve.entry(language)}
-    if len(told) <= MOST_NAMES:
+    if len(told) <= MOST_NAMES and not figure.names:  # bars leave no room for words
         first = sorted(told.values())
         words = [figure.curves[k].entry(language) for k in first]
         places = place_along_curves([np.array(drawn[k], dtype=float).reshape(-1, 2) for k in first], words, axes.frame, taken)
         names += "".join(_name(at, name, figure.curves[k].role) for k, name, at in zip(first, words, places, strict=True) if at)
         return "".join(out) + names, axes.height
     below, more = curve_key([(c.entry(language), COLOURS["muted" if c.pin.id else c.role], c.dash) for c in figure.curves], W, axes.height,
-                      large=large)
+                      patches=bool(figure.names), large=large)
     return "".join(out) + names + below, axes.height + more
 
 

@@ -18,6 +18,7 @@ from ...session.commands.commands import Edit, OpenLesson, ToggleCourse
 from ...session.commands.guide import OpenLecture
 from ...session.state.view import Picture, progress_of
 from ...text import Text, listed, same
+from .. import web
 from ..viser_private import viser_internals
 from ..viser_private.hidden_input import hidden_input
 from ..words import phrases
@@ -26,6 +27,7 @@ from .dialog import Dialog
 Post = Callable[[Edit], int]
 NO_PROGRESS = Progress()
 HERE = "."  # what the large button says: the lesson that is open
+OPENING, PICTURES = "opening", Path(web.__file__).parent / "pictures"  # the name of the first picture, no lesson's; its folder
 COURSE = "*"  # what the button of the page of lessons says; no lesson is called that
 
 
@@ -66,7 +68,7 @@ class CourseDialog(Dialog):
         gui, lang, lessons = self._client.gui, picture.state.language, picture.catalogue
         with self.open(phrases.COURSE(lang)):
             self._hand = hidden_input(gui, self._open)
-            gui.add_html(f"<style>{_pictures(lessons)}</style>{self._begin(picture, progress)}")
+            gui.add_html(f"<style>{_stills(lessons)}</style>{self._begin(picture, progress)}")
             parts = gui.add_tab_group()
             with parts.add_tab(phrases.COURSE(lang)):
                 gui.add_html(self._cards(lessons, picture, progress))
@@ -76,6 +78,7 @@ class CourseDialog(Dialog):
             with parts.add_tab(phrases.LECTURES(lang)):
                 self._offer_lectures(picture)
             self.closed_by(gui.add_button(phrases.CLOSE(lang), color="gray"))
+            gui.add_html(f"<style>{_loops(lessons)}</style>")  # behind all else: they are larger than the page
 
     def _offer_lectures(self, picture: Picture) -> None:
         """A button for each prepared lecture, and one that opens a file."""
@@ -98,12 +101,16 @@ class CourseDialog(Dialog):
             self._post(OpenLecture(words))
 
     def _begin(self, picture: Picture, progress: Mapping[str, Progress]) -> str:
-        """One large button: into the first lesson, or on with the one that was open."""
+        """One large button: into the first lesson, under a pole that falls and is caught, or on with the lesson that was open."""
+        lang = picture.state.language
         begun = any(far.predicted or far.solved for far in progress.values()) or picture.state.done
-        words = (phrases.CONTINUE if begun else phrases.START)(picture.state.language)
-        title = f"{picture.lesson.number} · {picture.lesson.words[picture.state.language].title}"
-        return (f'<div class="ol-begin"><button type="button" class="ol-next" data-value="{HERE}" '
-                f'data-to="{viser_internals.node_id(self._hand)}">{html.escape(words)}</button><span>{html.escape(title)}</span></div>')
+        title = html.escape(f"{picture.lesson.number} · {picture.lesson.words[lang].title}")
+        button = (f'<button type="button" class="ol-next" data-value="{HERE}" data-to="{viser_internals.node_id(self._hand)}">'
+                  f"{html.escape((phrases.CONTINUE if begun else phrases.START)(lang))}</button><span>{title}</span>")
+        if begun:
+            return f'<div class="ol-begin">{button}</div>'
+        return (f'<div class="ol-opening ol-shot-opening"><p>{html.escape(phrases.MOTTO(lang))}</p>'
+                f'<div class="ol-begin">{button}</div></div>')
 
     def _open(self, lesson: str) -> None:
         self.close_later()
@@ -130,7 +137,9 @@ def _standing(lesson: Lesson, picture: Picture) -> Text:
     if lesson.draft:
         return phrases.DRAFT
     needs = [same(str(each.number)) for each in picture.catalogue if each.id in lesson.place.needs]
-    return phrases.NEEDING.format(lessons=listed(needs)) if needs else phrases.ON_ITS_OWN
+    if not needs:
+        return phrases.ON_ITS_OWN
+    return phrases.AFTER_ONE.format(lesson=needs[0]) if len(needs) == 1 else phrases.AFTER_SOME.format(lessons=listed(needs))
 
 
 def _button(answers: viser.GuiButtonGroupHandle, value: str, inner: str, look: str = "") -> str:
@@ -148,11 +157,28 @@ def _bar(far: Progress, lesson: Lesson) -> str:
     return f'<i class="ol-done" style="--ol-share:{(far.predicted + min(far.solved, whole - 1)) / whole:.3f}"></i>'
 
 
-def _pictures(lessons: Sequence[Lesson]) -> str:
-    return "".join(f".ol-shot-{each.id}{{background-image:url(data:image/webp;base64,{_picture(each.place.picture)})}}"
-                   for each in lessons if each.place.picture is not None and each.place.picture.is_file())
+def _stills(lessons: Sequence[Lesson]) -> str:
+    return "".join(f".ol-shot-{name}{{background-image:{_picture(path)}}}" for name, path in _pictures(lessons).items())
+
+
+def _loops(lessons: Sequence[Lesson]) -> str:
+    """What moves while a hand is over a card or it is the open one; where nothing hovers, all; nothing where motion is unwanted."""
+    rules = []
+    for name, path in _pictures(lessons).items():
+        loop = path.with_name(path.name.replace("card", "loop") if name != OPENING else "opening-loop.webp")
+        if loop.is_file():
+            rules.append(f".ol-shot-{name}{{--ol-loop:{_picture(loop)}}}")
+    here = ".ol-opening,.ol-cards .ol-do:is(:hover,:focus-visible,[aria-current]) .ol-shot"
+    return (f"@media (prefers-reduced-motion:no-preference){{{''.join(rules)}{here}{{background-image:var(--ol-loop)}}}}"
+            "@media (prefers-reduced-motion:no-preference) and (hover:none){.ol-cards .ol-shot{background-image:var(--ol-loop)}}")
+
+
+def _pictures(lessons: Sequence[Lesson]) -> dict[str, Path]:
+    """The still picture of the opening and of each lesson that has one."""
+    found = {each.id: each.place.picture for each in lessons if each.place.picture is not None and each.place.picture.is_file()}
+    return {OPENING: PICTURES / "opening.webp", **found}
 
 
 @lru_cache(maxsize=64)
 def _picture(path: Path) -> str:
-    return b64encode(path.read_bytes()).decode("ascii")
+    return f"url(data:image/webp;base64,{b64encode(path.read_bytes()).decode('ascii')})"

@@ -20,7 +20,7 @@ from ...classroom.vote_writer import VoteWriter
 from ...classroom.votes import Asked, Vote
 from ...session.commands import commands, guide
 from ...session.commands.commands import Edit, Play, RunOnTabThread
-from ...session.commands.room import LeadShown, Mirrored, RoomChanged
+from ...session.commands.room import LeadShown, RoomChanged
 from ...session.session import Session
 from ...text import Text, languages
 from ..access.connection import Connection, ConnectionClosed
@@ -129,7 +129,7 @@ class LectureRoom:
             if other is one or theirs is None or mine is None or (
                     isinstance(edit, Play) and theirs.state.playing == mine.state.playing):
                 continue
-            other.post(Mirrored(edit))
+            other.post(edit, mirrored=True)
 
     def own_screen(self, client: viser.ClientHandle) -> OwnScreen:
         """The screen of a tab that works on its own."""

@@ -72,12 +72,6 @@ class RoomChanged(Notice, frozen=True):
     view: RoomView
 
 
-class Mirrored(Notice, frozen=True):
-    """What a hand has done on another page of the same presenter; this page does it too."""
-
-    edit: object
-
-
 class LeadShown(Notice, frozen=True):
     """The state that the leading page of the same presenter shows now that it rests, as a token."""
 

@@ -109,7 +109,7 @@ def _telling_moment(show: Presenter) -> float:
     stage = show.picture.outcome.stage
     if stage is None:
         return 0.0
-    return part_with_error(show).peak if stage.xhat is not None else show.picture.end
+    return part_with_error(show).telling if stage.xhat is not None else show.picture.end
 
 
 def choose_option(show: Presenter, index: object) -> None:

@@ -113,7 +113,7 @@ def part_with_error(show: Presenter) -> ErrorWindow:
 def _go_round(show: Presenter, rounds: int) -> None:
     part = part_with_error(show)
     t = show.state.t if show.state.playing and part.begin <= show.state.t < part.end else part.begin
-    rest = part.end if show.state.predicted is not None else part.peak
+    rest = part.end if show.state.predicted is not None else part.telling
     show.change(replace(show.state, playing=False, stopped=False, t=t, loop=ReplayLoop(part, rounds, rest)))
     show.last_tick = show.clock()
     show.view.pose(t)

@@ -15,10 +15,14 @@ class Mailbox:
         self._edits: list[tuple[int, Edit]] = []
         self._count = 0
         self._ready = threading.Condition()
+        self._mirrored: set[int] = set()
         self.closed = False
 
-    def post(self, edit: Edit) -> int:
-        """Put an edit in and give its number; cheap enough for the event loop. A closed box takes nothing."""
+    def post(self, edit: Edit, mirrored: bool = False) -> int:
+        """Put an edit in and give its number; cheap enough for the event loop. A closed box takes nothing.
+
+        What is `mirrored` was done by a hand on another page, and is not told to that one again.
+        """
         with self._ready:
             if self.closed:
                 return self._count
@@ -26,6 +30,8 @@ class Mailbox:
                 self._remove_older(edit)
             self._count += 1
             self._edits.append((self._count, edit))
+            if mirrored:
+                self._mirrored.add(self._count)
             self._ready.notify()
             return self._count
 
@@ -52,6 +58,13 @@ class Mailbox:
         """Wait until the box is closed, at most so many seconds; edits wait with it."""
         with self._ready:
             self._ready.wait_for(lambda: self.closed, most)
+
+    def was_mirrored(self, number: int) -> bool:
+        """Whether an edit came from another page; asked once."""
+        with self._ready:
+            found = number in self._mirrored
+            self._mirrored.discard(number)
+            return found
 
     def empty(self) -> bool:
         """Whether nothing waits."""
