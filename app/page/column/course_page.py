@@ -158,19 +158,14 @@ def _bar(far: Progress, lesson: Lesson) -> str:
 
 
 def _stills(lessons: Sequence[Lesson]) -> str:
-    return "".join(f".ol-shot-{name}{{background-image:{_picture(path)}}}" for name, path in _pictures(lessons).items())
+    return "".join(f".ol-shot-{name}{{--ol-still:{_picture(path)}}}" for name, path in _pictures(lessons).items())
 
 
 def _loops(lessons: Sequence[Lesson]) -> str:
-    """What moves while a hand is over a card or it is the open one; where nothing hovers, all; nothing where motion is unwanted."""
-    rules = []
-    for name, path in _pictures(lessons).items():
-        loop = path.with_name(path.name.replace("card", "loop") if name != OPENING else "opening-loop.webp")
-        if loop.is_file():
-            rules.append(f".ol-shot-{name}{{--ol-loop:{_picture(loop)}}}")
-    here = ".ol-opening,.ol-cards .ol-do:is(:hover,:focus-visible,[aria-current]) .ol-shot"
-    return (f"@media (prefers-reduced-motion:no-preference){{{''.join(rules)}{here}{{background-image:var(--ol-loop)}}}}"
-            "@media (prefers-reduced-motion:no-preference) and (hover:none){.ol-cards .ol-shot{background-image:var(--ol-loop)}}")
+    """What moves under the pointer, in the style sheet where motion is wanted."""
+    loops = {name: path.with_name(path.name.replace("card.", "loop.").replace("opening.", "opening-loop."))
+             for name, path in _pictures(lessons).items()}
+    return "".join(f".ol-shot-{name}{{--ol-loop:{_picture(loop)}}}" for name, loop in loops.items() if loop.is_file())
 
 
 def _pictures(lessons: Sequence[Lesson]) -> dict[str, Path]:

@@ -54,7 +54,7 @@ class GuidePanel:
     """One panel for all scenes of a path; what a scene does not show is hidden."""
 
     def __init__(self, client: viser.ClientHandle, picture: Picture, post: Post) -> None:
-        gui, self._client, self._told = client.gui, client, dict[str, object]()
+        gui, self._client, self._told = client.gui, client, tuple[object, ...]()
         self._pointed: Mapping[str, str] = {}
         self._post, self._sizes = post, Sizes(picture.state)
         self._hand = viser_internals.node_id(hidden_input(gui, self._heard))
@@ -133,14 +133,14 @@ class GuidePanel:
         lang, talk, state = picture.state.language, picture.state.talk, picture.state
         stops, at = (picture.lesson.path, state.scene) if talk is None else (talk.stops, state.stop)
         begin = sum(stop.minutes for stop in stops[:at])
-        told: dict[str, object] = {
-            "note": picture.note, "title": picture.scene_words.title, "next": picture.next_title, "begin": begin,
-            "end": begin + stops[at].minutes, "minutes": round(minutes_of(picture.lesson.path, False) if talk is None else talk.minutes),
-            "words": {"notes": phrases.NOTES(lang), "next": phrases.NEXT_IS(lang), "onTime": phrases.ON_TIME(lang),
-                      "behind": phrases.BEHIND.format(minutes="#")(lang), "ahead": phrases.AHEAD.format(minutes="#")(lang)}}
+        minutes = round(minutes_of(picture.lesson.path, False) if talk is None else talk.minutes)
+        words = {"notes": phrases.NOTES(lang), "next": phrases.NEXT_IS(lang), "onTime": phrases.ON_TIME(lang),
+                 "behind": phrases.BEHIND.format(minutes="#")(lang), "ahead": phrases.AHEAD.format(minutes="#")(lang)}
+        told = (picture.note, picture.scene_words.title, picture.next_title, begin, stops[at].minutes, minutes, lang)
         if told != self._told:
             self._told = told
-            viser_internals.run_script(self._client, "presenter", hand=self._hand, **told)
+            viser_internals.run_script(self._client, "presenter", hand=self._hand, note=picture.note, title=picture.scene_words.title,
+                                       next=picture.next_title, begin=begin, end=begin + stops[at].minutes, minutes=minutes, words=words)
 
     def progress(self, fraction: float | None) -> None:
         """The guide starts no long computation."""

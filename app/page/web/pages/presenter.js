@@ -1,8 +1,9 @@
 // Shows the speaker's notes in a window of their own, with a clock and, where a class follows, its counts, votes and buttons; while it is
 // open they leave the page that the hall sees. Its keys turn the scenes of that page, as a clicker's do there.
-given => {
+({hand, title, note, next, begin, end, minutes, words, room, ask}) => {
   const lab = window.observerLabNotes ??= {began: null, view: null, room: '', ask: ''}, viser = window.observerLabViser;
-  Object.assign(lab, given);
+  const told = Object.entries({hand, title, note, next, begin, end, minutes, words, room, ask});  // of the scene, or of the class
+  Object.assign(lab, Object.fromEntries(told.filter(([, value]) => value !== undefined)));
   const TURNS = {ArrowRight: 1, PageDown: 1, ' ': 1, ArrowLeft: -1, PageUp: -1};
   const turn = event => {
     const by = TURNS[event.key];
