@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import pytest
 
+from observer_lab.course.knobs import Poles
 from observer_lab.course.scenes import Move
 from observer_lab.lessons import LESSONS
 from observer_lab.page.record.recorded_screen import WINDOWS, Look
-from observer_lab.static_pages.points import Points
+from observer_lab.static_pages.points import MOST_PLACES, Points, values_of
 from observer_lab.static_pages.recorder import Recorder
 from observer_lab.static_pages.site import _widgets
 
@@ -29,3 +30,13 @@ def test_every_knob_stands_somewhere_on_entry_and_has_widgets_of_its_own(lesson:
         assert len(set(taken)) == len(taken), f"{recorder.path[k].id}: a widget of two knobs: {widgets}"
         tried += len(taken)
     assert tried or not moving
+
+
+@pytest.mark.parametrize("pairs", [1, 2, 3, 5, 8])
+def test_a_board_with_many_poles_has_a_coarser_grid_and_each_pole_still_moves(pairs: int) -> None:
+    now = tuple(complex(-1 - k, sign) for k in range(pairs) for sign in (-2.0, 2.0))
+    places = values_of(Poles("p", "p", LESSONS["separation"].words["en"].title, default=now), now, Points())
+    assert len(places) <= MOST_PLACES or len(places) <= pairs * 6 * 4
+    for k in range(pairs):
+        others = set(now) - {now[2 * k], now[2 * k + 1]}
+        assert len({place for place in places if others <= set(place)}) >= 12

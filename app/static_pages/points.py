@@ -13,6 +13,7 @@ from ..course.knobs import Choice, Knob, KnobError, Number, Poles, Switch
 from ..engine import EngineError
 from ..engine.systems import move_pole
 
+MOST_PLACES, LEAST_UP = 150, 4  # of all poles of a board together: where more can move the grid is coarser, down to so many heights
 SNAP = 1e-3  # of a board's height: a pole that is nearer to the real axis lies on it
 
 
@@ -50,13 +51,15 @@ def _numbers(knob: Number, count: int) -> list[float]:
 
 
 def _places(knob: Poles, now: tuple[complex, ...], points: Points) -> list[tuple[complex, ...]]:
-    """The present poles with one pair, or one real pole, at each place of a grid over the board."""
-    out = list[tuple[complex, ...]]()
+    """The present poles with one pair, or one real pole, at each place of a grid over the board, coarser where many can move."""
+    out, (across, up) = list[tuple[complex, ...]](), (points.across, points.up)
+    while sum(pole.imag >= 0 for pole in now) * across * up > MOST_PLACES and up > LEAST_UP:
+        across, up = across - 1, up - 1
     for index, pole in enumerate(now):
         if pole.imag < 0:
             continue
-        heights = [0.0] if pole.imag == 0 else np.linspace(0.0, knob.im_high, points.up).tolist()
-        for real in np.linspace(knob.re_low, knob.re_high, points.across).tolist():
+        heights = [0.0] if pole.imag == 0 else np.linspace(0.0, knob.im_high, up).tolist()
+        for real in np.linspace(knob.re_low, knob.re_high, across).tolist():
             for height in heights:
                 try:
                     out.append(move_pole(now, index, complex(real, height), axis_snap=SNAP * knob.im_high))

@@ -51,7 +51,8 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--theme", choices=list(THEMES), default="both", help="colours of the pages (default: both)")
     parser.add_argument("--points", type=POINTS, default=7, metavar="N", help="values of a slider that are computed (default %(default)s)")
     parser.add_argument("--grid", type=read_grid, default=(9, 7), metavar="N×M",
-                        help="places of a pole along the real and the imaginary axis that are computed (default 9x7)")
+                        help="places of a pole along the real and the imaginary axis that are computed, fewer where many poles move "
+                             "(default 9x7)")
     parser.add_argument("--workers", type=whole_number(1, 256, "is not a number of processes; give one from 1 to 256"), default=1,
                         metavar="N", help="lessons that are recorded at a time (default %(default)s)")
     parser.add_argument("--zip", action="store_true", help="write FOLDER.zip too, for a learning platform")
