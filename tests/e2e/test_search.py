@@ -54,9 +54,9 @@ def test_a_question_opens_its_scene(tab: Tab) -> None:
 def test_a_link_opens_without_storage(still_page: Callable[..., Page], server: str, capsys) -> None:
     from observer_lab.cli.entry import main
 
-    assert main(["link", "kalman", "--view", "guide", "--scene", "grow", "--at", server]) == 0
+    assert main(["link", "kalman", "--view", "guide", "--scene", "shrink", "--at", server]) == 0
     page = still_page()
     refuse = "{get() { throw new DOMException('refused', 'SecurityError'); }}"
     page.context.add_init_script(f"for (const name of ['sessionStorage', 'localStorage']) Object.defineProperty(window, name, {refuse});")
     page.goto(capsys.readouterr().out.strip())
-    eventually(lambda: page.locator(".ol-card").get_attribute("data-scene"), lambda scene: scene == "grow", "the scene of the link")
+    eventually(lambda: page.locator(".ol-card").get_attribute("data-scene"), lambda scene: scene == "shrink", "the scene of the link")

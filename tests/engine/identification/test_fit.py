@@ -46,9 +46,10 @@ def test_the_fitted_plant_answers_as_the_true_one() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("plant", PLANTS, ids=lambda plant: plant.name)
 def test_poles_and_nis_lie_within_what_is_said(plant) -> None:
-    """Four seeds of the hundred of `record_laws.py`, none of which may fail. Seed 0 is none of them: of the spring it is one of the few
-    records whose poles lie 3.6 deviations away."""
-    assert [judged(plant, seed)[:2] for seed in range(1, 5)] == [(True, True)] * 4
+    """The first five seeds of the hundred of `record_laws.py`, at most one of which may fail: of the spring one record's poles lie 3.6
+    deviations away."""
+    found = [judged(plant, seed)[:2] for seed in range(5)]
+    assert sum(each == (True, True) for each in found) >= 4, found
 
 
 @pytest.mark.slow
