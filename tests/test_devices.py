@@ -119,7 +119,7 @@ def test_command_line_writes_a_folder_and_says_what_is_wrong(tmp_path, capsys) -
     capsys.readouterr()
     for words, said in ((["noise", "--to", "c", "--ts", "nan"], "positive number of seconds"),
                         (["observability", "--to", "c"], "no observer"),
-                        (["noise", "--to", "json", "--float"], "has neither")):
+                        (["noise", "--to", "json", "--float"], "has none of them")):
         assert main(["export", *words, "-o", str(tmp_path / "x")]) == 2
         assert said in capsys.readouterr().err
 
