@@ -8,7 +8,7 @@ import secrets
 import sqlite3
 import threading
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from .room_schema import bring_up_to_date
@@ -32,7 +32,8 @@ class RoomStore:
     def __init__(self, folder: Path) -> None:
         """Raises sqlite3.Error or OSError where the folder cannot hold it."""
         path = folder / FILE
-        os.close(os.open(path, os.O_CREAT | os.O_RDWR, 0o600))  # it holds the presenter's word
+        with suppress(FileExistsError):  # it holds the presenter's word. Never opened here once SQLite has it: closing would end its locks
+            os.close(os.open(path, os.O_CREAT | os.O_EXCL | os.O_RDWR, 0o600))
         self._lock, self._database = threading.RLock(), connect(path, "FULL")
         bring_up_to_date(self._database)
         self._database.execute("INSERT OR IGNORE INTO room VALUES (1, ?, '', 0)", (secrets.token_urlsafe(SECRET_BYTES),))

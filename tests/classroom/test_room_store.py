@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import sqlite3
+import subprocess
+import sys
 import threading
 from collections.abc import Callable
 from dataclasses import replace
@@ -345,6 +347,24 @@ def test_drawings_are_counted_by_pieces_and_nothing_else_is_a_drawing(store: Kep
     for asked in (Asked("How large?"), Asked("Which?", ("a", "b")), Asked("", (), GRID), None):
         store.open_vote("separation", "why", 3, asked)
         assert store.cast([(store.votes()[-1].number, "ballot0001", (0.5,) * COLUMNS)]) == [False]
+
+
+def test_who_looks_in_from_another_process_and_leaves_takes_no_vote_along(tmp_path: Path) -> None:
+    """SQLite ends its log with the last connection. It knows the others by locks on the file, which any closing of it here would end."""
+    look = ("import sqlite3, sys; d = sqlite3.connect(sys.argv[1]); "
+            "print(d.execute('SELECT COUNT(*) FROM votes').fetchone()[0]); d.close()")
+
+    def seen() -> int:
+        return int(subprocess.run([sys.executable, "-c", look, str(tmp_path / FILE)], capture_output=True, check=True, timeout=60).stdout)
+    word, held = RoomStore(tmp_path), RoomStore(tmp_path)
+    for count in range(3):
+        held.open_vote("separation", "why", 3)
+        assert seen() == count + 1
+    assert len(word.votes()) == 3
+    word.close()
+    held.open_vote("separation", "why", 3)
+    assert seen() == 4
+    held.close()
 
 
 def test_a_typed_question_is_a_vote_of_its_own_beside_the_scenes(store: KeptRoom) -> None:

@@ -6,7 +6,7 @@ import hashlib
 import os
 import sqlite3
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import closing, contextmanager
+from contextlib import closing, contextmanager, suppress
 from pathlib import Path
 
 FILE = "course.sqlite"  # in the folder of --data-dir
@@ -32,7 +32,8 @@ class Ledger:
         self._path = folder / FILE
         if not self._path.exists() and (folder / EARLIER_FILE).exists():
             (folder / EARLIER_FILE).rename(self._path)
-        os.close(os.open(self._path, os.O_CREAT | os.O_RDWR, 0o600))
+        with suppress(FileExistsError):  # never opened here once SQLite has it: closing would end its locks
+            os.close(os.open(self._path, os.O_CREAT | os.O_EXCL | os.O_RDWR, 0o600))
         with self._open() as database:
             (version,) = database.execute("PRAGMA user_version").fetchone()
             if version > VERSION:
