@@ -212,6 +212,22 @@ def test_the_rules_of_accessibility_find_nothing_serious(opened: Callable[..., P
     assert serious(page) == []
 
 
+def test_a_term_that_comes_under_a_resting_pointer_covers_no_verdict(opened: Callable[..., Page]) -> None:
+    page = opened()
+    box = page.locator(".ol-card").bounding_box()
+    assert box is not None
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.up()
+    page.evaluate("""([x, y]) => document.body.append(Object.assign(document.createElement('span'), {className: 'ol-term', title: 'said',
+      textContent: 'a term', style: `position:fixed;z-index:9999;left:${x - 40}px;top:${y - 20}px;width:80px;height:40px`}))""", [x, y])
+    page.evaluate("() => new Promise(done => setTimeout(done, 400))")
+    expect(page.locator(".ol-tip")).to_be_hidden()
+    page.mouse.move(x + 8, y)
+    expect(page.locator(".ol-tip")).to_have_text("said", timeout=PATIENCE)
+
+
 def test_a_prediction_is_drawn_with_the_mouse_and_with_keys(opened: Callable[..., Page]) -> None:
     """A curve drawn into the figure answers the question: the verdict says how near it is, and the figure keeps it beside the run."""
     page = opened(scene="recall")

@@ -1,4 +1,5 @@
-// Shows what a term means beside it, while the pointer or the focus is on it; a tap shows it too.
+// Shows what a term means beside it, while the pointer or the focus is on it; a tap shows it too. A term that comes to lie under a pointer
+// that has pressed something else and rests there is not asked about.
 () => {
   if (window.observerLabTerms) return;
   window.observerLabTerms = true;
@@ -18,7 +19,16 @@
     tip.style.top = `${below + size.height < innerHeight - 8 || above < 8 ? below : above}px`;
   };
   const term = event => event.target?.closest?.('.ol-term');
-  for (const kind of ['pointerover', 'focusin', 'click']) document.addEventListener(kind, event => { if (term(event)) show(term(event)); });
+  let pressed = null;  // where the pointer has pressed and still rests
+  const rests = ({clientX, clientY}) => pressed !== null && Math.hypot(clientX - pressed[0], clientY - pressed[1]) < 2;
+  document.addEventListener('pointerdown', event => { pressed = [event.clientX, event.clientY]; }, true);
+  document.addEventListener('pointermove', event => {
+    if (pressed === null || rests(event)) return;
+    pressed = null;
+    if (term(event)) show(term(event));
+  });
+  document.addEventListener('pointerover', event => { if (term(event) && !rests(event)) show(term(event)); });
+  for (const kind of ['focusin', 'click']) document.addEventListener(kind, event => { if (term(event)) show(term(event)); });
   for (const kind of ['pointerout', 'focusout']) document.addEventListener(kind, event => { if (term(event)) hide(); });
   document.addEventListener('pointerdown', event => { if (!term(event)) hide(); });
   document.addEventListener('scroll', hide, true);
