@@ -82,8 +82,9 @@ def _same_row(ours: list[float | None], theirs: list[float | None]) -> bool:
 
 
 def at_scene(page: Page, scene: str) -> None:
-    """Wait until the card of a scene stands."""
-    eventually(lambda: page.locator(".ol-card").get_attribute("data-scene"), lambda found: found == scene, f"the scene {scene}")
+    """Wait until the card of a scene stands and nothing covers the page: until then no hand can press anything."""
+    eventually(lambda: (page.locator(".ol-card").get_attribute("data-scene"), page.locator(".ol-cover:visible").count()),
+               lambda found: found == (scene, 0), f"the scene {scene}")
 
 
 def press(page: Page, value: str) -> None:
