@@ -28,7 +28,7 @@ P = ParamSpec("P")
 
 @dataclass(frozen=True, eq=False)
 class Reached:
-    """What a loop reaches: E xᵀQ₀x, peak reductions in dB (k,) or None, variances of the channels (k,) and of the inputs (m,)."""
+    """What a loop reaches: E xᵀQ₀x, and peak reductions in dB (k,) or None. Variances are of the channels (k,) and the inputs (m,)."""
 
     motion: float
     reductions: np.ndarray | None

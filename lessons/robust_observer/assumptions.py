@@ -29,7 +29,7 @@ ASSUMED_TAB = text("Assumptions")
 
 @dataclass(frozen=True, eq=False)
 class Assumed:
-    """One case: its plant, the K that is wanted, F, T, L, N, M of what estimates it, and the run with the error of the input.
+    """One case: its plant, the K that is wanted, the observer's F, T, L, N, M. Then its run and the error of the input.
 
     x (n_t, 3), e_u (n_t,) = û + K x; `loop` are the eigenvalues of plant and observer together.
     """

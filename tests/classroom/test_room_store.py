@@ -350,7 +350,7 @@ def test_drawings_are_counted_by_pieces_and_nothing_else_is_a_drawing(store: Kep
 
 
 def test_who_looks_in_from_another_process_and_leaves_takes_no_vote_along(tmp_path: Path) -> None:
-    """SQLite ends its log with the last connection. It knows the others by locks on the file, which any closing of it here would end."""
+    """SQLite deletes its log with the last connection. The others hold locks on the file, and any closing of it here would end these."""
     look = ("import sqlite3, sys; d = sqlite3.connect(sys.argv[1]); "
             "print(d.execute('SELECT COUNT(*) FROM votes').fetchone()[0]); d.close()")
 
