@@ -59,7 +59,13 @@ def answer(page: Page, right: int) -> None:
 def turn(page: Page, scene: str) -> None:
     """Go on, and wait for the scene."""
     page.locator(".ol-way button").last.click(timeout=PATIENCE)
+    stands(page, scene)
+
+
+def stands(page: Page, scene: str) -> None:
+    """Wait for the card of a scene and for the last of its figures: a column that is still being filled has nothing to slide."""
     expect(page.locator(f".ol-card[data-scene={scene}]")).to_be_visible(timeout=PATIENCE)
+    eventually(lambda: page.evaluate(ANSWERED, True), lambda said: said is True, f"the whole of the scene {scene!r}")
 
 
 @pytest.mark.parametrize("sizes", [SIZES[:-1], SIZES[-1:]], ids=["wide", "phone"])
@@ -96,7 +102,7 @@ def test_the_card_of_another_scene_begins_at_its_top_in_a_hall_too(opened: Calla
     at = next(k for k, scene in enumerate(path) if len(scene.figures) == 2)
     turn(page, path[1].id)
     page.locator(".ol-dot").nth(at).click(timeout=PATIENCE)
-    expect(page.locator(f".ol-card[data-scene={path[at].id}]")).to_be_visible(timeout=PATIENCE)
+    stands(page, path[at].id)
     page.locator(".ol-card").hover()
     page.mouse.wheel(0, 2000)
     slid = "() => document.querySelector('.ol-card').closest('[data-ol-view]').scrollTop"
