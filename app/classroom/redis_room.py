@@ -14,7 +14,7 @@ from .room_store import SECRET_BYTES, SEED_BITS
 from .votes import HIDDEN_BELOW, Answer, Asked, Vote, read_asked
 
 GONE_S = 60  # s without a report after which the followers of a worker are no longer counted
-SECRET, STATE, HANDS, SEED, TAKEN = (key(name) for name in ("secret", "state", "hands", "seed", "taken"))
+SECRET, STATE, HANDS, SEED, TAKEN, PAUSED = (key(name) for name in ("secret", "state", "hands", "seed", "taken", "paused"))
 VOTES, BALLOTS, WORKERS, RUNS, RUN_NUMBER, SEEN = (
     key(name) for name in ("votes", "ballots", "workers", "runs", "run-number", "seen"))
 SLOWER = "\0"  # the place under which a worker counts raised hands
@@ -56,6 +56,15 @@ class RedisRoom:
     def keep_state(self, token: str) -> None:
         """Keep what the lecture shows."""
         self._redis.set(STATE, token)
+
+    @property
+    def paused(self) -> bool:
+        """Whether the pages of the class are paused."""
+        return bool(self._number(PAUSED))
+
+    def pause(self, on: bool) -> None:
+        """Pause the pages of the class, or let them go on."""
+        self._redis.set(PAUSED, int(on))
 
     # --- votes -----------------------------------------------------------------------------------------------------
     def open_vote(self, lesson: str, scene: str, options: int, asked: Asked | None = None) -> None:

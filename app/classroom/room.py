@@ -28,6 +28,7 @@ class RoomView:
     votes: tuple[Vote, ...] = ()
     audience: str = ""  # the address of those who follow
     failing: bool = False  # whether the store cannot be read or written
+    paused: bool = False  # whether the pages of the class are paused
 
 
 def overview(counts: Mapping[str, int], slower: int, votes: tuple[Vote, ...]) -> RoomView:
@@ -73,6 +74,10 @@ class VoteDesk(Protocol):
 
     def lower_hands(self) -> RoomView:
         """Forget who asked for a slower lecture."""
+        ...
+
+    def pause(self, on: bool) -> RoomView:
+        """Pause the pages of the class, or let them go on."""
         ...
 
     def draw_seeds(self) -> Mapping[int, int]:

@@ -26,7 +26,8 @@ ALTER TABLE votes ADD COLUMN talks INTEGER NOT NULL DEFAULT 0;
 UPDATE votes SET counts_out = 1, revealed = 1 WHERE NOT open;
 """  # until then the counts and the answer were shown as soon as a vote was closed
 SEEN = "CREATE TABLE seen (place TEXT PRIMARY KEY, people INTEGER NOT NULL)"  # the most people at a place at once, from five on
-STEPS = (FIRST, STAGES, SEEN)  # the k-th leads to version k + 1
+PAUSED = "ALTER TABLE room ADD COLUMN paused INTEGER NOT NULL DEFAULT 0"  # whether the pages of the class are paused
+STEPS = (FIRST, STAGES, SEEN, PAUSED)  # the k-th leads to version k + 1
 
 
 def bring_up_to_date(database: sqlite3.Connection) -> None:

@@ -36,7 +36,8 @@ class RoomStore:
             os.close(os.open(path, os.O_CREAT | os.O_EXCL | os.O_RDWR, 0o600))
         self._lock, self._database = threading.RLock(), connect(path, "FULL")
         bring_up_to_date(self._database)
-        self._database.execute("INSERT OR IGNORE INTO room VALUES (1, ?, '', 0)", (secrets.token_urlsafe(SECRET_BYTES),))
+        self._database.execute("INSERT OR IGNORE INTO room (id, secret, state, hands) VALUES (1, ?, '', 0)",
+                               (secrets.token_urlsafe(SECRET_BYTES),))
         self._database.execute("INSERT OR IGNORE INTO drawn VALUES (1, ?, 0)", (secrets.randbits(SEED_BITS),))
 
     def close(self) -> None:
@@ -75,6 +76,16 @@ class RoomStore:
         """Keep what the lecture shows."""
         with self._writing() as database:
             database.execute("UPDATE room SET state = ?", (token,))
+
+    @property
+    def paused(self) -> bool:
+        """Whether the pages of the class are paused."""
+        return bool(self._read("SELECT paused FROM room")[0][0])
+
+    def pause(self, on: bool) -> None:
+        """Pause the pages of the class, or let them go on."""
+        with self._writing() as database:
+            database.execute("UPDATE room SET paused = ?", (on,))
 
     # --- votes -----------------------------------------------------------------------------------------------------
     def open_vote(self, lesson: str, scene: str, options: int, asked: Asked | None = None) -> None:

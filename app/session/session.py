@@ -23,7 +23,7 @@ from ..course.scenes import Mode
 from ..engine import EngineError
 from .commands.base import Notice
 from .commands.commands import Edit, MemoryRecalled
-from .handlers import design, guide, lectures, playback, sharing, tasks
+from .handlers import design, guide, lectures, playback, room, sharing, tasks
 from .handlers.many_seeds import SeedRunner
 from .handlers.presenter import Presenter
 from .handlers.reload import RECALL_TIMEOUT_S, MemoryRequest, restore_memory
@@ -126,6 +126,8 @@ class Session:
             self._show.answered = number
             self._show.touched |= not isinstance(edits, Notice)
             try:
+                if self._show.state.frozen and not isinstance(edits, Notice):
+                    raise KnobError(room.PAUSED)
                 if isinstance(edits, list):
                     design.set_knobs(self._show, edits, moving=True)
                     if not any(map(design.pulls, edits)):

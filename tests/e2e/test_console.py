@@ -11,6 +11,7 @@ from playwright.sync_api import Page, expect
 
 from observer_lab.classroom.room_store import RoomStore
 from observer_lab.lessons import LESSONS
+from observer_lab.session.handlers.room import PAUSED
 
 PATIENCE = 180_000  # ms: a busy machine is slow
 PATH = LESSONS["separation"].path
@@ -28,6 +29,7 @@ def test_a_vote_is_run_from_the_notes_and_the_hall_sees_its_results(still_page: 
     options = ("--view", "present", "--lesson", "separation", "--room", "--data-dir", str(tmp_path))
     with serve(0, *options) as address:
         store = RoomStore(tmp_path)
+        ARTEFACTS.mkdir(exist_ok=True)
         hall, phone = still_page(1366, 768), still_page(390, 844, has_touch=True)
         for page, at in ((hall, f"{address}/?present={store.secret}"), (phone, address)):
             page.set_default_timeout(PATIENCE)
@@ -47,6 +49,15 @@ def test_a_vote_is_run_from_the_notes_and_the_hall_sees_its_results(still_page: 
         console.get_by_role("button", name="Open the vote").first.click()
         phone.locator(".ol-option").nth(0).click()
         expect(phone.get_by_text("Your answer A is counted.").last).to_be_visible()
+        console.get_by_role("button", name="Pause for all").click()
+        expect(phone.locator(".ol-freeze")).to_have_text(PAUSED("en"))
+        expect(console.locator("#room")).to_contain_text("All pages of the class are paused.")
+        phone.locator(".ol-option").nth(1).evaluate("option => option.focus()")
+        assert phone.evaluate("document.activeElement === document.body"), "nothing under the sentence takes the focus"
+        phone.screenshot(path=ARTEFACTS / "console-paused.png")
+        console.get_by_role("button", name="Go on for all").click()
+        expect(phone.locator(".ol-freeze")).to_be_hidden()
+        phone.locator(".ol-option").nth(0).click()
         assert all(store.cast([(store.votes()[-1].number, f"other{k:05d}", k % 3) for k in range(6)]))
         expect(console.locator("#room")).to_contain_text("7 votes")
         console.get_by_role("button", name="Close the vote").click()
@@ -54,7 +65,6 @@ def test_a_vote_is_run_from_the_notes_and_the_hall_sees_its_results(still_page: 
         expect(console.locator("[data-talk]")).to_have_text(re.compile(r"\d:\d\d"))
         console.get_by_role("button", name="Show the counts").click()
         expect(hall.locator(".ol-hall .ol-bar")).to_have_count(3)
-        ARTEFACTS.mkdir(exist_ok=True)
         console.screenshot(path=ARTEFACTS / "console.png")
         hall.screenshot(path=ARTEFACTS / "console-hall.png")
         console.locator("summary").first.click()

@@ -11,6 +11,8 @@ import viser
 
 from ...classroom.sketch_grid import LONGEST_SKETCH
 from ...classroom.votes import MAX_OPTIONS, Answer, Kind, is_ballot
+from ...session.handlers.room import PAUSED
+from ...text import languages
 from ..viser_private import page_scripts, viser_internals
 from ..viser_private.hidden_input import hidden_input
 from ..votes.histogram import counted_words
@@ -60,6 +62,15 @@ def is_decimal(word: str) -> bool:
     return DECIMAL.fullmatch(word) is not None
 
 
+def preferred_language(asked: str, usual: str) -> str:
+    """The first language of ours that a browser names in Accept-Language, else the usual one."""
+    for part in asked.split(","):
+        code = part.partition(";")[0].strip().lower().partition("-")[0]
+        if code in languages():
+            return code
+    return usual
+
+
 class Ears(Protocol):
     """Who takes what a follower says."""
 
@@ -72,7 +83,7 @@ class Follower:
 
     def __init__(self, client: viser.ClientHandle, language: str, ears: Ears) -> None:
         self._client, self.language, self._ears = client, language, ears
-        self.raised = False
+        self.raised = self.frozen = False
         self._run: viser.GuiHtmlHandle | None = None
         self._hand = viser_internals.node_id(hidden_input(client.gui, self.hear))
         self._waits: viser.GuiHtmlHandle | None = client.gui.add_html(
@@ -90,6 +101,12 @@ class Follower:
             self._waits = None
             self._client.flush()
 
+    def freeze(self, on: bool) -> None:
+        """Let the page stand still, with a sentence, or go on."""
+        self.frozen = on
+        page_scripts.freeze(self._client, PAUSED(self.language) if on else "")
+        self._client.flush()
+
     def show_run(self, content: str) -> None:
         """Show this follower's own run above the shared page; "" takes it away."""
         if self._run is not None:
@@ -106,6 +123,9 @@ class Follower:
 
     def hear(self, said: str) -> None:
         """A vote or a hand; anything else changes nothing."""
+        if self.frozen:
+            self._say(PAUSED(self.language))
+            return
         if said == "slower":
             self.raised = not self.raised
             if self.raised:

@@ -20,15 +20,15 @@ from ...classroom.vote_writer import VoteWriter
 from ...classroom.votes import Asked, Vote
 from ...session.commands import commands, guide
 from ...session.commands.commands import Edit, Play, RunOnTabThread
-from ...session.commands.room import LeadShown, RoomChanged
+from ...session.commands.room import Freeze, LeadShown, RoomChanged
 from ...session.session import Session
-from ...text import Text, languages
+from ...text import Text
 from ..access.connection import Connection, ConnectionClosed
 from ..charts.print_sizes import SHEET_MAX_WIDTH_PX
 from ..words import phrases
 from .broadcast import Broadcast
 from .class_seats import ClassSeats
-from .follower import Ballot, Follower
+from .follower import Ballot, Follower, preferred_language
 from .presenter_view import OwnScreen, PresenterScreen
 from .relay import Relay
 
@@ -62,7 +62,7 @@ class LectureRoom:
         self._shows_runs = True  # whether the pages may show runs of which the presenter's page knows
         self._reported: tuple[Mapping[str, int], int] | None = None
         self._report_due = 0.0
-        self._hands, self._failing = self._store.hands, False
+        self._hands, self._paused, self._failing = self._store.hands, self._store.paused, False
 
     def start(self, loop: asyncio.AbstractEventLoop) -> None:
         """Begin; followers come on this event loop."""
@@ -143,6 +143,7 @@ class LectureRoom:
     def work_alone(self, client_id: int, session: Session) -> None:
         """A tab works on its own."""
         self._alone[client_id] = session
+        session.post(Freeze(self._paused))
 
     def follow(self, client: viser.ClientHandle, connection: Connection) -> None:
         """A tab follows the lecture; called on the event loop."""
@@ -152,6 +153,7 @@ class LectureRoom:
         kind = f"{language}-{'phone' if 0 < client.camera.image_width <= SHEET_MAX_WIDTH_PX else 'wide'}"
         follower = Follower(client, language, self)
         self._followers[client.client_id] = follower
+        follower.freeze(self._paused)
         self._tasks[client.client_id] = asyncio.get_running_loop().create_task(self._send(kind, connection, follower))
 
     async def _send(self, kind: str, connection: Connection, follower: Follower) -> None:
@@ -220,6 +222,19 @@ class LectureRoom:
         self._store.lower_hands()
         return self._view()
 
+    def pause(self, on: bool) -> RoomView:
+        """Pause the pages of the class, or let them go on."""
+        self._store.pause(on)
+        return self._view()
+
+    def _pause_here(self, on: bool) -> None:
+        self._paused = on
+        for session in list(self._alone.values()):
+            session.post(Freeze(on))
+        for follower in list(self._followers.values()):
+            if self._loop is not None and not self._loop.is_closed():
+                self._loop.call_soon_threadsafe(follower.freeze, on)
+
     # --- a run for each follower ---------------------------------------------------------------------------------------
     def draw_seeds(self) -> Mapping[int, int]:
         """The seed of each follower by the follower's number."""
@@ -234,7 +249,7 @@ class LectureRoom:
     # --- counts ----------------------------------------------------------------------------------------------------
     def _view(self) -> RoomView:
         people, slower = self._store.presence()
-        return replace(overview(people, slower, self._store.votes()), audience=self._audience)
+        return replace(overview(people, slower, self._store.votes()), audience=self._audience, paused=self._store.paused)
 
     def _count(self) -> None:
         while not self._ended.wait(COUNT_S):
@@ -253,6 +268,8 @@ class LectureRoom:
             self._hands = hands
             for follower in list(self._followers.values()):
                 follower.raised = False
+        if (paused := self._store.paused) is not self._paused:
+            self._pause_here(paused)
         if not self._shows_runs:  # a page that presents has begun anew and shows no cloud
             self.show_runs(None)
         if self._loop is not None:
@@ -274,12 +291,3 @@ class LectureRoom:
             self._told = view
             for session, _ in list(self._presenting.values()):
                 session.post(RoomChanged(view))
-
-
-def preferred_language(asked: str, usual: str) -> str:
-    """The first language of ours that a browser names in Accept-Language, else the usual one."""
-    for part in asked.split(","):
-        code = part.partition(";")[0].strip().lower().partition("-")[0]
-        if code in languages():
-            return code
-    return usual

@@ -6,8 +6,10 @@ from typing import Any
 
 import viser
 
+from ...session.handlers.room import PAUSED
 from ...session.state.view import Picture
 from ..screen.screen import Screen
+from ..viser_private import page_scripts
 from ..votes.room_card import way_back
 from .broadcast import Broadcast
 from .follower import ABOVE_ALL
@@ -80,6 +82,17 @@ class PresenterScreen(Screen):
 
 class OwnScreen(Screen):
     """The page of somebody who has left the lecture for a copy of their own, with the link that leads back."""
+
+    _frozen: bool | None = None  # None: it is not known how the page of the browser stands
+
+    def show(self, picture: Picture) -> None:
+        """Show a picture; while the presenter pauses the class, under a sentence."""
+        super().show(picture)
+        frozen, language = picture.state.frozen, picture.state.language
+        if frozen is not self._frozen:
+            self._frozen = frozen
+            page_scripts.freeze(self._client, PAUSED(language) if frozen else "")
+            self._client.flush()
 
     def build(self, picture: Picture) -> None:
         """Lay everything out anew, the link first."""

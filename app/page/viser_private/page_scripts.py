@@ -73,3 +73,8 @@ def acknowledge(client: viser.ClientHandle, edit: int) -> None:
 def give_ticket(client: viser.ClientHandle, ticket: str) -> None:
     """Let a page keep the ticket by which it finds its place again."""
     run_script(client, "ticket", ticket=ticket)
+
+
+def freeze(client: viser.ClientHandle, words: str) -> None:
+    """Cover the page with a sentence and let nothing on it move or answer; without words it goes on."""
+    run_script(client, "freeze", words=words)

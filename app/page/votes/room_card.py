@@ -73,7 +73,15 @@ def _counts(picture: Picture, room: RoomView, hand: str) -> str:
     slower = "" if not room.slower else (f'<p class="ol-note ol-slower">{html.escape(phrases.ASK_SLOWER.format(count=room.slower)(lang))} '
                                          f"{_button(hand, 'hands', phrases.LOWER_HANDS, lang)}</p>")
     failing = f'<p class="ol-note ol-failing">{html.escape(phrases.STORE_FAILS(lang))}</p>' if room.failing else ""
-    return f'{failing}<p class="ol-note ol-here">{lines}</p>{slower}'
+    return f'{failing}<p class="ol-note ol-here">{lines}</p>{slower}{_pause(room, hand, lang)}'
+
+
+def _pause(room: RoomView, hand: str, language: str) -> str:
+    """The button that pauses the pages of the class; while they are paused, that they are, and the button that ends it."""
+    if not room.paused:
+        return f"<p>{_button(hand, 'pause:on', phrases.PAUSE_ALL, language)}</p>"
+    told = html.escape(phrases.ALL_PAUSED(language))
+    return f'<p class="ol-note ol-failing">{told} {_button(hand, "pause:off", phrases.END_PAUSE, language)}</p>'
 
 
 def _place(picture: Picture, place: str) -> str:

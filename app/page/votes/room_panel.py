@@ -14,9 +14,11 @@ from ...session.commands.room import (
     AskTypedAgain,
     CloseVote,
     Discuss,
+    EndPause,
     HideCounts,
     LowerHands,
     OpenVote,
+    PauseAll,
     Reveal,
     ShowCounts,
 )
@@ -41,6 +43,8 @@ def room_command(kind: str, value: str) -> Command | None:
             return AskPole(value)
         case "hands":
             return LowerHands()
+        case "pause":
+            return PauseAll() if value == "on" else EndPause()
     return None
 
 

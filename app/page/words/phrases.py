@@ -43,6 +43,7 @@ PLACE_POLE_HOW = text("Tap the plane or drag the cross. Its conjugate follows. Y
 AUDIENCE_LINK = text("The audience's link and its code")
 TRY_YOURSELF, BACK_TO_LECTURE = text("Try it myself"), text("Back to the lecture")
 SLOWER_PLEASE, LOWER_HANDS = text("Slower, please"), text("Lower all hands")
+PAUSE_ALL, END_PAUSE, ALL_PAUSED = text("Pause for all"), text("Go on for all"), text("All pages of the class are paused.")
 SEED_EACH, SEEDS_ALONE = text("Run one seed for each follower"), text("Run {count} seeds")
 SEEDS_TOLD = text("Each run has the same design and its own noise. The errors appear as a cloud beside the ellipse of P.")
 SEEDS_RUN, SEEDS_LOST = text("runs of many seeds"), text("Runs that were given up: {count}.")

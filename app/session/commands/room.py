@@ -62,6 +62,14 @@ class LowerHands(Command, frozen=True):
     """Forget who asked for a slower lecture."""
 
 
+class PauseAll(Command, frozen=True):
+    """Pause the pages of the class: no hand and no run moves anything there."""
+
+
+class EndPause(Command, frozen=True):
+    """Let the pages of the class go on."""
+
+
 class RunSeeds(Command, frozen=True):
     """Run the design on many seeds, one for each follower where a class is here; or cancel that."""
 
@@ -70,6 +78,12 @@ class RoomChanged(Notice, frozen=True):
     """Who is here, where, and how the votes stand; nobody has asked for it."""
 
     view: RoomView
+
+
+class Freeze(Notice, frozen=True):
+    """The presenter has paused the pages of the class, or lets them go on."""
+
+    on: bool
 
 
 class LeadShown(Notice, frozen=True):

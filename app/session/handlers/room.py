@@ -17,6 +17,7 @@ from . import guide
 from .presenter import Presenter
 
 NO_POLE_QUESTION = text("A question for a pole has no options and at most {most} characters; it may be empty.", most=LONGEST_QUESTION)
+PAUSED = text("The lecturer has paused all pages. Look to the front; your page goes on by itself.")
 NO_QUESTION = text("Type a question on the first line and two to {most} short options on the lines below. "
                    "Without options the class answers with a number.", most=MAX_OPTIONS)
 
@@ -86,6 +87,27 @@ def _closed(show: Presenter, number: object) -> Vote:
 def lower_hands(show: Presenter) -> None:
     """Forget who asked for a slower lecture. Raises KnobError."""
     show_room(show, _desk(show).lower_hands())
+
+
+def pause_all(show: Presenter) -> None:
+    """Pause the pages of the class. Raises KnobError."""
+    show_room(show, _desk(show).pause(True))
+
+
+def end_pause(show: Presenter) -> None:
+    """Let the pages of the class go on. Raises KnobError."""
+    show_room(show, _desk(show).pause(False))
+
+
+def freeze(show: Presenter, on: bool) -> None:
+    """Let this page of the class stand still, or go on with the run that it was playing."""
+    state = show.state
+    if on and not state.frozen:
+        guide.stop(show)
+        show.change(replace(show.state, frozen=True, goes_on=state.playing, playing=False, loop=None))
+        show.view.pose(show.state.t)
+    elif state.frozen and not on:
+        show.change(replace(state, frozen=False, goes_on=False, playing=state.goes_on))
 
 
 def _desk(show: Presenter) -> VoteDesk:

@@ -75,6 +75,8 @@ class State:
     room: RoomView | None = None  # the class that follows, None in a tab that presents to nobody
     many: ManySeeds | None = None  # the errors of many seeds of one design
     recorded: tuple[Stop, ...] = ()  # stops that were noted for a lecture of one's own
+    frozen: bool = False  # whether the presenter has paused the pages of the class
+    goes_on: bool = False  # whether a run was playing then
 
     @property
     def is_dark(self) -> bool:

@@ -14,7 +14,7 @@ from lecture import Enter, Present, ask, card, counts, hand, opened, part, say
 
 from observer_lab.classroom.room_store import RoomStore
 from observer_lab.lessons import LESSONS
-from observer_lab.page.room.lecture_room import preferred_language
+from observer_lab.page.room.follower import preferred_language
 from observer_lab.page.screen.server import LabServer
 from observer_lab.session.commands.commands import CheckNextTask
 from observer_lab.session.commands.guide import SetMode

@@ -28,7 +28,8 @@
   };
   const wake = stamp => {
     viser.takeUp(false);  // a stop may wait there
-    const due = player.queue.findIndex(frame => frame.due > stamp), many = due < 0 ? player.queue.length : due;
+    const still = window.observerLabFreeze?.on;  // the presenter has paused the class
+    const due = player.queue.findIndex(frame => still || frame.due > stamp), many = due < 0 ? player.queue.length : due;
     if (many) player.show(player.queue.splice(0, many));
     player.wake = player.queue.length ? requestAnimationFrame(wake) : 0;
   };
