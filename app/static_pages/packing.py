@@ -1,7 +1,8 @@
 """Pack recorded states into script files that a page can load from a folder, without a server.
 
 A file is one call `observerLabData(name, text)`; its text is base64 of gzip of a line of JSON and the arrays that it names.
-Arrays are kept once for all languages and themes of a scene, in single precision; a run is kept as differences of 16-bit numbers.
+Arrays are kept once for all languages and themes of a scene, in single precision, and values once for all themes and widths of a
+language. A run is kept as differences of 16-bit numbers in steps that no pixel shows, from the first run of its scene where that is less.
 """
 
 from __future__ import annotations
@@ -18,12 +19,13 @@ from typing import Any
 import numpy as np
 
 from ..page.record.recorded_screen import RecordedRun
-from ..page.viser_private.stage_frames import PROPERTY_KINDS, UNITS_PER_STAGE_UNIT
+from ..page.viser_private.stage_frames import PROPERTY_KINDS
 from .screens import Values
 
 ALIGNMENT = 8  # bytes to which an array begins
 TYPES = MappingProxyType({"f": "<f4", "i": "<i4", "u": "<u4", "b": "|u1"})  # kinds of NumPy's numbers → how they are kept
 MOST_16_BIT = 32767
+STEPS = MappingProxyType({"position": 5e-4, "wxyz": 1e-4, "scale": 1e-4, "color": 1.0, "points": 5e-4})  # a pixel is 5e-3 stage units
 BELOW = (0.0, 0.0, -9.0)  # a place that nobody sees, for segments that a frame does not have
 
 
@@ -80,17 +82,31 @@ class Table:
         return self.numbers[key]
 
 
-def difference(base: Values, now: Values, places: Table, values: Table) -> list[list[int]]:
-    """Where a state differs from the base: numbers of place and value, −1 for what is gone."""
-    out = [[places.add(list(place)), -1] for place in base if place not in now]
-    for place, value in now.items():
-        before = base.get(place, now)
-        if before is value:
-            continue
-        if before is not now and alike(before, value):
-            continue
-        out.append([places.add(list(place)), values.add(value)])
-    return out
+@dataclass
+class Tables:
+    """Places and values of all looks of one language, each once."""
+
+    arrays: Arrays = field(default_factory=Arrays)
+
+    def __post_init__(self) -> None:
+        self.places, self.values = Table(self.arrays), Table(self.arrays)
+
+    def difference(self, base: Values, now: Values) -> list[list[int]]:
+        """Where a state differs from the base: numbers of place and value, −1 for what is gone."""
+        out = [[self.places.add(list(place)), -1] for place in base if place not in now]
+        for place, value in now.items():
+            before = base.get(place, now)
+            if before is value:
+                continue
+            if before is not now and alike(before, value):
+                continue
+            out.append([self.places.add(list(place)), self.values.add(value)])
+        return out
+
+    @property
+    def content(self) -> dict[str, list[Any]]:
+        """What their file holds."""
+        return {"places": self.places.kept, "values": self.values.kept}
 
 
 def alike(one: Any, other: Any) -> bool:
@@ -104,27 +120,48 @@ def alike(one: Any, other: Any) -> bool:
     return type(one) is type(other) and one == other
 
 
-def pack_run(run: RecordedRun, arrays: Arrays) -> dict[str, Any]:
-    """A run as its times and, for each value that moves, its numbers at these times."""
-    names: list[str] = []
-    channels = []
-    keys = dict.fromkeys(key for frame in run.frames for key in frame)
-    for name, kind in keys:
-        rows = [frame.get((name, kind), ()) for frame in run.frames]
-        wide = max(map(len, rows))
-        fill = BELOW * (wide // 3 + 1)
-        numbers = np.array([[*row, *fill[:wide - len(row)]] for row in rows], float)
-        if len(numbers) > 1 and np.all(numbers == numbers[0]):
-            continue
-        if name not in names:
-            names.append(name)
-        finest = 1.0 if kind == "color" else 1.0 / UNITS_PER_STAGE_UNIT
-        step = max(float(np.abs(numbers).max()) / MOST_16_BIT, finest)
-        whole = np.round(numbers / step).astype(np.int64)
-        deltas = np.diff(whole, axis=0, prepend=0)
-        channels.append([names.index(name), PROPERTY_KINDS.index(kind), wide, step, arrays.add(deltas.astype(np.int16).T.ravel())])
-    times = arrays.add(np.array(run.times, np.float32))
-    return {"times": times, "count": len(run.times), "names": names, "channels": channels, "end": run.end, "rate": run.rate}
+@dataclass
+class Runs:
+    """Runs of one scene, each once: their times and, for each value that moves, its numbers at these times."""
+
+    arrays: Arrays
+    kept: list[dict[str, Any]] = field(default_factory=list)
+    _first: dict[tuple[str, str, tuple[int, ...], float], np.ndarray] = field(default_factory=dict)
+
+    def add(self, run: RecordedRun) -> int:
+        """The number of a run."""
+        names: list[str] = []
+        channels = []
+        for name, kind in dict.fromkeys(key for frame in run.frames for key in frame):
+            rows = [frame.get((name, kind), ()) for frame in run.frames]
+            wide = max(map(len, rows))
+            fill = BELOW * (wide // 3 + 1)
+            numbers = np.array([[*row, *fill[:wide - len(row)]] for row in rows], float)
+            if len(numbers) > 1 and np.all(numbers == numbers[0]):
+                continue
+            if name not in names:
+                names.append(name)
+            step = max(float(np.abs(numbers).max()) / MOST_16_BIT, STEPS[kind])
+            deltas = np.diff(np.round(numbers / step).astype(np.int64), axis=0, prepend=0)
+            first = self._first.setdefault((name, kind, deltas.shape, step), deltas)
+            other = -1
+            if 0.0 < _size(deltas - first) < _size(deltas):
+                other, deltas = self._whole(first), deltas - first
+            channels.append([names.index(name), PROPERTY_KINDS.index(kind), wide, step, self._whole(deltas), other])
+        times = self.arrays.add(np.array(run.times, np.float32))
+        packed = {"times": times, "count": len(run.times), "names": names, "channels": channels, "end": run.end, "rate": run.rate}
+        if packed not in self.kept:
+            self.kept.append(packed)
+        return self.kept.index(packed)
+
+    def _whole(self, deltas: np.ndarray) -> int:
+        """The number of an array of differences, which may wrap as 16-bit numbers do."""
+        return self.arrays.add(deltas.astype(np.int16).T.ravel())
+
+
+def _size(deltas: np.ndarray) -> float:
+    """About how many bits differences take."""
+    return float(np.log2(1.0 + np.abs(deltas)).sum())
 
 
 def data_file(name: str, content: Any, arrays: Iterable[np.ndarray] = ()) -> str:

@@ -1,4 +1,4 @@
-"""Write recorded lessons as a folder: one page, and a script file for each scene in each look."""
+"""Write recorded lessons as a folder: one page, and script files for each scene: its arrays, its values in a language, its looks."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ from ..session.commands.commands import (
 )
 from ..session.commands.guide import ToggleGlossary
 from ..session.commands.shortcuts import SHORTCUTS
-from .packing import Arrays, Table, data_file, difference, pack_run
+from .packing import Arrays, Runs, Tables, data_file
 from .points import Points
 from .recorder import RecordedScene, RecordedState, Recorder
 from .screens import Values
@@ -59,37 +59,37 @@ def write_lesson(lessons: Mapping[str, Lesson], lesson: str, looks: Sequence[Loo
                        "states": [[state.name, state.done] for state in scene.states]})
         _write_scene(lesson, scene, looks, bases, write)
         advance()
+    tables = {look.language: Tables() for look in looks}
     for k, look in enumerate(looks):
-        arrays = Arrays()
-        places, values = Table(arrays), Table(arrays)
-        pairs = [[places.add(list(place)), values.add(value)] for place, value in bases[k].items()]
-        shown = {name: difference(bases[k], standing[k], places, values) for name, standing in overlays.items()}
-        content = {"places": places.kept, "values": values.kept, "base": pairs, "overlays": shown, "scenes": scenes,
+        table = tables[look.language]
+        content = {"base": table.difference({}, bases[k]), "scenes": scenes,
+                   "overlays": {name: table.difference(bases[k], standing[k]) for name, standing in overlays.items()},
                    "commands": {each.label(look.language): ACTS[each.command] for each in SHORTCUTS if each.command in ACTS}}
-        write(f"{look.name}.js", data_file(f"{lesson}/{look.name}", content, arrays.kept))
+        write(f"{look.name}.js", data_file(f"{lesson}/{look.name}", content))
+    for language, table in tables.items():
+        write(f"{language}.js", data_file(f"{lesson}/{language}", table.content, table.arrays.kept))
 
 
 def _write_scene(lesson: str, scene: RecordedScene, looks: Sequence[Look], bases: Sequence[Values], write: Write) -> None:
-    arrays, runs, numbers = Arrays(), list[dict[str, Any]](), dict[int, int]()
+    arrays = Arrays()
+    runs, numbers = Runs(arrays), dict[int, int]()
     for state in scene.states:
         if state.run is not None:
-            packed = pack_run(state.run, arrays)
-            if packed not in runs:
-                runs.append(packed)
-            numbers[id(state)] = runs.index(packed)
+            numbers[id(state)] = runs.add(state.run)
+    tables = {look.language: Tables(arrays) for look in looks}
     for k, look in enumerate(looks):
-        places, values = Table(arrays), Table(arrays)
-        states = [_state(state, k, bases[k], places, values, numbers.get(id(state), -1)) for state in scene.states]
-        content = {"places": places.kept, "values": values.kept, "states": states, "knobs": _widgets(scene.states, k),
-                   "sketch": _sketch(scene, k)}
+        states = [_state(state, k, bases[k], tables[look.language], numbers.get(id(state), -1)) for state in scene.states]
+        content = {"states": states, "knobs": _widgets(scene.states, k), "sketch": _sketch(scene, k)}
         write(f"{scene.id}/{look.name}.js", data_file(f"{lesson}/{scene.id}/{look.name}", content))
-    write(f"{scene.id}/arrays.js", data_file(f"{lesson}/{scene.id}/arrays", {"runs": runs}, arrays.kept))
+    for language, table in tables.items():
+        write(f"{scene.id}/{language}.js", data_file(f"{lesson}/{scene.id}/{language}", table.content))
+    write(f"{scene.id}/arrays.js", data_file(f"{lesson}/{scene.id}/arrays", {"runs": runs.kept}, arrays.kept))
 
 
-def _state(state: RecordedState, look: int, base: Values, places: Table, values: Table, run: int) -> dict[str, Any]:
-    return {"name": state.name, "patch": difference(base, state.values[look], places, values),
-            "steps": [difference(base, step[look], places, values) for step in state.steps],
-            "run": run, "told": values.add(dict(state.told[look])), "t": state.t, "rest": state.rest, "part": state.part,
+def _state(state: RecordedState, look: int, base: Values, tables: Tables, run: int) -> dict[str, Any]:
+    return {"name": state.name, "patch": tables.difference(base, state.values[look]),
+            "steps": [tables.difference(base, step[look]) for step in state.steps],
+            "run": run, "told": tables.values.add(dict(state.told[look])), "t": state.t, "rest": state.rest, "part": state.part,
             "done": state.done, "runs": state.runs, "held": dict(state.held)}
 
 
@@ -120,8 +120,10 @@ def _widgets(states: Sequence[RecordedState], look: int) -> dict[str, list[str]]
 def write_folder(lessons: Mapping[str, Lesson], looks: Sequence[Look], folder: Path, lecture: Lecture | None = None) -> None:
     """Write the page of these lessons, and in each language the questions that they answer and the scenes of the lecture."""
     spoken = [*dict.fromkeys(look.language for look in looks)]
-    write_file(folder, PAGE, published_page(spoken, list(lessons), [look.name for look in looks], DATA))
+    stops = [(stop.lesson, stop.scene) for stop in lecture.stops] if lecture is not None else []
+    pages = {language: f"lecture-{language}.html" for language in spoken} if lecture is not None else {}
+    write_file(folder, PAGE, published_page(spoken, list(lessons), [look.name for look in looks], DATA, stops, pages))
     for language in spoken:
         write_file(folder, f"questions-{language}.html", questions_page(lessons, language, PAGE))
         if lecture is not None:
-            write_file(folder, f"lecture-{language}.html", lecture_page(lecture, lessons, language, PAGE))
+            write_file(folder, pages[language], lecture_page(lecture, lessons, language, PAGE))

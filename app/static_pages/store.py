@@ -13,7 +13,9 @@ from pathlib import Path
 from ..course.lesson import Lesson
 
 MOST_KEPT = 4  # recordings of one lesson that are kept, the last used ones
-UNSHOWN = ("cli", "live", "notebook", "published", "static_pages/store.py", "study")  # parts of the package that no recorded page needs
+UNSHOWN = ("cli", "live", "notebook", "page/record/lecture_page.py", "page/record/published_page.py", "page/record/questions_page.py",
+           "page/web/styles/published.css", "page/web/viser_page/published.js", "published", "static_pages/store.py",
+           "study")  # parts of the package on which no recorded state depends
 SHARED_BY_LESSONS = ("toolkit", "from_files")  # folders beside those of the lessons
 LIBRARIES = ("viser", "numpy", "scipy", "control")
 KEY = "key.txt"

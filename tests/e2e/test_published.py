@@ -13,8 +13,11 @@ from published_walk import PLACES, served, walked
 from tab import HARMLESS, eventually
 
 from observer_lab.cli.entry import main
+from observer_lab.course.lectures import Lecture, Stop
 from observer_lab.lessons import LESSONS
+from observer_lab.page.record.recorded_screen import WINDOWS, Look
 from observer_lab.static_pages.points import Points
+from observer_lab.static_pages.site import write_folder
 
 LESSON = "separation"
 PATH, WORDS = LESSONS[LESSON].path, LESSONS[LESSON].words["en"]
@@ -55,7 +58,7 @@ def page(still_page: Callable[..., Page], folder: Path) -> Iterator[Page]:
     yield page
     assert not complaints, complaints
     assert asked and {request.url.split(":")[0] for request in asked} <= {"file", "data", "blob"}
-    home = folder.as_uri()
+    home = folder.parent.as_uri()
     assert all(request.url.startswith(home) for request in asked if request.url.startswith("file:"))
 
 
@@ -137,6 +140,56 @@ def test_the_questions_of_a_folder_lead_to_its_scenes(page: Page, folder: Path) 
     assert page.locator("section:visible h2").all_inner_texts() == ["Can I design controller and observer separately?"]
     page.locator("section:visible a").click()
     at_scene(page, "predict")
+
+
+def with_lecture(folder: Path, *stops: tuple[str, str]) -> Path:
+    """The folder's lesson beside the page of a lecture with these stops: lesson and scene."""
+    site = folder.parent / f"lecture of {len(stops)}"
+    site.mkdir()
+    (site / "data").symlink_to(folder / "data")
+    lecture = Lecture({"en": "A lecture"}, tuple(Stop(lesson, scene, {}, 1.0) for lesson, scene in stops), float(len(stops)))
+    write_folder({id: LESSONS[id] for id in dict.fromkeys(lesson for lesson, _ in stops)}, [Look("en", False, width) for width in WINDOWS],
+                 site, lecture)
+    return site
+
+
+def test_next_and_back_follow_the_stops_of_a_lecture(page: Page, folder: Path) -> None:
+    """Also back to a scene that was there before, from the last scene of a path, and at the end to the lecture's page."""
+    last = PATH[-1].id
+    way = ["drag", "predict", last, "drag", "command"]
+    site = with_lecture(folder, *((LESSON, scene) for scene in way))
+    page.goto((site / "lecture-en.html").as_uri())
+    page.locator("ol a").first.click()
+    for here, there in pairwise(way):
+        at_scene(page, here)
+        assert page.locator('.ol-way [data-value="turn:1"]').is_visible()
+        press(page, "turn:1")
+        at_scene(page, there)
+    for there in reversed(way[:-1]):
+        press(page, "turn:-1")
+        at_scene(page, there)
+    press(page, "turn:-1")
+    page.wait_for_url("**/lecture-en.html")
+    page.locator("ol a").nth(3).click()
+    at_scene(page, "drag")
+    press(page, "scene:0")  # no stop: the path goes on
+    at_scene(page, PATH[0].id)
+    press(page, "turn:1")
+    at_scene(page, PATH[1].id)
+
+
+def test_a_stop_of_another_lesson_is_opened(still_page: Callable[..., Page], folder: Path) -> None:
+    page, (first, *_) = still_page(1366, 768), LESSONS["noise"].path
+    site = with_lecture(folder, (LESSON, PATH[0].id), ("noise", first.id), (LESSON, PATH[-1].id))
+    page.goto((site / "index.html").as_uri() + f"?lesson={LESSON}&scene={PATH[-1].id}")
+    at_scene(page, PATH[-1].id)
+    press(page, "turn:-1")
+    page.wait_for_url(f"**/index.html?lesson=noise&lang=en&theme=light&scene={first.id}&stop=1")
+    page.goto((site / "index.html").as_uri() + f"?lesson={LESSON}&scene={PATH[0].id}")
+    at_scene(page, PATH[0].id)
+    assert page.locator('.ol-way [data-value="turn:-1"]').is_visible(), "the first scene of a path has a way back to the lecture"
+    press(page, "turn:1")
+    page.wait_for_url("**&stop=1")
 
 
 def test_a_second_time_nothing_is_recorded(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -1,6 +1,6 @@
 // Runs before viser's page: stands in the place of the server with states that were recorded. A state is a patch on the base of its look,
 // so any may follow any; what a hand does leads to the state that was recorded for it, or to the nearest.
-({lessons, looks, words, folder, web, speeds, shapes}) => {
+({lessons, looks, words, folder, web, speeds, shapes, stops, lecture}) => {
   const viser = window.observerLabViser, OWNER = '0', STEP = 100, KEY = 'observer-lab-published', root = document.documentElement;
   const keep = () => { try { localStorage.setItem(KEY, JSON.stringify(memory)); } catch (error) { /* a frame without storage */ } };
   const kept = () => { try { return JSON.parse(localStorage.getItem(KEY)) ?? {}; } catch (error) { return {}; } };
@@ -15,7 +15,7 @@
   const done = memory.done[lesson] ??= {};  // scene → the state in which it was done
   root.lang = web[language];
   const address = changes => `${location.pathname}?${new URLSearchParams(Object.entries(
-    {lesson, lang: language, theme, scene: base?.scenes[at]?.id, ...changes}).filter(([, value]) => value))}`;
+    {lesson, lang: language, theme, scene: base?.scenes[at]?.id, stop: stop > 0 ? stop : '', ...changes}).filter(([, value]) => value))}`;
   const leave = changes => {
     keep();
     location.assign(address(changes));
@@ -35,25 +35,26 @@
     const {arrays, content} = JSON.parse(new TextDecoder().decode(new Uint8Array(bytes, 8, size)));
     return {...content, arrays: arrays.map(([kind, count, place]) => new (TYPES[kind] ?? Uint8Array)(bytes, 8 + size + place, count))};
   });
-  const whole = (value, arrays) => {
-    if (Array.isArray(value)) return value.map(each => whole(each, arrays));
+  const filled = (value, arrays) => {  // with the arrays that it names
     if (value === null || typeof value !== 'object') return value;
-    return value.$ === undefined ? Object.fromEntries(Object.entries(value).map(([name, each]) => [name, whole(each, arrays)])) : arrays[value.$];
+    for (const name of Object.keys(value)) value[name] = filled(value[name], arrays);
+    return value.$ === undefined ? value : arrays[value.$];
   };
-  const read = (file, arrays) => {
-    const made = new Map(), value = k => {
-      if (!made.has(k)) made.set(k, whole(file.values[k], arrays));
-      return made.get(k);
-    };
-    return pairs => new Map(pairs.map(([place, k]) => [file.places[place].join('\n'), k < 0 ? undefined : value(k)]));
+  const read = (file, arrays = file.arrays) => {
+    file.whole ??= filled(file.values, arrays);
+    return pairs => new Map(pairs.map(([place, k]) => [file.places[place].join('\n'), file.whole[k]]));
   };
 
   // --- what stands -------------------------------------------------------------------------------------------------------------
   let base = null, ground = new Map(), props = new Map(), at = 0, scene = null, state = {over: new Map(), held: {}}, touched = new Set();
-  let give = () => {}, speed = speeds.indexOf(1), turn = 0, overlay = null, asks = '', drawn = '';
+  let give = () => {}, speed = speeds.indexOf(1), turn = 0, overlay = null, drawn = '', stop = Number(asked.get('stop') ?? -1);
   const id = () => base.scenes[at].id;
   const total = (key, over = state.over) => (over.has(key) ? over.get(key) : ground.get(key));
+  const here = k => stops[k]?.[0] === lesson && stops[k][1] === id(), stopHere = () => (here(stop) ? stop : stops.findIndex((_, k) => here(k)));
   const dressed = (key, value) => {  // what depends on the way that somebody has come
+    if (base && typeof value === 'string' && value.includes('class="ol-way"') && stopHere() >= 0) return value
+      .replace(/data-value="mode:[^<]*/, `data-value="turn:1">${said.next}`).replace(/(<div class="ol-way">)(<button[^>]*data-to="([^"]*)")(?!.*"turn:-1")/,
+        `$1<button type="button" class="ol-do" data-to="$3" data-value="turn:-1">${said.back}</button>$2`);
     if (typeof value === 'string' && value.includes('class="ol-dot"')) return value.replace(/(data-value="scene:(\d+)"[^>]*?)( data-done)?>/g,
       (all, head, k) => `${head}${done[base.scenes[k]?.id] ? ' data-done' : ''}>`);
     if (drawn && typeof value === 'string' && value.includes('</svg>') && value.includes(drawn.mark)) return value.replace('</svg>', `${drawn.path}</svg>`);
@@ -62,13 +63,14 @@
   };
   const named = entity => [entity.slice(0, entity.indexOf(':')), entity.slice(entity.indexOf(':') + 1)];
   const remove = entity => viser.removed(...named(entity), OWNER), update = (entity, updates) => viser.updated(...named(entity), OWNER, updates);
+  const byEntity = keys => {  // entity → its properties
+    const found = new Map();
+    for (const [entity, prop] of [...keys].map(key => key.split('\n'))) found.set(entity, [...found.get(entity) ?? [], prop]);
+    return found;
+  };
   const messages = (keys, over) => {  // that make these places stand as in a state
-    const gone = [], made = [], moved = [], last = [], changed = new Map();
-    for (const key of keys) {
-      const [entity, prop] = key.split('\n');
-      changed.set(entity, [...changed.get(entity) ?? [], prop]);
-    }
-    for (const [entity, names] of changed) {
+    const gone = [], made = [], moved = [], last = [];
+    for (const [entity, names] of byEntity(keys)) {
       const head = total(`${entity}\n`, over), was = total(`${entity}\n`), plain = {};
       const create = names.includes('') && head && (over.size === 0 || JSON.stringify(head) !== JSON.stringify(was));
       if (head === undefined && entity !== 'gui:viser-control-panel') {
@@ -91,6 +93,10 @@
   const farther = message => (message.type === 'SetCameraPositionMessage' && viser.canvas()
     ? {...message, position: viser.farther(message.position, total('SetCameraLookAtMessage\n').look_at, shapes[width])[0]} : message);
   const show = (next, camera = false) => {
+    if (next.done) {
+      done[id()] = next.name;
+      keep();
+    }
     const keys = [...new Set([...state.over.keys(), ...next.over.keys(), ...touched])];
     const wanted = new Set(keys.filter(key => touched.has(key) || total(key) !== total(key, next.over)));
     if (camera) [...ground.keys()].filter(key => key.startsWith('SetCamera')).forEach(key => wanted.add(key));
@@ -99,41 +105,32 @@
     touched = new Set();
     give(batch);
   };
-  const touch = (entity, updates) => {
-    Object.keys(updates).forEach(prop => touched.add(`${entity}\n${prop}`));
-    give([update(entity, updates)]);
-  };
 
   // --- the run -------------------------------------------------------------------------------------------------------------------
   const SENT = {position: '@SetPositionMessage', wxyz: '@SetOrientationMessage'}, KINDS = ['position', 'wxyz', 'scale', 'color', 'points'];
-  const ready = run => {
-    run.at ??= scene.arrays[run.times];
-    run.frames ??= run.channels.map(([name, kind, many, step, deltas]) => {
-      const all = scene.arrays[deltas], numbers = new Float32Array(all.length);
-      for (let part = 0; part < many; part += 1) {
-        for (let k = 0, sum = 0; k < run.count; k += 1) numbers[k * many + part] = (sum = (sum + all[part * run.count + k]) << 16 >> 16) * step;
-      }
-      return {name: run.names[name], kind: KINDS[kind], many, numbers};
-    });
-    return run;
-  };
+  const frames = run => run.channels.map(([name, kind, many, step, deltas, first]) => {  // of 16 bits, as their sums wrap
+    const sums = scene.arrays[deltas].slice(), other = scene.arrays[first];
+    for (let k = 0; k < sums.length; k += 1) sums[k] += (other ? other[k] : 0) + (k % run.count ? sums[k - 1] : 0);
+    return {name: run.names[name], kind: KINDS[kind], at: k => Array.from({length: many}, (_, part) => sums[part * run.count + k] * step)};
+  });
+  let moving = {};  // the run that stands, read
   const pose = t => {
     if (!state.run) return;
     player.now = t;
-    const told = {...state.told, words: state.told.words[speed]}, run = ready(state.run), k = Math.max(run.at.findLastIndex(each => each <= t + 1e-6), 0);
-    const batch = run.frames.map(({name, kind, many, numbers}) => {
-      const part = numbers.slice(k * many, (k + 1) * many);
+    if (moving.run !== state.run) moving = {run: state.run, times: scene.arrays[state.run.times], frames: frames(state.run)};
+    const told = {...state.told, words: state.told.words[speed]}, k = Math.max(moving.times.findLastIndex(each => each <= t + 1e-6), 0);
+    const batch = moving.frames.map(({name, kind, at: now}) => {
       touched.add(`scene:${name}\n${SENT[kind] ?? kind}`);
-      return viser.moved(OWNER, name, kind, kind === 'points' ? part : [...part]);
+      return viser.moved(OWNER, name, kind, kind === 'points' ? new Float32Array(now(k)) : now(k));
     });
     touched.add(`gui:${told.clock}\ncontent`).add(`gui:${told.slider}\nvalue`);
     give([...batch, ...viser.told(told, t)]);
   };
-  const label = () => {  // play or pause on the first button of the run
-    for (const key of ground.keys()) {
-      if (key.endsWith('\noptions') && total(key)?.includes?.(said.play)) touch(key.split('\n')[0], {options: dressed(key, total(key))});
-    }
-  };
+  const label = () => ground.forEach((_, key) => {  // play or pause on the first button of the run
+    if (!key.endsWith('\noptions') || !total(key)?.includes?.(said.play)) return;
+    touched.add(key);
+    give([update(key.split('\n')[0], {options: dressed(key, total(key))})]);
+  });
   const player = viser.runner(t => { pose(t); if (!player.playing) label(); }, () => state.run.end, () => state.run.rate * speeds[speed]);
   const go = (wanted, from = player.now) => {
     if (!state.run || (!wanted && !player.playing)) return;
@@ -144,9 +141,9 @@
 
   // --- scenes --------------------------------------------------------------------------------------------------------------------
   const open = async k => {
-    const name = `${lesson}/${base.scenes[k].id}`, [text, arrays] = await Promise.all([load(`${name}/${look}`), load(`${name}/arrays`)]);
-    const patch = read(text, arrays.arrays), full = each => ({...each, over: patch(each.patch), steps: each.steps.map(patch),
-      run: arrays.runs[each.run], told: text.values[each.told]});
+    const [text, spoken, arrays] = await Promise.all([look, language, 'arrays'].map(file => load(`${lesson}/${base.scenes[k].id}/${file}`)));
+    const patch = read(spoken, arrays.arrays), full = each => ({...each, over: patch(each.patch), steps: each.steps.map(patch),
+      run: arrays.runs[each.run], told: spoken.values[each.told]});
     text.full ??= Object.fromEntries(text.states.map(each => [each.name, full(each)]));
     return {states: text.full, knobs: text.knobs, sketch: text.sketch, arrays: arrays.arrays};
   };
@@ -157,7 +154,6 @@
     go(false);
     [scene, at, drawn, memory.lesson] = [next, k, '', lesson];
     const {entry} = scene.states, again = scene.states[done[id()]] ?? entry;
-    if (entry.done) note(entry);
     history[push ? 'pushState' : 'replaceState']({scene: k}, '', address());
     if (again === entry && entry.steps.length) await perform(entry);
     else {
@@ -166,26 +162,24 @@
     }
     cover.hidden = true;
   };
-  const note = reached => {
-    if (!reached.done) return;
-    done[id()] = reached.name;
-    keep();
-  };
   const perform = async next => {
     const mine = turn += 1;
     go(false);
     for (const over of calm() ? [] : next.steps) {
-      show({...next, over}, true);
+      show({...next, over, done: false}, true);
       await new Promise(wake => setTimeout(wake, STEP));
       if (mine !== turn) return;
     }
-    note(next);
     show(next);
     if (next.runs && !calm()) go(true, 0); else pose(next.runs ? next.rest : next.t);
   };
-  const reach = name => {
-    if (scene.states[name]) perform(scene.states[name]);
-    return !!scene.states[name];
+  const reach = name => scene.states[name] && perform(scene.states[name]);
+  const follow = by => {  // the stops of a lecture where this is one, else the path
+    stop = stopHere();
+    if (stop < 0) return enter(at + by);
+    if (!stops[stop + by]) return location.assign(lecture[language]);
+    const [there, name] = stops[stop += by];
+    return there === lesson ? enter(base.scenes.findIndex(each => each.id === name)) : leave({lesson: there, scene: name});
   };
 
   // --- knobs, poles and hands snap -------------------------------------------------------------------------------------------------
@@ -200,7 +194,6 @@
     const next = states().find(each => each.name.startsWith('knob:') && same(each)) ?? best;
     turn += 1;
     go(false);
-    note(next);
     show(next);
     pose(Math.min(player.now, next.run?.end ?? 0));
   };
@@ -210,8 +203,9 @@
     move(nearest([entry, ...moved], each => far(total(place, each.over), value)), knob);
   };
   let grabbed = null, force = 0;
-  const drag = ({phase, name, instance_index: index, end_screen_pos: [x, y], start_screen_pos: [, y0]}) => {
-    if (!/\/grips$/.test(name)) return phase === 'end' && /^\/(plant|hand)/.test(name) && pull(Object.keys(scene.states).find(each => each.startsWith('pull:'))?.split(':')[1], 3 * (y0 - y));
+  const grab = ({phase, name, end_screen_pos: [, y], start_screen_pos: [, before]}) => phase === 'end' && /^\/(plant|hand)/.test(name)
+    && pull(Object.keys(scene.states).find(each => each.startsWith('pull:'))?.split(':')[1], 3 * (before - y));
+  const drag = ({phase, name, instance_index: index, end_screen_pos: [x, y]}) => {
     const key = `scene:${name}\nbatched_positions`, points = over => {
       const all = total(key, over) ?? [];
       return Array.from({length: all.length / 3}, (_, k) => [...all.slice(3 * k, 3 * k + 3)]);
@@ -229,38 +223,32 @@
       if (best !== state) move(best, Object.keys(best.held)[0]);
     }
     if (phase === 'end') grabbed = null;
-    return undefined;
   };
   const pull = (knob, share) => {
     const all = states().filter(({name}) => name.startsWith(`pull:${knob}:`)), size = ({name}) => Number(name.split(':')[2]);
     if (all.length && Math.abs(share) > .02) perform(nearest(all, each => Math.abs(size(each) - share)));
   };
-  const sketch = heights => {  // the option whose drawing is nearest, and the hand's own beside it
-    const {options, columns, top, foot, bars, mark} = scene.sketch ?? {}, shares = heights.split(',').map(Number);
-    if (!options || shares.length !== columns.length) return;
-    const place = k => `${columns[k]} ${(foot - shares[k] * (foot - top)).toFixed(1)}`, line = shares.map((_, k) => `${bars ? 'M' : k ? 'L' : 'M'}${place(k)}${bars ? 'h14' : ''}`);
-    drawn = {mark, path: `<path class="ol-sketched" fill="none" d="${line.join('')}"/>`};
+  const sketch = heights => {  // the option whose drawing is nearest, and the hand's own line beside it
+    const {options, mark} = scene.sketch ?? {}, shares = heights.split(',').map(Number);
+    if (options?.[0].length !== shares.length) return;
+    drawn = {mark, path: document.querySelector('.ol-sketched').outerHTML};
     reach(`option:${options.indexOf(nearest(options, option => option.reduce((sum, each, k) => sum + Math.abs(each - shares[k]), 0)))}`);
   };
 
   // --- what a hand does ----------------------------------------------------------------------------------------------------------
-  const close = () => {
-    const entities = [...overlay?.keys() ?? []].filter(key => key.endsWith('\n') && total(key) === undefined).map(key => key.slice(0, -1));
+  const dialog = name => {  // is shown instead of the one that stands; the same again, or none: nothing is
+    const own = from => [...from ?? []].filter(([key]) => total(key) === undefined), next = base.overlays[name];
+    const entities = own(overlay).map(([key]) => key).filter(key => key.endsWith('\n')).map(key => key.slice(0, -1));
     give([...entities.filter(each => each.startsWith('modal:')), ...entities.filter(each => !each.startsWith('modal:'))].map(remove));
-    overlay = null;
-  };
-  const dialog = name => {
-    const old = overlay, next = base.overlays[name];
-    close();
-    if (old === next) return;
-    overlay = next;
-    const shown = new Map([...next].filter(([key]) => total(key) === undefined));
+    overlay = next === overlay ? null : next;
+    const shown = new Map(own(overlay));
     give(messages(shown.keys(), shown));
   };
+  const close = () => dialog('');
   const other = (all, here) => all[(all.indexOf(here) + 1) % all.length];
   const toLesson = name => (lessons.includes(name) && name !== lesson ? leave({lesson: name, scene: ''}) : close());
   const acts = {
-    turn: by => enter(at + Number(by)), scene: k => enter(Number(k)), option: k => reach(`option:${k}`), sketch, lesson: toLesson, close,
+    turn: by => follow(Number(by)), scene: k => enter(Number(k)), option: k => reach(`option:${k}`), sketch, lesson: toLesson, close,
     play: () => (!player.playing && !done[id()] && reach('play')) || go(!player.playing), kick: () => reach('kick'),
     rewind: () => { go(false); pose(0); }, kept: () => reach(done[id()]), reset: () => { delete done[id()]; enter(at, false); },
     slower: () => { speed = Math.max(speed - 1, 0); pose(player.now); }, faster: () => { speed = Math.min(speed + 1, speeds.length - 1); pose(player.now); },
@@ -276,8 +264,7 @@
   const heard = ({uuid, updates: {value}}) => {
     const entity = `gui:${uuid}`, made = (total(`${entity}\n`) ?? overlay?.get(`${entity}\n`))?.type;
     const knob = Object.entries(scene.knobs).find(([, widgets]) => widgets.includes(entity)), pulled = /^(\w+):(-?[\d.e-]+):([01])$/.exec(value);
-    if (uuid === asks) answer(value);
-    else if (uuid === state.told?.slider) { go(false); pose(Number(value)); }
+    if (uuid === state.told?.slider) { go(false); pose(Number(value)); }
     else if (knob) turnKnob(knob[0], `${entity}\nvalue`, value);
     else if (made === 'GuiButtonMessage') close();
     else if (made !== 'GuiButtonGroupMessage') return;
@@ -285,38 +272,26 @@
     else if (overlay?.has(`${entity}\n`)) toLesson(value);
     else act((Object.entries(said).find(([, label]) => label === value)?.[0] ?? String(value)).replace('pause', 'play'));
   };
-  const answer = question => {  // of a script that waits until all before its question is shown
-    for (const [key, value] of ground) {
-      if (typeof value === 'string' && value.includes('class="ol-mark"')) touch(key.split('\n')[0], {content: value.replace(/data-answer="[^"]*"/, `data-answer="${question}"`)
-        .replace('data-rests="0"', 'data-rests="1"')});
-    }
-  };
   const cover = Object.assign(document.createElement('div'), {className: 'ol-cover', innerHTML: '<b>Observer Lab</b>'}), came = location.href;
   root.append(cover);
   viser.onConnecting = () => history.replaceState(history.state, '', came);  // where viser's page has put the server it looks for
-  const begin = async connected => {
-    base = await load(`${lesson}/${look}`);
-    const patch = read(base, base.arrays);
+  const begin = async (send, connected) => {
+    give = batch => batch.length && send(batch);
+    const [mine, spoken] = await Promise.all([look, language].map(file => load(`${lesson}/${file}`))), patch = read(spoken);
+    base = mine;
     ground = patch(base.base);
-    for (const key of ground.keys()) {
-      const [entity, prop] = key.split('\n');
-      props.set(entity, (props.get(entity) ?? new Set()).add(prop));
-    }
+    props = byEntity(ground.keys());
     base.overlays = Object.fromEntries(Object.entries(base.overlays).map(([name, pairs]) => [name, patch(pairs)]));
-    for (const value of ground.values()) asks ||= typeof value === 'string' ? /data-ask="([^"]+)"/.exec(value)?.[1] ?? '' : '';
     connected();
     give([...messages(ground.keys(), new Map()), viser.moved('', '/WorldAxes', 'visible', false)]);
     await enter(Math.max(base.scenes.findIndex(each => each.id === asked.get('scene')), 0), false);
   };
   viser.files = {
-    open: (send, connected) => {
-      give = batch => { if (batch.length) send(batch); };
-      begin(connected);
-    },
+    open: begin,
     take: message => {
       if (!scene) return;
       if (message.type === 'GuiUpdateMessage' && 'value' in (message.updates ?? {})) heard(message);
-      else if (message.type === 'SceneNodeDragMessage') drag(message);
+      else if (message.type === 'SceneNodeDragMessage') (/\/grips$/.test(message.name) ? drag : grab)(message);
       else if (message.type === 'CommandTriggerMessage') act(base.commands[total(`command:${message.uuid}\nlabel`)] ?? '');
     },
   };
