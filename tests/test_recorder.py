@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from observer_lab.course.knobs import Poles
-from observer_lab.course.scenes import Move
+from observer_lab.course.knobs import Number, Poles
+from observer_lab.course.scenes import Move, entry_values
 from observer_lab.lessons import LESSONS
 from observer_lab.page.record.recorded_screen import WINDOWS, Look
-from observer_lab.static_pages.points import MOST_PLACES, Points, values_of
+from observer_lab.static_pages.points import MOST_PLACES, Points, value_for, values_of
 from observer_lab.static_pages.recorder import Recorder
 from observer_lab.static_pages.site import _widgets
 
@@ -30,6 +30,23 @@ def test_every_knob_stands_somewhere_on_entry_and_has_widgets_of_its_own(lesson:
         assert len(set(taken)) == len(taken), f"{recorder.path[k].id}: a widget of two knobs: {widgets}"
         tried += len(taken)
     assert tried or not moving
+
+
+@pytest.mark.parametrize("lesson", LESSONS)
+def test_every_grid_has_a_value_that_the_scene_asks_for(lesson: str) -> None:
+    """Also the coarsest one: a slider that must end between two bounds, a choice that must end at one value."""
+    path, start = LESSONS[lesson].path, LESSONS[lesson].start()
+    for k, scene in enumerate(path):
+        goal = scene.do.goal if isinstance(scene.do, Move) else None
+        if goal is None:
+            continue
+        knob = LESSONS[lesson].knob(scene.do.knobs[0])
+        now = entry_values(path, k, start).get(knob.name, start[knob.name])
+        values = values_of(knob, now, FEW, [value for value in (value_for(knob, goal),) if value is not None])
+        if goal.value is not None:
+            assert goal.value in values, scene.id
+        elif goal.least is not None and goal.most is not None and isinstance(knob, Number):
+            assert any(goal.least <= value <= goal.most for value in values), scene.id
 
 
 @pytest.mark.parametrize("pairs", [1, 2, 3, 5, 8])

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..course.knobs import Choice, Knob, KnobError, Number, Poles, Switch
+from ..course.scenes import Goal
 from ..engine import EngineError
 from ..engine.systems import move_pole
 
@@ -42,12 +43,27 @@ def values_of(knob: Knob, now: Any, points: Points, wanted: Iterable[Any] = ()) 
     return tuple(checked)
 
 
+def value_for(knob: Knob, goal: Goal) -> Any:
+    """A value that a scene asks for, in the middle of its bounds where it has two; None where any grid has one, or none can be named."""
+    if goal.value is not None:
+        return goal.value
+    if not isinstance(knob, Number) or goal.least is None or goal.most is None:
+        return None
+    middle = math.sqrt(goal.least * goal.most) if knob.scale == "log" else (goal.least + goal.most) / 2
+    return _on_scale(knob, middle)
+
+
 def _numbers(knob: Number, count: int) -> list[float]:
+    spread = np.geomspace if knob.scale == "log" else np.linspace
+    return [*(_on_scale(knob, value) for value in spread(knob.low, knob.high, count)[1:-1].tolist()), knob.low, knob.high]
+
+
+def _on_scale(knob: Number, value: float) -> float:
+    """The nearest value that a slider shows."""
     if knob.scale == "log":
-        return [float(f"{value:.3g}") for value in np.geomspace(knob.low, knob.high, count)[1:-1]] + [knob.low, knob.high]
-    values = np.linspace(knob.low, knob.high, count)
+        return float(f"{value:.3g}")
     step = 1.0 if knob.scale == "integer" else knob.step or 10.0 ** math.floor(math.log10((knob.high - knob.low) / 100))
-    return [min(max(knob.low + step * round((value - knob.low) / step), knob.low), knob.high) for value in values.tolist()]
+    return min(max(knob.low + step * round((value - knob.low) / step), knob.low), knob.high)
 
 
 def _places(knob: Poles, now: tuple[complex, ...], points: Points) -> list[tuple[complex, ...]]:

@@ -18,7 +18,7 @@ from ..session.handlers import design, guide, playback
 from ..session.handlers.presenter import Presenter
 from ..session.runtime.background_jobs import BackgroundJobs
 from ..session.state.view import State
-from .points import Points, values_of
+from .points import Points, value_for, values_of
 from .screens import RecordedScreens, Values
 
 PULLS = (-1.0, -0.5, 0.5, 1.0)  # shares of the largest force with which a hand pulls
@@ -174,9 +174,9 @@ class Recorder:
         for name in names:
             knob = show.lesson.knob(name)
             wanted = [solution[name]] if name in solution else []
-            if isinstance(scene.do, Move) and scene.do.goal is not None and scene.do.goal.value is not None and name == scene.do.knobs[0]:
-                wanted.append(scene.do.goal.value)
-            grids[name] = values_of(knob, entry[name], self.points, wanted)
+            if isinstance(scene.do, Move) and scene.do.goal is not None and name == scene.do.knobs[0]:
+                wanted.append(value_for(knob, scene.do.goal))
+            grids[name] = values_of(knob, entry[name], self.points, [value for value in wanted if value is not None])
         for name, values in grids.items():
             for number, value in enumerate(values):
                 yield from self._moved_to(index, {name: value}, ((name, number),))

@@ -1,4 +1,4 @@
-"""Write recorded lessons as a folder: one page, and script files for each scene: its arrays, its values in a language, its looks."""
+"""Write recorded lessons as a folder: one page, and script files for each scene."""
 
 from __future__ import annotations
 

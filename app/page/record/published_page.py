@@ -15,7 +15,8 @@ POLICY = ("default-src 'none'; script-src 'self' 'unsafe-inline' 'unsafe-eval' b
           "img-src data: blob:; font-src data:; media-src data: blob:; worker-src data: blob:; connect-src data: blob:; base-uri 'none'; "
           "form-action 'none'")
 BUTTONS = (("play", phrases.PLAY), ("pause", phrases.PAUSE), ("kick", phrases.KICK), ("rewind", phrases.REWIND),
-           ("slower", phrases.SLOWER), ("faster", phrases.FASTER), ("next", phrases.NEXT_SCENE), ("back", phrases.BACK_SCENE))
+           ("slower", phrases.SLOWER), ("faster", phrases.FASTER), ("next", phrases.NEXT_SCENE), ("back", phrases.BACK_SCENE),
+           ("lacks", phrases.NOT_PUBLISHED))
 
 
 def published_page(languages: Sequence[str], lessons: Sequence[str], looks: Sequence[str], data: str,

@@ -273,5 +273,6 @@ OF_VISER = (
     text("Minimize"), text("Minimize panel"), text("Expand plot"), text("Server URL"), text("Save Canvas"), text("Reset View"),
     text("Orbit Origin Tool"), text("Dev Settings"), text("Scene tree"), text("Connecting..."),
 )
+NOT_PUBLISHED = text("None of the values computed for this copy is what this scene asks for; the whole lab has it.")
 PUBLISHED = text("This is a published copy: knobs and poles snap to computed values. Everything else is in the whole lab: "
                  "pip install observer-lab.")

@@ -52,6 +52,7 @@
   const total = (key, over = state.over) => (over.has(key) ? over.get(key) : ground.get(key));
   const here = k => stops[k]?.[0] === lesson && stops[k][1] === id(), stopHere = () => (here(stop) ? stop : stops.findIndex((_, k) => here(k)));
   const dressed = (key, value) => {  // what depends on the way that somebody has come
+    if (base?.scenes[at].lacks && value?.includes?.('class="ol-way"')) value = value.replace('<div class="ol-way"', `<p class="ol-note">${said.lacks}</p>$&`);
     if (base && typeof value === 'string' && value.includes('class="ol-way"') && stopHere() >= 0) return value
       .replace(/data-value="mode:[^<]*/, `data-value="turn:1">${said.next}`).replace(/(<div class="ol-way">)(<button[^>]*data-to="([^"]*)")(?!.*"turn:-1")/,
         `$1<button type="button" class="ol-do" data-to="$3" data-value="turn:-1">${said.back}</button>$2`);
