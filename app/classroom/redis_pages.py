@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from .page_store import KEPT_BATCHES, StandingPage
+from .page_store import KEPT_ACTS, KEPT_BATCHES, StandingPage
 from .redis_connection import connect, key
 
-SERIES, WANTED = key("series"), key("wanted")
+SERIES, WANTED, LEAD, ACTS = (key(name) for name in ("series", "wanted", "lead", "acts"))
 KEPT_S = 3600  # s without a new batch after which the batches of a series go; the standing page has them all
 NUMBER_BYTES = 8  # of a batch's number before its data, so that no two batches are alike
 
@@ -64,6 +64,33 @@ class RedisPages:
         """The batches of a series after that one, with their numbers."""
         return [(int(score), member[NUMBER_BYTES:]) for member, score in
                 self._redis.zrangebyscore(_batches(page, series), batch + 1, "+inf", withscores=True)]
+
+    # --- the presenter's pages at several workers ------------------------------------------------------------------
+    def keep_lead(self, seconds: float) -> None:
+        """A page leads, and says so again within so many seconds."""
+        self._redis.set(LEAD, 1, px=round(1000 * seconds))
+
+    def end_lead(self) -> None:
+        """The page that led has left."""
+        self._redis.delete(LEAD)
+
+    def is_led(self) -> bool:
+        """Whether a page leads."""
+        return bool(self._redis.exists(LEAD))
+
+    def add_act(self, words: str) -> None:
+        """Add a command of a presenter's hand."""
+        self._redis.xadd(ACTS, {"words": words}, maxlen=KEPT_ACTS)
+
+    def last_act(self) -> str:
+        """The mark of the last command."""
+        last = self._redis.xrevrange(ACTS, count=1)
+        return last[0][0].decode() if last else "0-0"
+
+    def acts_after(self, mark: str) -> list[tuple[str, str]]:
+        """The commands after the one of that mark, with their marks."""
+        return [(name.decode(), fields[b"words"].decode()) for name, fields in self._redis.xrange(ACTS, min=f"({mark}")]
+
 
 
 def _batches(page: str, series: int) -> str:

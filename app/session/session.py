@@ -124,7 +124,8 @@ class Session:
             if self._mailbox.closed:  # whoever asked has left, and what waits would be done for nobody
                 return
             self._show.answered = number
-            self._show.touched |= not isinstance(edits, Notice)
+            if not isinstance(edits, Notice):
+                self._show.touched, self._show.last_hand = True, self._show.clock()
             try:
                 if self._show.state.frozen and not isinstance(edits, Notice):
                     raise KnobError(room.PAUSED)

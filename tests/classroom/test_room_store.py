@@ -6,6 +6,7 @@ import sqlite3
 import subprocess
 import sys
 import threading
+import time
 from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
@@ -18,7 +19,7 @@ from hypothesis import strategies as st
 
 from observer_lab.classroom.class_runs import ClassRuns, OwnRun, read_runs, seeds_of
 from observer_lab.classroom.kept_room import KeptPages, KeptRoom
-from observer_lab.classroom.page_store import KEPT_BATCHES, StandingPage
+from observer_lab.classroom.page_store import KEPT_ACTS, KEPT_BATCHES, StandingPage
 from observer_lab.classroom.pole_grid import ACROSS, UP, PoleGrid
 from observer_lab.classroom.redis_connection import RoomProblem
 from observer_lab.classroom.room import LECTURE, MAX_PLACES, UNSOLVED, overview
@@ -245,6 +246,25 @@ def test_a_page_is_the_whole_and_the_batches_after_it(pages: Callable[[], KeptPa
     other.want("zh-phone")
     assert mine.wanted() == ["zh-phone"]
     assert mine.after("en-wide", mine.begin_series(), 0) == []
+
+
+def test_commands_of_a_hand_reach_every_worker_in_their_order_and_a_lead_runs_out(pages: Callable[[], KeptPages]) -> None:
+    one, other = pages(), pages()
+    mark = other.last_act()
+    for k in range(KEPT_ACTS + 5):
+        one.add_act(f"act {k}")
+    found = other.acts_after(mark)
+    assert [words for _, words in found[-KEPT_ACTS:]] == [f"act {k}" for k in range(5, KEPT_ACTS + 5)]
+    assert found[-1][0] == one.last_act() and not other.acts_after(one.last_act())
+    assert [words for _, words in other.acts_after(found[-3][0])] == [f"act {k}" for k in range(KEPT_ACTS + 3, KEPT_ACTS + 5)]
+    assert not one.is_led()
+    one.keep_lead(30.0)
+    assert other.is_led()
+    other.end_lead()
+    assert not one.is_led()
+    one.keep_lead(0.01)
+    time.sleep(0.02)
+    assert not other.is_led()
 
 
 def test_numbers_are_counted_between_round_edges_and_an_absurd_one_spreads_nothing(store: KeptRoom) -> None:

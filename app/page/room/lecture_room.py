@@ -9,7 +9,6 @@ import time
 from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from functools import partial
 
 import viser
 
@@ -18,26 +17,18 @@ from ...classroom.kept_room import Place, open_pages, open_room
 from ...classroom.room import LECTURE, UNSOLVED, RoomView, overview
 from ...classroom.vote_writer import VoteWriter
 from ...classroom.votes import Asked, Vote
-from ...session.commands import commands, guide
-from ...session.commands.commands import Edit, Play, RunOnTabThread
-from ...session.commands.room import Freeze, LeadShown, RoomChanged
+from ...session.commands.room import Freeze, RoomChanged
 from ...session.session import Session
-from ...text import Text
 from ..access.connection import Connection, ConnectionClosed
 from ..charts.print_sizes import SHEET_MAX_WIDTH_PX
-from ..words import phrases
-from .broadcast import Broadcast
 from .class_seats import ClassSeats
 from .follower import Ballot, Follower, preferred_language
+from .presenter_pages import PresenterPages
 from .presenter_view import OwnScreen, PresenterScreen
 from .relay import Relay
 
 COUNT_S = 0.25  # s between two counts of the room
 REPORT_S = 20.0  # s after which a worker reports its counts again where nothing has changed
-MIRRORED = (commands.SetKnobs, commands.DrawByHand, Play, commands.Kick, commands.Rewind, commands.Seek, commands.ChangeSpeed,
-            commands.Undo, commands.Redo, commands.Reset, commands.ChoosePlant, commands.PickPoint, commands.Predict, commands.PredictAgain,
-            commands.ShowAgain, commands.Reveal, commands.OpenLesson, commands.TurnPage, guide.SetMode, guide.GoToScene, guide.TurnScene,
-            guide.ChooseOption, guide.AnswerByHand, guide.RestartScene, guide.ShowKeptRun, guide.OpenLecture, guide.EndLecture)
 log = logging.getLogger(__name__)
 
 
@@ -51,12 +42,11 @@ class LectureRoom:
         self._writer = VoteWriter(self._store)
         self._relay: Relay | None = None
         self._loop: asyncio.AbstractEventLoop | None = None
-        self._broadcast = Broadcast(self._pages, self._wake, self._keep_state, self._led_elsewhere)
+        self._presenters = PresenterPages(self._store, self._pages, self._wake)
         self._seats = ClassSeats(self._store, worker)
         self._followers: dict[int, Follower] = {}
         self._tasks: dict[int, asyncio.Task[None]] = {}
         self._alone: dict[int, Session] = {}
-        self._presenting: dict[int, tuple[Session, PresenterScreen]] = {}
         self._ended = threading.Event()
         self._told: RoomView | None = None
         self._shows_runs = True  # whether the pages may show runs of which the presenter's page knows
@@ -67,14 +57,14 @@ class LectureRoom:
     def start(self, loop: asyncio.AbstractEventLoop) -> None:
         """Begin; followers come on this event loop."""
         self._loop, self._relay = loop, Relay(self._pages, loop)
-        for part in (self._relay, self._broadcast, self._writer):
+        for part in (self._relay, self._presenters, self._writer):
             part.start()
         threading.Thread(target=self._count, name="observer-lab room", daemon=True).start()
 
     def close(self) -> None:
         """End all threads; what was voted is on the disk."""
         self._ended.set()
-        self._broadcast.close()
+        self._presenters.close()
         self._writer.close()
         if self._relay is not None:
             self._relay.close()
@@ -100,36 +90,8 @@ class LectureRoom:
         return self._store.state
 
     def presenter_screen(self, client: viser.ClientHandle) -> PresenterScreen:
-        """The screen of a tab that presents; it leads, and those before it follow it as it follows them."""
-        self._stop_leading(phrases.TWO_PAGES)
-        self._broadcast.lead()
-        return PresenterScreen(client, self._broadcast)
-
-    def _led_elsewhere(self) -> None:
-        self._stop_leading(phrases.OTHER_LEADS)
-
-    def _stop_leading(self, why: Text) -> None:
-        for session, screen in list(self._presenting.values()):
-            if screen.leads:
-                screen.leads = False
-                session.post(RunOnTabThread(partial(screen.say, why, why is phrases.OTHER_LEADS)))
-
-    def _keep_state(self, token: str) -> None:
-        self._store.keep_state(token)
-        for session, screen in list(self._presenting.values()):
-            if not screen.leads:
-                session.post(LeadShown(token))
-
-    def _mirror(self, one: Session, edit: Edit) -> None:
-        """Let the other pages of the presenter do what a hand has done on one; a run that plays on both is not stopped on the other."""
-        if not isinstance(edit, MIRRORED):
-            return
-        for other, _ in list(self._presenting.values()):
-            theirs, mine = other.picture, one.picture
-            if other is one or theirs is None or mine is None or (
-                    isinstance(edit, Play) and theirs.state.playing == mine.state.playing):
-                continue
-            other.post(edit, mirrored=True)
+        """The screen of a tab that presents; it leads."""
+        return self._presenters.screen(client)
 
     def own_screen(self, client: viser.ClientHandle) -> OwnScreen:
         """The screen of a tab that works on its own."""
@@ -137,8 +99,8 @@ class LectureRoom:
 
     def present(self, client_id: int, session: Session, screen: PresenterScreen) -> None:
         """A tab presents."""
-        self._presenting[client_id], self._told, self._shows_runs = (session, screen), None, False
-        session.mirror = partial(self._mirror, session)
+        self._told, self._shows_runs = None, False
+        self._presenters.enter(client_id, session, screen)
 
     def work_alone(self, client_id: int, session: Session) -> None:
         """A tab works on its own."""
@@ -159,7 +121,7 @@ class LectureRoom:
     async def _send(self, kind: str, connection: Connection, follower: Follower) -> None:
         assert self._relay is not None
         await asyncio.to_thread(self._pages.want, kind)
-        self._broadcast.notice()
+        self._presenters.broadcast.notice()
         try:
             await self._relay.follow(kind, connection, follower.begin)
         except (ConnectionError, TimeoutError):
@@ -173,11 +135,7 @@ class LectureRoom:
 
     def leave(self, client_id: int) -> bool:
         """A tab has left; whether it followed."""
-        left = self._presenting.pop(client_id, None)
-        if left is not None and left[1].leads and self._presenting:  # who led before leads again
-            session, screen = next(reversed(self._presenting.values()))
-            screen.leads = True
-            session.post(RunOnTabThread(screen.lead_again))
+        self._presenters.leave(client_id)
         self._alone.pop(client_id, None)
         task = self._tasks.pop(client_id, None)
         if task is not None:
@@ -255,7 +213,7 @@ class LectureRoom:
         while not self._ended.wait(COUNT_S):
             try:
                 self._report()
-                self._tell(replace(self._view(), failing=self._writer.failing) if self._presenting else None)
+                self._tell(replace(self._view(), failing=self._writer.failing) if self._presenters.sessions else None)
                 self._failing = False
             except Exception:
                 if not self._failing:
@@ -289,5 +247,5 @@ class LectureRoom:
     def _tell(self, view: RoomView | None) -> None:
         if view is not None and view != self._told:
             self._told = view
-            for session, _ in list(self._presenting.values()):
+            for session in self._presenters.sessions:
                 session.post(RoomChanged(view))

@@ -97,6 +97,8 @@ class Relay:
             await feed.wait()
         standing = await asyncio.to_thread(self._store.standing, kind)
         assert standing is not None
+        while feed.series < standing.series:  # another page leads, and this worker has read none of its batches yet
+            await feed.wait()
         began()
         await connection.send(standing.data)
         series, batch = standing.series, standing.batch

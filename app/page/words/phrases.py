@@ -60,7 +60,6 @@ NOT_BEGUN = text("The lecture has not begun yet. This page shows it as soon as i
 VOTE_COUNTED, VOTE_REFUSED = text("Your answer {letter} is counted."), text("This vote is closed; your answer was not counted.")
 HAND_RAISED = text("The presenter sees that one more asks for a slower lecture.")
 TWO_PAGES = text("Another page of yours presents now; each of the two does what is done on the other.")
-OTHER_LEADS = text("Another tab now leads the lecture; what you do here is not shown to the class.")
 ONLY_THIS_MACHINE = text("Only this computer can open this link. To share it, start the server with --host 0.0.0.0 --public.")
 WATCH = text("Watch the stage: the page now does what the question asks about.")
 SKETCH, PREDICT_THIS = text("Or draw your prediction into the figure, by hand or with the arrow keys."), text("Predict this")

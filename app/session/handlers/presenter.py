@@ -37,7 +37,7 @@ class Presenter:
         self.run_seeds: Callable[[], object] = lambda: None  # begins the runs of many seeds, or cancels them
         self.resting = True
         self.answered = 0  # the number of the edit that is being worked on, or was last
-        self.last_edit = self.last_tick = clock()
+        self.last_edit = self.last_tick = self.last_hand = clock()
         self.alone = 0.0  # s from the last tick on in which the view goes on with the run by itself
         self.late, self.said_late = 0, float("-inf")  # how many poses in a row have waited for other tabs; when that was said
         self.lesson_states = LessonStates(self.lessons)

@@ -16,7 +16,7 @@ from ..state.token import is_token, read_token, write_token
 from .guide import entry_design
 from .presenter import Presenter
 
-LEAD_S = 1.0  # s after its last edit in which a page keeps what a hand has made there
+LEAD_S = 1.0  # s after its last edit or command in which a page keeps what a hand has made there
 log = logging.getLogger(__name__)
 
 
@@ -51,7 +51,7 @@ def follow_lead(show: Presenter, token: str) -> None:
     mine, lead = show.saved(), _read(show, token)
     lead = replace(lead, language=mine.language, lecture=mine.lecture, camera=mine.camera, tab=mine.tab, step=mine.step, notes=())
     same = (lead.design, lead.scene, lead.answered, lead.mode) == (mine.design, mine.scene, mine.answered, mine.mode)
-    if not same and show.resting and show.clock() - show.last_edit > LEAD_S:
+    if not same and show.resting and show.clock() - max(show.last_edit, show.last_hand) > LEAD_S:
         _take(show, lead)
 
 
