@@ -203,7 +203,7 @@ def test_a_design_that_the_engine_refuses_is_bad_input(capsys, monkeypatch) -> N
     (["serve", "--host", "0.0.0.0"], "say --public"),
     (["serve", "--host", "::"], "say --public"),
     (["serve", "--allow-host", "http://lab.example"], "without http"),
-    (["serve", "--allow-host", "lab.example:80"], "not the name of a host"),
+    (["serve", "--allow-host", "lab.example:port"], "not the name of a host"),
 ])
 def test_bad_input_is_status_2_and_one_sentence(words: list[str], told: str, capsys, tmp_path: Path,
                                                 monkeypatch) -> None:
@@ -318,9 +318,9 @@ def test_without_a_command_serve_is_meant(monkeypatch) -> None:
     monkeypatch.setattr(serving, "serve", lambda request: asked.append(request) or 0)
     assert main([]) == 0 and main(["--port", "8123", "--lang", "zh"]) == 0
     assert main(["serve", "--host", "0.0.0.0", "--public", "--lesson", "separation", "--max-sessions", "7",
-                 "--allow-host", "lab.example", "--allow-host", "::1"]) == 0
+                 "--allow-host", "lab.example:8443", "--allow-host", "::1"]) == 0
     assert asked == [ServeRequest(), ServeRequest(port=8123, language="zh"),
-                     ServeRequest("0.0.0.0", 8080, "separation", "en", 7, None, ("lab.example", "::1"), True)]
+                     ServeRequest("0.0.0.0", 8080, "separation", "en", 7, None, ("lab.example:8443", "::1"), True)]
 
 
 def test_a_link_holds_what_was_set_and_run_takes_it_back(capsys, tmp_path: Path) -> None:

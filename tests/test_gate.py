@@ -10,7 +10,7 @@ from laws import each
 from observer_lab.page.access.access_policy import AccessPolicy, content_policy
 
 LOCAL, PUBLIC = AccessPolicy.of("127.0.0.1", False), AccessPolicy.of("192.0.2.7", True)
-PROXIED = AccessPolicy.of("127.0.0.1", False, ("lab.example", "10.1.2.3"))
+PROXIED = AccessPolicy.of("127.0.0.1", False, ("lab.example", "lab.example:8443", "10.1.2.3"))
 
 
 class Head(dict[str, list[str]]):
@@ -93,7 +93,7 @@ def test_a_public_server_answers_to_addresses_but_not_to_names_of_others() -> No
     assert status(PUBLIC, page("evil.example:8080")) == 403
 
 
-@each("name", ["", "http://lab.example", "lab.example:80", "a b", "*"])
+@each("name", ["", "http://lab.example", "lab.example:", "a b", "*"])
 def test_what_is_no_name_cannot_be_allowed(name: str) -> None:
     with pytest.raises(ValueError, match="name"):
         AccessPolicy.of("127.0.0.1", False, (name,))
@@ -122,3 +122,17 @@ def test_a_page_behind_a_proxy_that_rewrites_host_learns_whether_its_name_is_kno
     head = Head({"Host": ["127.0.0.1:8080"], "Came-By": [came_by]})
     assert status(gate, head) == answer
     assert answer == 200 or "--allow-host" in gate.refusal(head).words  # type: ignore[union-attr]
+
+
+PORTED = AccessPolicy.of("127.0.0.1", False, ("lab.example", "other.example:8443", "[2001:db8::1]:8443", "2001:db8::2"))
+
+
+@each(("origin", "answer"), [
+    ("https://lab.example", 200), ("http://lab.example", 200), ("https://lab.example:443", 200), ("http://lab.example:80", 200),
+    ("https://lab.example:8443", 403), ("http://lab.example:8080", 403), ("http://lab.example:443", 403),
+    ("https://other.example:8443", 200), ("https://other.example", 403), ("https://other.example:9443", 403),
+    ("https://[2001:db8::1]:8443", 200), ("https://[2001:db8::1]", 403), ("https://[2001:db8::2]", 200)])
+def test_a_given_name_passes_on_its_own_port_alone(origin: str, answer: int) -> None:
+    """Another port of the same machine is another site: whoever may serve there is not us."""
+    assert status(PORTED, socket_of("127.0.0.1:8080", origin)) == answer
+    assert status(PORTED, page(origin.partition("//")[2])) == 200, "Host may have any port: no page sets it"

@@ -1,4 +1,4 @@
-"""Connect to the Redis server that keeps a room for several machines."""
+"""Connect to the Redis server that keeps a room or a course for several machines."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ class RoomProblem(Exception):
     """A store cannot be opened: one sentence why, without the address, which may hold a password."""
 
 
-def connect(address: str) -> Any:
-    """A client that several threads may share. Raises RoomProblem."""
+def connect(address: str, option: str = "--room-store") -> Any:
+    """A client that several threads may share, for the server that an option names. Raises RoomProblem."""
     try:
         import redis
         from redis.backoff import ExponentialBackoff
         from redis.retry import Retry
     except ImportError as problem:
-        raise RoomProblem('A room in Redis needs the package redis; run pip install "observer-lab[redis]".') from problem
+        raise RoomProblem('Redis needs the package redis; run pip install "observer-lab[redis]".') from problem
     try:
         client = redis.Redis.from_url(
             address, socket_timeout=WAIT_S, socket_connect_timeout=WAIT_S, health_check_interval=30,
@@ -31,10 +31,10 @@ def connect(address: str) -> Any:
             retry_on_error=[redis.ConnectionError, redis.TimeoutError])
         version = tuple(int(part) for part in str(client.info("server")["redis_version"]).split(".")[:2])
     except (redis.RedisError, ValueError, OSError) as problem:
-        raise RoomProblem(f"The Redis server of --room-store cannot be used ({type(problem).__name__}); check that it runs, its address "
+        raise RoomProblem(f"The Redis server of {option} cannot be used ({type(problem).__name__}); check that it runs, its address "
                           "and its password.") from None
     if version < LEAST_VERSION:
-        raise RoomProblem("The Redis server of --room-store is too old; it must be version 6.2 or later.")
+        raise RoomProblem(f"The Redis server of {option} is too old; it must be version 6.2 or later.")
     return client
 
 

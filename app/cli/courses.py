@@ -17,7 +17,7 @@ from observer_lab.lessons import LESSONS
 
 from ..course.handin.course_file import Course, CourseFileError, read_course
 from ..course.handin.hand_in import MAX_TOKEN_CHARACTERS, PREFIX
-from ..course.handin.ledger import Ledger
+from ..course.handin.ledger import KeptHandIns, Ledger
 from ..course.handin.served_course import ServedCourse
 from ..course.lesson import Lesson
 from .inputs import read_text
@@ -47,7 +47,7 @@ def warn_if_open(path: Path) -> None:
         print(f"observer-lab: {str(path)[:80]} can be read by other users of this machine; run chmod 600 on it.", file=sys.stderr)
 
 
-def served_course(name: str, ledger: Ledger, lessons: Mapping[str, Lesson]) -> ServedCourse:
+def served_course(name: str, ledger: KeptHandIns, lessons: Mapping[str, Lesson]) -> ServedCourse:
     """The course of a file for a server. Hand-ins bear the time of this machine: it must be right."""
     secrets = list[Path]()
     course = course_in(name, lessons, secrets.append)
@@ -56,8 +56,16 @@ def served_course(name: str, ledger: Ledger, lessons: Mapping[str, Lesson]) -> S
     return ServedCourse(course, now, ledger)
 
 
-def open_ledger(data_dir: str | None) -> Ledger:
-    """What keeps hand-ins: in the folder, or in one that goes with this process. Raises CommandError."""
+def open_ledger(data_dir: str | None, store: str | None = None) -> KeptHandIns:
+    """What keeps hand-ins: a Redis server, the folder, or one that goes with this process. Raises CommandError."""
+    if store is not None:
+        from ..classroom.redis_connection import RoomProblem
+        from ..page.lti.redis_ledger import RedisLedger
+
+        try:
+            return RedisLedger(store)
+        except RoomProblem as problem:
+            raise CommandError(str(problem)) from problem
     folder = Path(data_dir or tempfile.mkdtemp(prefix="observer-lab-course-"))
     if data_dir is None:
         atexit.register(shutil.rmtree, folder, ignore_errors=True)  # a worker ends without it

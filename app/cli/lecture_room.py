@@ -74,8 +74,8 @@ def own_address(host: str) -> str:
 
 
 def names_of(at: str | None) -> tuple[str, ...]:
-    """The name by which the audience's link calls the server, which then answers to it."""
-    return () if at is None else (urlsplit(at).hostname or "",)
+    """The name, and the port that is not the usual one, by which the audience's link calls the server, which then answers to it."""
+    return () if at is None else (urlsplit(at).netloc.rpartition("@")[2],)
 
 
 def room_told(presenter: str, audience: str, kept: bool) -> str:

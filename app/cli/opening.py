@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING
 
 from ..course.scenes import Mode
 from .lesson_folder import first_whole, open_folder
-from .options import CommandError
+from .options import COURSE_STORE, CommandError, stated_redis
 from .records import RECORD, ReadingOptions, lesson_with
 
 if TYPE_CHECKING:
     from observer_lab.lessons.from_files.folder import LessonFolder
 
-    from ..course.handin.ledger import Ledger
+    from ..course.handin.ledger import KeptHandIns
     from ..course.handin.served_course import ServedCourse
     from ..course.lectures import Lecture
     from ..course.lesson import Lesson
@@ -58,6 +58,7 @@ class ServeRequest:
     proxies: tuple[str, ...] = ()
     idle: float = 3600.0  # s
     reading: ReadingOptions = field(default_factory=ReadingOptions)
+    course_store: str | None = field(default=None, repr=False)
 
 
 @dataclass(frozen=True)
@@ -70,7 +71,7 @@ class Opening:
     state: str
     talk: Lecture | None
     course: ServedCourse | None
-    ledger: Ledger | None
+    ledger: KeptHandIns | None
     folder: LessonFolder | None
     insists: bool
 
@@ -93,7 +94,10 @@ def opening_of(request: ServeRequest) -> Opening:
     saved = None if request.state is None else read_saved_state(request.state)
     if request.course is not None and request.exam:
         raise CommandError("Give --course without --exam: the course file says what is withheld.")
-    ledger = open_ledger(request.data_dir) if request.course is not None or request.lti is not None else None
+    asked = request.course is not None or request.lti is not None
+    ledger = open_ledger(request.data_dir, stated_redis(request.course_store, COURSE_STORE)) if asked else None
+    if request.course_store is not None and ledger is None:
+        raise CommandError("--course-store says where hand-ins are kept; give it with --course or --lti.")
     folder = None if request.lessons is None else open_folder(request.lessons, all_lessons(), request.trusted)
     own = {} if folder is None else folder.lessons()
     lessons = {**all_lessons(), **own}

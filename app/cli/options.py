@@ -5,11 +5,14 @@ from __future__ import annotations
 import argparse
 import ipaddress
 import math
+import os
 import re
 from collections.abc import Callable
 from typing import NoReturn
 
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")  # read when numpy is loaded
+# name a Redis server in the environment, where no list of processes shows its password
+ROOM_STORE, COURSE_STORE = "OBSERVER_LAB_ROOM_STORE", "OBSERVER_LAB_COURSE_STORE"
 PLANT_HELP = "your own plant (.json or .mat), or the name of an example"
 STATE_HELP = "begin with the state of a link, of its token, or of a file that the app saved"
 
@@ -72,6 +75,16 @@ def host_name(words: str) -> str:
     return words
 
 
+def allowed_host(words: str) -> str:
+    """The reader of an option that is a name or an address of a machine, with a port or without."""
+    name, colon, port = words.rpartition(":")
+    bare = name[1:-1] if name.startswith("[") and name.endswith("]") else name
+    if colon and re.fullmatch(r"\d{1,5}", port, re.ASCII) and 0 < int(port) <= 65535 and (bare != name or ":" not in name):
+        host_name(bare)
+        return words
+    return host_name(words)
+
+
 def network(words: str) -> str:
     """The reader of an option that is a network of addresses, or one address."""
     try:
@@ -92,6 +105,15 @@ def redis_address(words: str) -> str:
     if not re.fullmatch(r"rediss?://(?:[^\s/@]{0,300}@)?[A-Za-z0-9_.\[\]:-]{1,253}(?:/\d{0,4})?", words, re.ASCII):
         raise argparse.ArgumentTypeError("this is no address of a Redis server; give it as in redis://127.0.0.1:6379/0")
     return words
+
+
+def stated_redis(given: str | None, variable: str) -> str | None:
+    """The address of a Redis server from an option, else from a variable of the environment; None without both. Raises CommandError."""
+    words = given or os.environ.get(variable)
+    try:
+        return None if words is None else redis_address(words)
+    except argparse.ArgumentTypeError as problem:
+        raise CommandError(str(problem)) from problem
 
 
 def error_cause(problem: BaseException | None) -> str:

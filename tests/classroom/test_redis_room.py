@@ -16,10 +16,10 @@ from observer_lab.classroom.redis_connection import RoomProblem, connect
 from observer_lab.classroom.redis_room import GONE_S, RedisRoom
 from observer_lab.classroom.room import LECTURE
 from observer_lab.classroom.vote_writer import VoteWriter
-from observer_lab.cli.commands.serve import ROOM_STORE, room_store_address, serve
+from observer_lab.cli.commands.serve import serve
 from observer_lab.cli.lecture_room import open_room_place
 from observer_lab.cli.opening import ServeRequest
-from observer_lab.cli.options import CommandError, redis_address
+from observer_lab.cli.options import ROOM_STORE, CommandError, redis_address, stated_redis
 
 
 @pytest.fixture
@@ -139,14 +139,14 @@ def test_what_is_no_address_of_a_redis_server_is_refused(words: str) -> None:
 
 def test_the_address_comes_from_the_command_line_or_the_environment(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv(ROOM_STORE, raising=False)
-    assert room_store_address(ServeRequest(room=True)) is None
+    assert stated_redis(None, ROOM_STORE) is None
     monkeypatch.setenv(ROOM_STORE, "redis://:word@there/1")
-    assert room_store_address(ServeRequest(room=True)) == "redis://:word@there/1"
+    assert stated_redis(None, ROOM_STORE) == "redis://:word@there/1"
     given = ServeRequest(room=True, store="redis://:word@here/2")
-    assert room_store_address(given) == "redis://:word@here/2" and "word" not in repr(given)
+    assert stated_redis(given.store, ROOM_STORE) == "redis://:word@here/2" and "word" not in repr(given)
     monkeypatch.setenv(ROOM_STORE, "a-word-that-nobody-sees")
     with pytest.raises(CommandError) as refused:
-        room_store_address(ServeRequest(room=True))
+        stated_redis(None, ROOM_STORE)
     assert "nobody" not in str(refused.value)
     with pytest.raises(CommandError, match="--room"):
         serve(ServeRequest(port=0, store="redis://127.0.0.1:1/0"))

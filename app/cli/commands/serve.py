@@ -21,14 +21,18 @@ from ..lesson_folder import follow_folder
 from ..lti import open_platforms, token_for_launches
 from ..opening import ServeRequest, opening_of
 from ..options import (
+    COURSE_STORE,
     PLANT_HELP,
+    ROOM_STORE,
     STATE_HELP,
     CommandError,
     add_own_lessons,
+    allowed_host,
     error_cause,
     host_name,
     network,
     redis_address,
+    stated_redis,
     web_address,
     whole_number,
 )
@@ -43,7 +47,6 @@ log = logging.getLogger(__name__)
 
 HELP = "serve the lessons to browsers (default)"
 
-ROOM_STORE = "OBSERVER_LAB_ROOM_STORE"  # names the Redis server in the environment, where no list of processes shows its password
 USUAL_TABS, ROOM_TABS = 200, 600  # followers cost little
 HEARTBEATS_PER_TIMEOUT = 10  # signs of life within the time after which a silent worker is replaced
 OPEN_TO_ALL = """\
@@ -80,7 +83,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--exam", action="store_true", help="note answers to exams and tell nothing of them; no tab can practise")
     parser.add_argument("--course", metavar="FILE", help="a course file: what is handed in, what is for practice; see README.md")
     parser.add_argument("--public", action="store_true", help="yes, listen on an address that other machines can reach")
-    parser.add_argument("--allow-host", action="append", default=[], type=host_name, metavar="NAME", dest="names",
+    parser.add_argument("--allow-host", action="append", default=[], type=allowed_host, metavar="NAME[:PORT]", dest="names",
                         help="a name that people reach this server by, as that of a proxy; may be repeated")
     parser.add_argument("--embed-in", action="append", default=[], type=host_name, metavar="NAME", dest="frames",
                         help="a site that may show the page inside its own, over TLS; may be repeated (default: none may)")
@@ -91,6 +94,8 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--at", type=web_address, metavar="URL", help="the address of the audience's link, as that of a proxy")
     parser.add_argument("--lti", metavar="FILE",
                         help="the learning platforms that may open lessons by LTI 1.3: a TOML file; see README.md")
+    parser.add_argument("--course-store", type=redis_address, metavar="redis://…",
+                        help=f"keep logins and hand-ins in a Redis server, for several machines (or in the environment, {COURSE_STORE})")
     parser.add_argument("--log-json", action="store_true", help="write the log as lines of JSON")
     parser.add_argument("--data-dir", metavar="FOLDER", help="folder for what is kept: the log, in files that rotate")
     parser.add_argument("--trust-proxy", action="append", default=[], type=network, metavar="NETWORK", dest="proxies",
@@ -110,7 +115,7 @@ def execute(options: argparse.Namespace) -> int:
                               options.view, options.worker_timeout,
                               options.token, options.data, options.columns, options.lecture, options.course, options.lessons,
                               options.trust_code, options.room, options.at, options.lti, options.store, tuple(options.proxies),
-                              60.0 * options.idle or float("inf"), reading_options(options)))
+                              60.0 * options.idle or float("inf"), reading_options(options), options.course_store))
 
 
 def serve(request: ServeRequest) -> int:
@@ -142,7 +147,7 @@ def _serve(request: ServeRequest, end: Ending) -> None:
         raise CommandError("--at names the address of a room's audience; give it with --room.")
     if request.store is not None and not request.room:
         raise CommandError("--room-store says where a room is kept; give it with --room.")
-    room_place = open_room_place(request.data_dir, room_store_address(request)) if request.room else None
+    room_place = open_room_place(request.data_dir, stated_redis(request.store, ROOM_STORE)) if request.room else None
     platforms = open_platforms(request)
     if platforms is not None:
         request = replace(request, names=(*request.names, *names_of(platforms.address)), token=token_for_launches(request))
@@ -202,15 +207,6 @@ def _serve(request: ServeRequest, end: Ending) -> None:
     WorkerPool(listener, tally, work, silent=request.timeout, check=min(CHECK_INTERVAL_S, request.timeout / HEARTBEATS_PER_TIMEOUT)).run(
         stand, end.come
     )
-
-
-def room_store_address(request: ServeRequest) -> str | None:
-    """The address of the Redis server that keeps the room; None where a folder does. Raises CommandError."""
-    words = request.store or os.environ.get(ROOM_STORE)
-    try:
-        return None if words is None else redis_address(words)
-    except argparse.ArgumentTypeError as problem:
-        raise CommandError(str(problem)) from problem
 
 
 def _links(request: ServeRequest, place: LecturePlace, port: int, access: AccessToken | None) -> tuple[AccessToken, str, str]:

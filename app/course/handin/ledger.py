@@ -8,6 +8,7 @@ import sqlite3
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing, contextmanager, suppress
 from pathlib import Path
+from typing import Protocol
 
 FILE = "course.sqlite"  # in the folder of --data-dir
 EARLIER_FILE = "lti.sqlite"  # as it was called while platforms alone were served
@@ -22,6 +23,14 @@ CREATE INDEX IF NOT EXISTS of_student ON hand_ins (student);
 CREATE TABLE IF NOT EXISTS reports (id INTEGER PRIMARY KEY CHECK (id = 1), ms INTEGER NOT NULL);
 INSERT OR IGNORE INTO reports VALUES (1, 0);
 """
+
+
+class KeptHandIns(Protocol):
+    """What hand-ins and logins are kept in, for all workers. `Ledger` says what each method does."""
+
+    def use_nonce(self, nonce: str) -> bool: ...
+    def choose(self, student: str, pick: Callable[[Sequence[str]], str | None]) -> str | None: ...
+    def add(self, student: str, token: str, now: float) -> tuple[list[str], int]: ...
 
 
 class Ledger:

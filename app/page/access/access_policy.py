@@ -44,19 +44,21 @@ class Refusal:
 class AccessPolicy:
     """The names that this server answers to: `own`, those `given` for it, and every name of loopback.
 
+    A given name has its port, None where it is the usual one of http or https: a page from another port is another site's.
+
     On an address that others can reach (`public`) every address in figures passes too: a page cannot take one for its name.
     """
 
     own: frozenset[str]
-    given: frozenset[str]
+    given: frozenset[tuple[str, int | None]]
     public: bool
 
     @classmethod
     def of(cls, host: str, public: bool, names: Iterable[str] = ()) -> AccessPolicy:
         """The gate of a server that listens on `host`, also called by `names`. Raises ValueError at what is no name."""
-        given = frozenset(map(_named, names))
-        if "" in given:
-            raise ValueError("a name is letters, digits, dots and dashes, without a port")
+        given = frozenset(found if (found := _split(each))[0] else (_named(each), None) for each in names)
+        if "" in {name for name, _ in given}:
+            raise ValueError("a name is letters, digits, dots and dashes, with a port or without")
         return cls(frozenset(map(_named, (host, socket.gethostname()) if public else (host,))), given, public)
 
     def refusal(self, head: RequestHead, vouched: bool = False) -> Refusal | None:
@@ -80,13 +82,13 @@ class AccessPolicy:
         return None
 
     def _answers_to(self, name: str) -> bool:
-        if name in self.own | self.given | {"localhost"}:
+        if name in self.own | {given for given, _ in self.given} | {"localhost"}:
             return True
         address = _address(name)
         return address is not None and (self.public or address.is_loopback)
 
     def _our_page(self, origin: str, host: str) -> bool:
-        """Whether a page of that origin is ours: it comes from the host that is spoken to, or from a name that was given.
+        """Whether a page of that origin is ours: it comes from the host that is spoken to, or from a name and port that were given.
 
         A proxy may put another Host in front of us; the Origin then still has the name that people use.
         """
@@ -99,7 +101,8 @@ class AccessPolicy:
         if usual is None or not name or origin.lower() != f"{scheme}://{authority}".lower():  # an origin has no path
             return False
         mine, my_port = _split(host)
-        return name in self.given or (name, port or usual) == (mine, my_port or usual)
+        came_from = name, port or usual
+        return came_from == (mine, my_port or usual) or came_from in {(given, its or usual) for given, its in self.given}
 
 
 def asks_for_websocket(head: RequestHead) -> bool:

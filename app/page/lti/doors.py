@@ -22,7 +22,7 @@ from websockets.http11 import Response
 from ...course.handin.course_file import Course, CourseItem, Kind
 from ...course.handin.grading import best_points, grade
 from ...course.handin.learner import Learner, Report
-from ...course.handin.ledger import Ledger
+from ...course.handin.ledger import KeptHandIns
 from ...course.handin.served_course import ServedCourse
 from ...course.lesson import Lesson
 from ...course.scenes import Mode
@@ -52,8 +52,9 @@ log = logging.getLogger(__name__)
 class LtiDoors:
     """The doors of one server. `clock` gives seconds since 1970."""
 
-    def __init__(self, settings: LtiSettings, keys: ToolKeys, ledger: Ledger, lessons: Mapping[str, Lesson], course: ServedCourse | None,
-                 port: int, clock: Callable[[], float], language: str = "en", mode: Mode = "lab", scores: Scores | None = None) -> None:
+    def __init__(self, settings: LtiSettings, keys: ToolKeys, ledger: KeptHandIns, lessons: Mapping[str, Lesson],
+                 course: ServedCourse | None, port: int, clock: Callable[[], float], language: str = "en", mode: Mode = "lab",
+                 scores: Scores | None = None) -> None:
         """A launch opens its lesson in `mode`, and in the guide where it names a scene."""
         self._settings, self._keys, self._ledger, self._clock = settings, keys, ledger, clock
         self._lessons, self._course, self._language = lessons, course, language
