@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.special import chdtri
 
 from observer_lab.course.lesson import Outcome
 from observer_lab.course.script_record import Code, GivenValue, ShownValue
@@ -18,14 +19,15 @@ def code(outcome: Outcome[Study]) -> Code:
     study, d = outcome.study, outcome.design
     record, s, fitted = study.found.record, study.found.subspace, study.found.fitted
     kf, judged = fitted.kalman(factor=d["factor"]), study.judged
-    y, white = study.used, judged.whiteness
-    gaps = bool(np.isnan(y).any())
+    y, white = record.y, judged.whiteness
+    gaps = study.gated or bool(np.isnan(y).any())
+    shares = np.arange(1, record.y.shape[1] + 1)
+    limits = chdtri(shares, 1 - float(d["gate"])) if study.gated else np.full(len(shares), np.inf)
     return Code(
         ("record_gaps",) if gaps else ("record",),
         (
             GivenValue("u", record.u, "inputs about their level, one row for each time"),
-            GivenValue("y", y, "outputs about their level, NaN where a row was set aside" if judged.set_aside.any() else
-                       "outputs about their level"),
+            GivenValue("y", y, "outputs about their level"),
             GivenValue("h", record.dt, "s"),
             GivenValue("delay", study.found.delay, "rows by which an input acts later"),
             GivenValue("t_start", study.found.trend.start, "s, where the drift is zero"),
@@ -44,8 +46,9 @@ def code(outcome: Outcome[Study]) -> Code:
             GivenValue("Q", kf.Q, "covariance of w, most likely, times the factor of the page"),
             GivenValue("R", kf.R, "covariance of v, most likely"),
             GivenValue("P_start", judged.track.schedule.prior[0], "covariance of the state before the first row"),
+            GivenValue("limits", limits, "largest NIS of 1, 2 ... readings that a row is used with; inf without a gate"),
         ),
-        (ShownValue("means", judged.track.means),) if gaps else (
+        (ShownValue("means", judged.track.means), ShownValue("set_aside", float(judged.set_aside.sum()), 1.0)) if gaps else (
             ShownValue("singular_values", s.singular_values, 1.0),
             ShownValue("poles", s.poles, poles=True),
             ShownValue("means", judged.track.means),

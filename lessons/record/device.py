@@ -13,7 +13,7 @@ RECORDED_PERIOD = text("The record has a row each {dt:.6g} s, and the filter is 
 
 
 def device(outcome: Outcome[Study], ts: float | None = None) -> DeviceDesign:
-    """The filter along the record, about the record's level. Raises DeviceError for another period."""
+    """The filter with its gate along the record, about the record's level. Raises DeviceError for another period."""
     study = outcome.study
     record, fitted, track = study.found.record, study.found.fitted, study.judged.track
     kf = fitted.kalman(factor=outcome.design["factor"])
@@ -21,4 +21,5 @@ def device(outcome: Outcome[Study], ts: float | None = None) -> DeviceDesign:
         raise DeviceError(RECORDED_PERIOD.format(dt=record.dt))
     start = Belief(0 * track.means[0], track.schedule.prior[0])
     names = (fitted.plant.state_names, record.input_names, record.output_names)
-    return design_of_filter(kf, start, (study.used, record.u), names, track.means)
+    gate = float(outcome.design["gate"]) if study.gated else None
+    return design_of_filter(kf, start, (record.y, record.u), names, track.means, gate=gate)

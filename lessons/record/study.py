@@ -117,7 +117,8 @@ def compute(source: Source, design: Design) -> Outcome[Study]:
                   design["factor"])
     plant = found.fitted.plant
     metrics = LazyMap(lambda: _metrics(study, gains["M"]))
-    last = int(np.flatnonzero(np.isfinite(judged.track.innovations).all(axis=1))[-1])  # a row without a reading has the gain 0
+    came = np.isfinite(judged.track.innovations).sum(axis=1)
+    last = len(came) - 1 - int(came[::-1].argmax())  # the last row with all readings; those that are missing have the gain 0
     gains = {"M": judged.track.gains[last], "R": found.fitted.R, "Q": design["factor"] * found.fitted.Q, "S": judged.track.S[last]}
     return Outcome(
         design, gains, {"model": np.log(found.subspace.poles.astype(complex) + 1e-300) / plant.dt}, metrics,

@@ -131,12 +131,15 @@ def trial(plant: Known, record: Record, step: int = 1) -> Trial:
     s = found.subspace
     rows, columns = linear_sum_assignment(np.abs(true[:, None] - s.poles))
     away = s.poles[columns] - true[rows]
-    each = tuple(_in_band(gap, spread) for gap, spread, pole in zip(away, s.spread[columns], true[rows], strict=True) if pole.imag >= 0)
+    each = tuple(_in_band(gap, spread, pole, interval) for gap, spread, pole, interval
+                 in zip(away, s.spread[columns], true[rows], s.intervals[columns], strict=True) if pole.imag >= 0)
     return Trial(float(np.abs(away).max()), all(each), found.judged.consistent, contradicted(found), "", each)
 
 
-def _in_band(gap: complex, spread: np.ndarray) -> bool:
-    """Whether the true pole lies in the 95 % band: an ellipse, or an interval where the imaginary part is sure."""
+def _in_band(gap: complex, spread: np.ndarray, pole: complex, interval: np.ndarray) -> bool:
+    """Whether the true pole lies in the 95 % band: an ellipse, or the interval of a real pole."""
+    if np.isfinite(interval).all() and not pole.imag:
+        return bool(interval[0] <= pole.real <= interval[1])
     if spread[1, 1] < 1e-9 * spread[0, 0]:
         return bool(gap.real**2 <= CHI2_95_REAL * spread[0, 0])
     return bool(np.array([gap.real, gap.imag]) @ np.linalg.solve(spread, [gap.real, gap.imag]) <= CHI2_95)

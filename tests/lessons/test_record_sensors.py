@@ -2,15 +2,25 @@
 
 from __future__ import annotations
 
+import runpy
+import shutil
+import subprocess
+from pathlib import Path
+
 import numpy as np
 import pytest
 
+from observer_lab.cli.entry import main
+from observer_lab.engine import KalmanFilter
+from observer_lab.engine.identification import Record, read_record
 from observer_lab.lessons import LESSONS
 from observer_lab.lessons.record.data import record_of
 from observer_lab.lessons.record.estimates import estimates
 from observer_lab.lessons.record.fusion import BEFORE, DELAY, EVERY, SHOWN, fused
+from observer_lab.lessons.record.own import with_record
 
 LESSON = LESSONS["record"]
+COLUMNS = "t=t[s] u=u y=a,b"
 
 
 def outcome(**changes: object):
@@ -41,7 +51,10 @@ def test_exports_mark_the_rows_that_a_gate_set_aside_as_missing() -> None:
     assert np.isfinite(np.delete(table, names.index("y"), axis=1)).all()
     assert LESSON.code is not None and LESSON.device is not None
     written = {value.name: value.value for value in LESSON.code(gated).given}
-    np.testing.assert_array_equal(np.isnan(np.asarray(written["y"]))[:, 0], aside)
+    np.testing.assert_array_equal(written["y"], gated.study.found.record.y)  # a script and a device have the gate themselves
+    design = LESSON.device(gated)
+    assert design.gap() < 1e-9
+    np.testing.assert_array_equal(np.diff(design.expected()["rejected"][:, 0], prepend=0.0) > 0, aside)
 
 
 @pytest.mark.parametrize("second", ["slow", "late"])
@@ -75,3 +88,81 @@ def test_an_exact_reading_gains_much_at_once_and_little_when_it_is_late() -> Non
     now, late = outcome(second="slow").metrics, outcome(second="late").metrics
     assert now["sigma_least"] < 0.25 * now["sigma"] and now["sigma_most"] > 0.95 * now["sigma"]
     assert late["sigma_least"] > 0.9 * late["sigma"]
+
+
+def two_outputs() -> Record:
+    """The spring's position and velocity, each reading missing by chance in a tenth of the rows."""
+    given, rng = record_of("spring", 3), np.random.default_rng(3)
+    truth, record = given.truth, given.record
+    x, rows = np.zeros(2), []
+    for now in record.u:
+        rows.append(x)
+        x = truth.plant.A @ x + truth.plant.B @ (now + truth.q * rng.standard_normal(1))
+    y = np.array(rows) + (0.05, 0.1) * rng.standard_normal((record.rows, 2))
+    y[rng.random(y.shape) < 0.1] = np.nan
+    return Record(record.t, record.u, y, ("u",), ("a", "b"))
+
+
+def csv_of(record: Record) -> str:
+    rows = zip(record.t, record.u[:, 0], *record.y.T, strict=True)
+    return "t [s],u,a,b\n" + "".join(f"{t:.3f},{u}," + ",".join("" if np.isnan(v) else f"{v:.9f}" for v in read) + "\n"
+                                      for t, u, *read in rows)
+
+
+def by_hand(kf: KalmanFilter, P: np.ndarray, u: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """States of a filter from zero with P: at each row the rows of C and R whose reading is missing are deleted."""
+    x, found = np.zeros(kf.n), []
+    for now, read in zip(u, y, strict=True):
+        lost = np.flatnonzero(np.isnan(read))
+        C, D, z = (np.delete(M, lost, axis=0) for M in (kf.C, kf.D, read))
+        R = np.delete(np.delete(kf.R, lost, axis=0), lost, axis=1)
+        M = P @ C.T @ np.linalg.inv(C @ P @ C.T + R)
+        x, P = x + M @ (z - C @ x - D @ now), P - M @ C @ P
+        found.append(x)
+        x, P = kf.A @ x + kf.B @ now, kf.A @ P @ kf.A.T + kf.Q
+    return np.array(found)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("gate", ["off", "0.99"])
+def test_rows_with_a_part_of_their_outputs_are_used_in_page_fit_and_exports(tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+                                                                             gate: str) -> None:
+    monkeypatch.setattr("matplotlib.pyplot.show", lambda: None)
+    (tmp_path / "mine.csv").write_text(csv_of(two_outputs()), encoding="utf-8")
+    for to, name in (("python", "own.py"), ("matlab", "own.m")):
+        assert main(["export", "record", "--data", str(tmp_path / "mine.csv"), "--columns", COLUMNS, "--set", f"gate={gate}",
+                     "--to", to, "-o", str(tmp_path / name)]) == 0
+    record = read_record(csv_of(two_outputs()), time="t", inputs=("u",), outputs=("a", "b"))
+    own = with_record(LESSON, record)
+    found = own.compute(own.apply(own.start(), {"gate": gate}))
+    study, used = found.study, found.study.used
+    read = np.isfinite(study.found.record.y)
+    assert 0.15 < (read.any(axis=1) & ~read.all(axis=1)).mean() < 0.25 and study.found.fitted.rows > 0.85 * study.first
+    states = by_hand(study.found.fitted.kalman(), study.judged.track.schedule.prior[0], study.found.record.u, used)
+    np.testing.assert_allclose(study.judged.track.means, states, atol=1e-9 * np.abs(states).max())
+    names = runpy.run_path(str(tmp_path / "own.py"))
+    means, _, _, aside = names["estimate"](record.t, record.u, record.y)
+    np.testing.assert_array_equal(aside, study.judged.set_aside)
+    assert aside.any() == (gate != "off")
+    np.testing.assert_allclose(means, study.judged.track.means, rtol=0, atol=1e-11 * np.abs(means).max())
+    design = own.device(found)
+    assert design.gap() < 1e-9
+    if shutil.which("octave-cli"):
+        done = subprocess.run(["octave-cli", "--quiet", "--no-init-file", "--eval", "own(false)"], cwd=tmp_path, capture_output=True,
+                              text=True)
+        assert done.stdout.count("agree to 1e-06") == 1, done.stderr[-2000:]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("data", ["faulty", "furnace"])
+def test_a_script_has_the_gate_of_the_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, data: str) -> None:
+    """From the rows as they were measured it sets the same ones aside, and its states are those of the page to the last bit."""
+    monkeypatch.setattr("matplotlib.pyplot.show", lambda: None)
+    file = tmp_path / "gated.py"
+    assert main(["export", "record", "--set", f"data={data}", "--set", "gate=0.999", "--to", "python", "-o", str(file)]) == 0
+    names, record = runpy.run_path(str(file)), record_of(data, 1).record
+    judged = outcome(data=data, gate="0.999").study.judged
+    means, _, _, aside = names["estimate"](record.t, record.u, record.y)
+    np.testing.assert_array_equal(aside, judged.set_aside)
+    assert aside.any()
+    np.testing.assert_array_equal(means, judged.track.means)

@@ -10,6 +10,8 @@ from ..filters import KalmanFilter, Track
 from ..systems.errors import Phrase, phrase
 from ..systems.records import record as a_record
 from ..systems.recursions import affine_scan
+from .predictor import responses
+from .readings import padded
 from .records import Record
 
 __all__ = ["FEEDBACK", "INPUT", "LEAST_FIT", "MOST_FREE", "SAME_ROW", "WHITE", "Evidence", "evidence_of"]
@@ -18,6 +20,7 @@ MAX_LAGS = 20
 ROWS_PER_COLUMN = 8  # rows that pay for one column of a regression
 PLAIN = 1000.0  # the test without the errors of the fit fails at that part of WHITE: it sees a fit whose errors are no longer small
 MOST_ENTRIES = 20_000_000  # of a regression
+OWN_GAINS = 20_000  # rows of a record with gaps in which each has the gain of its own
 RANK = 1e-8
 WHITE, INPUT, FEEDBACK, SAME_ROW = 0.02, 0.015, 0.003, 1e-4  # p-values below which a test fails; with the NIS at 1 % five in a hundred
 MOST_FREE = 2.5  # times the free run's error that Q and R let expect; true orders of the lesson's records stay below 1.5
@@ -91,11 +94,11 @@ def evidence_of(kf: KalmanFilter, track: Track, record: Record, first: int, nis:
     e, slopes, seen = _slopes(kf, track, record, first, tuned)
     radius = float(np.abs(np.linalg.eigvals(kf.A)).max(initial=0.0))
     u = record.u[first:]
-    count, p = int(seen.sum()), kf.C.shape[0]
+    p = kf.C.shape[0]
+    count = int(seen.sum()) // p
     room = max(min(count * p // ROWS_PER_COLUMN, MOST_ENTRIES // max(count * p, 1)), 1)
     lags = int(np.clip(min(MAX_LAGS, count // 4, room // (p * p)), 1, MAX_LAGS))
-    filled = np.where(seen[:, None], e, 0.0)
-    past = _by_output(_lagged(filled, range(1, lags + 1)), p)
+    past = _by_output(_lagged(e, range(1, lags + 1)), p)
     plain = _added(e, slopes[:, :, :0], past, seen)  # a gain by hand has no error of a fit to allow for
     white = plain if tuned else min(_added(e, slopes, past, seen), PLAIN * plain, 1.0)
     if not u.shape[1]:
@@ -114,7 +117,7 @@ def evidence_of(kf: KalmanFilter, track: Track, record: Record, first: int, nis:
 
 
 def _slopes(kf: KalmanFilter, track: Track, record: Record, first: int, tuned: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Whitened innovations e (N, p), their slopes over every parameter (N, p, c), and which rows have all measurements.
+    """Whitened innovations e (N, p), their slopes over every parameter (N, p, c), and which readings came (N, p); 0 where none did.
 
     x̂⁺ = A x̂ + B u + K e, e = y − C x̂ − D u: with dA, … the error of x̂ follows dx⁺ = (A − K C) dx + dA x̂ + dB u + dK e − K (dC x̂ + dD u),
     de = −C dx − dC x̂ − dD u. The last columns are a constant for each output; those of D stand first.
@@ -122,16 +125,21 @@ def _slopes(kf: KalmanFilter, track: Track, record: Record, first: int, tuned: b
     n, p = kf.n, kf.C.shape[0]
     x, u = track.predicted[first:], record.u[first:]
     nu = track.innovations[first:]
-    seen = np.isfinite(nu).all(axis=1)
-    K = kf.A @ track.gains[first + int(np.flatnonzero(seen)[-1]) if seen.any() else -1]  # a row without a reading has the gain 0
+    seen = np.isfinite(nu)
+    own = not seen.all() and len(nu) <= OWN_GAINS  # a missing reading has the gain 0, so each row has its own
+    settled = int(seen.sum(axis=1)[::-1].argmax()) + 1
+    K = kf.A @ (track.gains[first:] if own else track.gains[-settled])
     steady = kf.A - K @ kf.C
-    e = np.where(np.isfinite(nu), nu, 0.0)
+    e = np.where(seen, nu, 0.0)
     N = len(x)
-    columns = []
+    columns, wide = [], []
 
     def add(forcing: np.ndarray, direct: np.ndarray) -> None:
-        dx = affine_scan(steady, forcing - direct @ K.T, np.zeros(n), N)[:N]
-        columns.append(-dx @ kf.C.T - direct)
+        if own:
+            wide.append((forcing, direct))
+        else:
+            dx = affine_scan(steady, forcing - direct @ K.T, np.zeros(n), N)[:N]
+            columns.append(-dx @ kf.C.T - direct)
     eye_n, eye_p, none_n, none_p = np.eye(n), np.eye(p), np.zeros((N, n)), np.zeros((N, p))
     for column in u.T:
         for i in range(p):
@@ -142,9 +150,13 @@ def _slopes(kf: KalmanFilter, track: Track, record: Record, first: int, tuned: b
     for column in x.T:
         for i in range(p):
             add(none_n, np.outer(column, eye_p[i]))
+    if own:
+        forcings, directs = (np.stack(part, axis=2) for part in zip(*wide, strict=True))
+        dx = responses(steady, forcings - K @ directs, np.zeros((n, len(wide))))
+        columns = list(np.moveaxis(-kf.C @ dx - directs, 2, 0))
     table = np.stack([*columns, *(np.broadcast_to(row, (N, p)) for row in eye_p)], axis=2)
-    roots = np.linalg.cholesky(track.S[first:])
-    both = np.concatenate([e[:, :, None], table], axis=2)
+    roots = np.linalg.cholesky(padded(track.S[first:], seen))
+    both = np.where(seen[:, :, None], np.concatenate([e[:, :, None], table], axis=2), 0.0)
     white = np.linalg.solve(roots, both) if p > 1 else both / roots
     return white[:, :, 0], white[:, :, 1:], seen
 
@@ -170,13 +182,13 @@ def _by_output(regressors: np.ndarray, p: int) -> np.ndarray:
 
 
 def _added(e: np.ndarray, base: np.ndarray, added: np.ndarray, rows: np.ndarray) -> float:
-    """The p-value of the added columns explaining nothing of e beside the base, by an F test."""
-    target = e[rows].reshape(-1)
+    """The p-value of the added columns explaining nothing of e beside the base, by an F test over the readings in `rows` (N, p)."""
+    target = e[rows]
     if len(target) < base.shape[2] + 2 * added.shape[2]:
         return 1.0
-    Q, rank = _basis(base[rows].reshape(len(target), -1))
+    Q, rank = _basis(base[rows])
     left = target - Q @ (Q.T @ target)
-    more = added[rows].reshape(len(target), -1)
+    more = added[rows]
     more = more - Q @ (Q.T @ more)
     E, extra = _basis(more - Q @ (Q.T @ more))
     gained, rest, free = float(np.sum((E.T @ left) ** 2)), float(left @ left), len(target) - rank - extra

@@ -10,7 +10,7 @@ import numpy as np
 from ..filters import Belief, KalmanFilter
 from ..systems.errors import EngineError
 from .noise_fit import NoiseFit, fit_noise_to
-from .predictor import Pieces, gapped_pieces, pieces_of
+from .predictor import MAX_GAPPED_ROWS, Pieces, gapped_pieces, pieces_of
 from .probe import filled
 from .smoother import smooth
 from .spread import simulated_spread
@@ -27,7 +27,7 @@ def fit_states(u: np.ndarray, y: np.ndarray, order: int | None) -> tuple[Subspac
     """A, C by subspace and B, D, Q, R by likelihood, of inputs and outputs about their level; NaN where a measurement is missing.
 
     Where long stretches are whole, they are fitted. Otherwise each gap is filled for the subspace method by the smoother of the fit
-    before; the likelihood is that of the measured rows, with a gain for each. The spread of the poles is that of `simulated_spread`.
+    before; the likelihood is that of all readings, with a gain for each row. The spread of the poles is that of `simulated_spread`.
     `order` None takes the largest order, up to the suggested one, for which there is a filter.
     Source: Shumway and Stoffer, Journal of Time Series Analysis 3 (1982) 253–264.
     """
@@ -43,10 +43,11 @@ def fit_states(u: np.ndarray, y: np.ndarray, order: int | None) -> tuple[Subspac
 
 
 def _with_spread(found: Subspace, noises: NoiseFit, pieces: Pieces, y: np.ndarray) -> tuple[Subspace, NoiseFit, Pieces]:
-    """The fit with the spread of records that the model makes, and that of the jackknife where it makes none."""
-    spread = simulated_spread(found, noises, pieces, int(np.isfinite(y).all(axis=1).sum()))
-    if spread is not None:
-        found = replace(found, spread=spread, deviations=np.sqrt(np.trace(spread, axis1=1, axis2=2)))
+    """The fit with spread and intervals of records that the model makes, and the spread of the jackknife where it makes none."""
+    simulated = simulated_spread(found, noises, pieces, round(np.isfinite(y).sum() / y.shape[1]))
+    if simulated is not None:
+        spread, intervals = simulated
+        found = replace(found, spread=spread, intervals=intervals, deviations=np.sqrt(np.trace(spread, axis1=1, axis2=2)))
     return found, noises, pieces
 
 
@@ -71,9 +72,16 @@ def _gapped(u: np.ndarray, y: np.ndarray, order: int) -> tuple[Subspace, NoiseFi
 
 
 def in_long_stretches(y: np.ndarray) -> bool:
-    """Whether a few stretches without a gap hold nearly all rows: each has a start of its own, which short ones are all about."""
+    """Whether a few stretches without a gap hold nearly all rows: each has a start of its own, which short ones are all about.
+
+    No if rows with a part of their outputs add more readings than they would lose.
+    """
+    seen = np.isfinite(y)
     lengths = sorted((b - a for a, b in segments_of(y, 1)), reverse=True)
-    return sum(lengths[:STRETCHES]) >= ENOUGH * len(y)
+    long = sum(lengths[:STRETCHES])
+    if (seen.any(axis=1) & ~seen.all(axis=1)).any() and seen[:MAX_GAPPED_ROWS].sum() > long * y.shape[1]:
+        return False
+    return long >= ENOUGH * len(y)
 
 
 def started(kf: KalmanFilter, y: np.ndarray) -> Belief:

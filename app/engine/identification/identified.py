@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import field
+from dataclasses import field, replace
 
 import numpy as np
-from scipy.special import chdtr, chdtri, fdtri
+from scipy.special import fdtri
 
 from ..filters import KalmanFilter, SquaredError, Track, Whiteness, nis, whiteness
 from ..systems.errors import EngineError, phrase
@@ -20,6 +20,7 @@ from .gapped import fit_states, in_long_stretches, started
 from .noise_fit import NoiseFit, fit_noise_to
 from .predictor import gapped_pieces, pieces_of
 from .probe import drifts, outliers
+from .readings import mean_below, partly_seen, whitened
 from .records import MAX_ROWS, Record
 from .regular import Trend, detrend, resample, split_record, trend_of
 from .smoother import Smoothed, smooth
@@ -57,7 +58,7 @@ class FittedFilter:
 class FilteredRecord:
     """A record through a filter, judged by the rows from `first` on, which were not used for the fit.
 
-    nis: normalised innovations squared of these rows. band: what its mean over p lies in with probability `level`: by an F
+    nis: normalised innovations squared of these rows; of a row with k of its p readings times p/k. band: what its mean over p lies in with probability `level`: by an F
     distribution, as S is estimated too. whiteness: None where a measurement is missing. smoothed: by the whole record.
     fit (p,): share of each output's variation that one-step predictions give, 1 − |e|/|y − ȳ|. set_aside (n_t,): which rows a gate
     refused; they count as missing.
@@ -184,7 +185,7 @@ def filter_record(fitted: FittedFilter, record: Record, first: int, *, factor: f
     """Filter and smooth a record about its level; the rows from `first` on judge. `factor` multiplies Q.
 
     gate: share of good readings that a gate lets through; a row with νᵀS⁻¹ν beyond that quantile of χ² counts as missing, and the mean
-    NIS is divided by the mean of χ² below the quantile. Raises EngineError.
+    NIS is divided by the mean of χ² below the quantile. Of a row the readings that came are used. Raises EngineError.
     """
     kf = fitted.kalman(factor=factor)
     if first > record.rows - 8:
@@ -192,23 +193,34 @@ def filter_record(fitted: FittedFilter, record: Record, first: int, *, factor: f
     p, aside, expected = record.y.shape[1], np.zeros(record.rows, dtype=bool), 1.0
     start, u = started(kf, record.y), record.u if record.u.shape[1] else None
     if gate is not None and gate < 1:
-        refused = kf.run(start, record.y, u, gate=np.full(record.rows, gate)).rejected
-        aside = aside if refused is None else np.array(refused)
+        track = kf.run(start, record.y, u, gate=np.full(record.rows, gate))
+        aside = aside if track.rejected is None else np.array(track.rejected)
         record = record.noted(y=np.where(aside[:, None], np.nan, record.y))
-        edge = chdtri(p, 1 - gate)
-        expected = float(chdtr(p + 2, edge) / gate)
-    track = kf.run(start, record.y, u)
+        track = replace(track, innovations=np.where(aside[:, None], np.nan, track.innovations))
+        expected = mean_below(np.isfinite(record.y[first:]).sum(axis=1), gate)
+    else:
+        track = kf.run(start, record.y, u)
     nu = track.innovations[first:]
-    size_test = nis(nu, track.S[first:])
-    seen = np.isfinite(nu).all(axis=1)
-    count = int(seen.sum())
+    came = np.isfinite(nu)
+    seen, readings = came.all(axis=1), int(came.sum())
+    if partly_seen(came):
+        each = came.sum(axis=1, keepdims=True)
+        white_nu = np.where(each > 0, np.nan_to_num(whitened(nu, track.S[first:])) * np.sqrt(p / np.maximum(each, 1)), np.nan)
+        size_test = nis(white_nu, np.eye(p))
+        mean = float(np.nansum(size_test.values * each[:, 0]) / readings) / p / expected
+    else:
+        size_test = nis(nu, track.S[first:])
+        mean = size_test.mean / p / expected
     tail = (1 - level) / 2
-    degrees = p * count, p * fitted.rows
+    degrees = readings, p * fitted.rows
     band = float(fdtri(*degrees, tail)), float(fdtri(*degrees, 1 - tail))
-    lags = min(MAX_LAGS, count // 4)
+    lags = min(MAX_LAGS, len(nu) // 4)
     white = whiteness(nu, lags=lags) if seen.all() else None
-    away = record.y[first:][seen] - record.y[first:][seen].mean(axis=0)
-    fit = 1 - np.linalg.norm(nu[seen], axis=0) / np.maximum(np.linalg.norm(away, axis=0), 1e-300)
-    mean = size_test.mean / p / expected
+    fit = np.array([_share(error[row], y[row]) for error, y, row in zip(nu.T, record.y[first:].T, came.T, strict=True)])
     evidence = evidence_of(kf, track, record, first, band[0] <= mean <= band[1], fit, factor != 1)
     return FilteredRecord(track, smooth(kf, track), first, size_test, mean, band, white, fit, evidence, aside)
+
+
+def _share(error: np.ndarray, y: np.ndarray) -> float:
+    """The share of an output's variation that leaves these errors, 1 − |e|/|y − ȳ|; without a reading 0."""
+    return 1 - float(np.linalg.norm(error)) / max(float(np.linalg.norm(y - y.mean())), 1e-300) if len(y) else 0.0

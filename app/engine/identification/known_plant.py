@@ -10,7 +10,7 @@ from ..systems.plant import Plant
 from .conditioning import delayed, without_outliers
 from .gapped import fit_states
 from .identified import RecordFit, filter_record, fit_noise
-from .probe import filled, outliers
+from .probe import outliers
 from .records import MAX_ROWS, Record
 from .regular import detrend, resample, split_record, trend_of
 from .subspace import Subspace
@@ -36,7 +36,7 @@ def filter_plant(plant: Plant, record: Record, *, share: float = 0.5, delay: int
     trend = trend_of(split_record(regular, share=share)[0])
     flat = detrend(regular, trend)
     part = flat.part(0, first.rows)
-    fitted = fit_noise(plant, part if not marked.any() else part.noted(y=filled(part.y)))
+    fitted = fit_noise(plant, part)
     model = fitted.plant
     poles = np.sort_complex(np.linalg.eigvals(model.A).astype(complex))
     n = len(poles)

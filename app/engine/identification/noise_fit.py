@@ -23,7 +23,7 @@ DOUBLINGS = 60
 
 @dataclass(frozen=True, eq=False)
 class NoiseFit:
-    """Q (n×n) and R (p×p, diagonal), and B, D and the innovations e (rows, p) that belong to them.
+    """Q (n×n) and R (p×p, diagonal), and B, D and the innovations e (rows, p; NaN without a reading) that belong to them.
 
     Q = G Gᵀ with G n×p, which has as many entries as the record can tell. level: −2 log L for each row, less p log 2π.
     """
@@ -64,22 +64,28 @@ def settled_covariance(A: np.ndarray, C: np.ndarray, Q: np.ndarray, R: np.ndarra
 
 
 def gains_of(A: np.ndarray, C: np.ndarray, Q: np.ndarray, R: np.ndarray, pieces: Pieces) -> tuple[np.ndarray, np.ndarray]:
-    """K and S of the predictor: settled, (n, p) and (p, p); where rows are missing K (N, n, p), zero there, and S of each measured row.
+    """K and S of the predictor: settled, (n, p) and (p, p); where readings are missing K (N, n, p) and S (N, p, p), one for each row.
 
-    P⁺ = A P Aᵀ + Q − K S Kᵀ from the settled P on, without the last term where a row is missing. Raises LinAlgError.
+    P⁺ = A P Aᵀ + Q − K S Kᵀ from the settled P on. A reading that did not come has the gain 0, and in S the row and column of I, so
+    that neither S⁻¹ e nor det S counts it. Raises LinAlgError.
     """
     if pieces.seen is None:
         return steady_gain(A, C, Q, R)
     P = settled_covariance(A, C, Q, R)
-    gains, sizes = np.zeros((len(pieces.seen[0]), len(A), len(C))), []
-    for k, seen in enumerate(pieces.seen[0]):
+    N, p = pieces.seen.shape
+    gains, sizes = np.zeros((N, len(A), p)), np.tile(np.eye(p), (N, 1, 1))
+    counts = pieces.seen.sum(axis=1).tolist()
+    for k, count in enumerate(counts):
         across = A @ (P @ C.T)
-        if seen:
+        if count:
             S = C @ P @ C.T + R
-            gains[k] = across / S if len(S) == 1 else np.linalg.solve(S, across.T).T
-            sizes.append(S)
+            if count < p:
+                seen = pieces.seen[k]
+                S, across = np.where(np.outer(seen, seen), S, sizes[k]), np.where(seen, across, 0.0)
+            gains[k] = across / S if p == 1 else np.linalg.solve(S, across.T).T
+            sizes[k] = S
         P = A @ P @ A.T + Q - gains[k] @ across.T
-    return gains, np.array(sizes)
+    return gains, sizes
 
 
 def fit_noise_to(A: np.ndarray, C: np.ndarray, pieces: Pieces, known: tuple[np.ndarray, np.ndarray] | None = None) -> NoiseFit:
@@ -107,7 +113,8 @@ class _Search:
         self.A, self.C, self.pieces, self.known = A, C, pieces, known
         self.n, self.p = A.shape[0], C.shape[0]
         y = np.vstack([y for _, y in pieces.pairs])
-        self.variances = np.maximum((y**2).mean(axis=0), 1e-300)
+        came = len(y) if pieces.seen is None else np.maximum(pieces.seen.sum(axis=0), 1)
+        self.variances = np.maximum((y**2).sum(axis=0) / came, 1e-300)
         reach = max(float(np.sqrt((C**2 / self.variances[:, None]).sum())), 1e-300)
         self.unit = 1 / reach  # a state of this size gives an output of its own size
 
@@ -145,21 +152,24 @@ class _Search:
             return WORST, nothing, nothing, nothing, nothing
 
     def whitened(self, S: np.ndarray, e: np.ndarray) -> np.ndarray:
-        """r = g S^{-½} e, g^p the geometric mean of det S^½: its sum of squares is least where Σ log det S + p N log tr(S⁻¹ E) is."""
+        """r = g S^{-½} e of M readings, g^M = Π det S^½: its sum of squares is least where Σ log det S + M log Σ eᵀ S⁻¹ e is."""
         root = np.linalg.cholesky(S)
-        middle = np.exp(np.log(np.diagonal(root, axis1=-2, axis2=-1)).mean())
-        return middle * (np.linalg.solve(root, e.T).T if S.ndim == 2 else np.linalg.solve(root, e[:, :, None])[:, :, 0])
+        logs = np.log(np.diagonal(root, axis1=-2, axis2=-1))
+        middle = np.exp(logs.mean() if S.ndim == 2 else logs.sum() / self.pieces.readings)
+        white = np.linalg.solve(root, e.T).T if S.ndim == 2 else np.linalg.solve(root, e[:, :, None])[:, :, 0]
+        return middle * (white if self.pieces.seen is None else white[self.pieces.seen])
 
     def level(self, x: np.ndarray, e: np.ndarray) -> tuple[float, float]:
         """Mean of log det S + p log s and the common scale s = mean of eᵀ S⁻¹ e/p."""
         _, S = self.gains(x)
-        size = float(np.linalg.slogdet(S)[1].mean())
+        sizes = np.linalg.slogdet(S)[1]
+        size = float(sizes.sum() * self.p / self.pieces.readings) if S.ndim == 3 else float(sizes)
         scale = float((self.whitened(S, e)**2).mean()) * float(np.exp(-size / self.p))
         return size + self.p * float(np.log(max(scale, 1e-300))), scale
 
     def improved(self, x: np.ndarray, B: np.ndarray, D: np.ndarray, starts: np.ndarray) -> np.ndarray:
         """The x that is more likely, at these B, D and starts."""
-        lost = np.full(self.pieces.rows * self.p, np.sqrt(WORST))
+        lost = np.full(self.pieces.readings, np.sqrt(WORST))
 
         def cost(z: np.ndarray) -> np.ndarray:
             try:
@@ -177,6 +187,8 @@ class _Search:
         e = prediction_errors(self.A, B, self.C, D, K, starts, self.pieces)
         level, scale = self.level(x, e)
         Q, R = self.noises(x)
+        if self.pieces.seen is not None:
+            e = np.where(self.pieces.seen, e, np.nan)[self.pieces.seen.any(axis=1)]
         return NoiseFit(symmetric(scale * Q), scale * R, B, D, starts, e, level + self.p)
 
 

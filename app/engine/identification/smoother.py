@@ -11,6 +11,7 @@ from ..systems.recursions import affine_scan
 
 __all__ = ["Smoothed", "smooth"]
 
+SINGULAR = 1e-13  # of the largest eigenvalue
 SETTLED = 1e-10  # relative change of the smoothed covariance that counts as none
 
 
@@ -25,14 +26,14 @@ class Smoothed:
 def smooth(kf: KalmanFilter, track: Track) -> Smoothed:
     """x̂[k|N] = x̂[k|k] + J (x̂[k+1|N] − x̂[k+1|k]), P[k|N] = P[k|k] + J (P[k+1|N] − P[k+1|k]) Jᵀ, J = P[k|k] Aᵀ P[k+1|k]⁻¹.
 
-    Where the filter has settled J is constant: the means go backwards in blocks, the covariances until they settle too.
+    A P[k+1|k] that is singular, as where R is nearly zero, takes the pseudo-inverse. Where the filter has settled J is constant: the means go backwards in blocks, the covariances until they settle too.
     Source: Rauch, Tung and Striebel, AIAA Journal 3 (1965) 1445–1450.
     """
     schedule = track.schedule
     posterior, steps, count = schedule.posterior, len(track.means), len(schedule.posterior)
     A = kf.A
     ahead = symmetric(A @ posterior @ A.T) + kf.Q
-    J = np.swapaxes(np.linalg.solve(ahead, A @ posterior), 1, 2)
+    J = np.swapaxes(_solved(ahead, A @ posterior), 1, 2)
     means, variances = np.array(track.means), np.empty_like(track.means)
     last = count - 1
     tail = np.arange(steps - 2, last - 1, -1)  # rows of which J is the last one, from the end backwards
@@ -55,3 +56,11 @@ def smooth(kf: KalmanFilter, track: Track) -> Smoothed:
             break
         P = new
     return Smoothed(means, np.maximum(variances, 0.0))
+
+
+def _solved(P: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """P⁻¹ times the right side, over stacks (k, n, n)."""
+    sizes = np.linalg.eigvalsh(P)
+    if (sizes[:, 0] > SINGULAR * sizes[:, -1]).all():
+        return np.linalg.solve(P, right)
+    return np.linalg.pinv(P, rcond=SINGULAR, hermitian=True) @ right

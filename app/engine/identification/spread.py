@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from scipy.optimize import linear_sum_assignment
-from scipy.special import chdtri
+from scipy.special import chdtri, ndtr, ndtri
 
 from ..systems.recursions import affine_scan
 from .noise_fit import NoiseFit, steady_gain
@@ -20,13 +20,15 @@ BAND = 0.95  # share of the simulated poles that lie in the band of this share
 SURE = 1e-9  # of the real part's variance: below it the imaginary part is sure
 
 
-def simulated_spread(found: Subspace, noises: NoiseFit, pieces: Pieces, rows: int) -> np.ndarray | None:
-    """Covariance (n, 2, 2) of real and imaginary part of each pole, about the fitted one; None where the model makes no finite record.
+def simulated_spread(found: Subspace, noises: NoiseFit, pieces: Pieces, rows: int) -> tuple[np.ndarray, np.ndarray] | None:
+    """Covariance (n, 2, 2) of real and imaginary part of each pole about the fitted one, and the 95 % interval (n, 2) of each real pole.
+
+    None where the model makes no finite record; NaN for the interval of a pair.
 
     Parametric bootstrap: x̂⁺ = A x̂ + B u + K e, y = C x̂ + D u + e with the record's u and new e ~ N(0, S N/(N − d)), d parameters for
-    each output; each record is fitted as the first one was. Its 95 % ellipse, or interval of a real pole, holds 95 % of the simulated
-    poles. It is for `rows` measured rows.
-    Source: Efron and Tibshirani, An Introduction to the Bootstrap (1993), chapters 6 and 21.
+    each output; each record is fitted as the first one was. The 95 % ellipse of a pair holds each simulated pole with probability 95 %
+    where it is made from the others. The interval of a real pole is the bias-corrected percentile interval. Both are for `rows` rows.
+    Source: Efron and Tibshirani, An Introduction to the Bootstrap (1993), chapters 6, 14 and 21.
     """
     try:
         with np.errstate(over="ignore", invalid="ignore"):
@@ -40,16 +42,44 @@ def simulated_spread(found: Subspace, noises: NoiseFit, pieces: Pieces, rows: in
     away = np.vstack([away, away[:, mirror].conj()])
     parts = np.stack([away.real, away.imag], axis=-1)
     share = sum(len(u) for u, _ in pieces.pairs) / rows
-    return share * np.array([_calibrated(parts[:, k]) for k in range(parts.shape[1])])
+    spread = share * np.array([_calibrated(parts[:, k], len(poles)) for k in range(parts.shape[1])])
+    return spread, _intervals(found.poles, poles, share)
 
 
-def _calibrated(away: np.ndarray) -> np.ndarray:
-    """Covariance (2, 2) of deviations (J, 2), times what brings the share BAND of them into its ellipse."""
-    spread = away.T @ away / len(away)
+def _calibrated(away: np.ndarray, count: int) -> np.ndarray:
+    """Covariance (2, 2) of deviations (J, 2), the first `count` of them simulated, times what brings the share BAND into its ellipse.
+
+    eᵀ V⁻¹ e of each with the V of all others, by the rank-one update, and the quantile at rank BAND (J + 1): few records make no band
+    too narrow.
+    """
+    spread, own = away.T @ away / len(away), away[:count]
     if spread[1, 1] <= SURE * spread[0, 0]:
-        return float(np.quantile(away[:, 0] ** 2, BAND) / chdtri(1, 1 - BAND)) * np.diag([1.0, 0.0])
-    sizes = np.einsum("ji,ik,jk->j", away, np.linalg.pinv(spread), away)
-    return float(np.quantile(sizes, BAND) / chdtri(2, 1 - BAND)) * spread
+        return _upper(own[:, 0] ** 2) / chdtri(1, 1 - BAND) * np.diag([1.0, 0.0])
+    sizes = np.einsum("ji,ik,jk->j", own, np.linalg.pinv(spread), own)
+    without = sizes * (1 - 1 / count) / np.maximum(1 - sizes / count, 1 / count)
+    return _upper(without) / chdtri(2, 1 - BAND) * spread
+
+
+def _upper(values: np.ndarray) -> float:
+    """What a further value stays below with probability BAND."""
+    return float(np.quantile(values, BAND, method="weibull"))
+
+
+def _intervals(poles: np.ndarray, simulated: np.ndarray, share: float) -> np.ndarray:
+    """The bias-corrected percentile interval (n, 2) of each real pole, stretched about it by √share; NaN for pairs.
+
+    Ends at the shares Φ(2 z₀ ± z) of the simulated values, z₀ = Φ⁻¹ of the share below the fitted pole: poles that lie near each other
+    are drawn apart by noise, and their errors are skew.
+    """
+    out, z = np.full((len(poles), 2), np.nan), float(ndtri((1 + BAND) / 2))
+    real = np.abs(poles.imag) <= SURE
+    each = np.sort_complex(simulated).real if real.all() else np.array([matched(poles, other).real for other in simulated])
+    least = 0.5 / len(simulated)
+    for k in np.flatnonzero(real):
+        below = float(ndtri(np.clip(np.mean(each[:, k] < poles[k].real), least, 1 - least)))
+        ends = np.quantile(each[:, k], ndtr(2 * below + np.array([-z, z])), method="weibull")
+        out[k] = poles[k].real + np.sqrt(share) * (ends - poles[k].real)
+    return out
 
 
 def matched(poles: np.ndarray, other: np.ndarray) -> np.ndarray:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import field
+
 import numpy as np
 from scipy.linalg import solve_triangular
 from scipy.optimize import linear_sum_assignment
@@ -26,6 +28,7 @@ class Subspace:
     give in a record of this length. suggested: how many lie above it. poles (n,) of A, sorted by (real, imag). deviations (n,):
     standard deviation of each pole, |z − ẑ|. spread (n, 2, 2): covariance of its real and imaginary part.
     horizon: steps of past and of future that were used. by_information: the order with the least information criterion.
+    intervals (n, 2): the 95 % interval of each real pole where `identify` gives one, NaN for a pair.
     """
 
     A: np.ndarray
@@ -38,6 +41,11 @@ class Subspace:
     spread: np.ndarray
     horizon: int
     by_information: int = 0
+    intervals: np.ndarray = field(default=None)  # type: ignore[assignment]  # always an array after construction
+
+    def __post_init__(self) -> None:
+        if self.intervals is None:
+            object.__setattr__(self, "intervals", np.full((len(self.poles), 2), np.nan))
 
 
 @takes(u=array("k m"), y=array("k p", missing=True), order=optional(count(1, MAX_ORDER)), horizon=optional(count(2, 100)))
