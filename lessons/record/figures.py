@@ -179,11 +179,13 @@ def _numbers(outcome: Outcome[Study]) -> TableFigure:
         ("R", format_number(found.fitted.R[0, 0], ".3g"), format_number(truth.R[0, 0], ".3g") if truth else ""),
     ]
     true = study.true_poles
-    for k, (pole, deviation) in enumerate(zip(found.subspace.poles, found.subspace.deviations, strict=True)):
+    s = found.subspace
+    for k, (pole, deviation, ends) in enumerate(zip(s.poles, s.deviations, s.intervals, strict=True)):
         beside = "" if true is None else _pole(true[np.abs(true - pole).argmin()])
-        rows.append((text("pole {number}", number=k + 1), f"{_pole(pole)} ± {deviation:.2g}", beside))
+        interval = f" [{ends[0]:.3f}; {ends[1]:.3f}]".replace("-", "−") if np.isfinite(ends).all() else ""
+        rows.append((text("pole {number}", number=k + 1), f"{_pole(pole)} ± {deviation:.2g}{interval}", beside))
     return TableFigure("numbers", text("what was found"), (text("quantity"), text("fitted"), text("true")), tuple(rows), tab=NUMBERS_TAB,
-                       caption=text("± is one standard deviation."))
+                       caption=text("± is one standard deviation; in brackets stands the 95 % interval of a real pole."))
 
 
 def _pole(pole: complex) -> str:
