@@ -58,10 +58,10 @@ class FittedFilter:
 class FilteredRecord:
     """A record through a filter, judged by the rows from `first` on, which were not used for the fit.
 
-    nis: normalised innovations squared of these rows; of a row with k of its p readings times p/k. band: what its mean over p lies in with probability `level`: by an F
-    distribution, as S is estimated too. whiteness: None where a measurement is missing. smoothed: by the whole record.
-    fit (p,): share of each output's variation that one-step predictions give, 1 − |e|/|y − ȳ|. set_aside (n_t,): which rows a gate
-    refused; they count as missing.
+    nis: normalised innovations squared of these rows; of a row with k of its p readings times p/k. band: what its mean over p lies in
+    with probability `level`: by an F distribution, as S is estimated too. whiteness: None where a measurement is missing. smoothed: by
+    the whole record. fit (p,): share of each output's variation that one-step predictions give, 1 − |e|/|y − ȳ|. set_aside (n_t,):
+    which rows a gate refused; they count as missing.
     """
 
     track: Track

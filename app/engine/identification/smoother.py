@@ -26,7 +26,8 @@ class Smoothed:
 def smooth(kf: KalmanFilter, track: Track) -> Smoothed:
     """x̂[k|N] = x̂[k|k] + J (x̂[k+1|N] − x̂[k+1|k]), P[k|N] = P[k|k] + J (P[k+1|N] − P[k+1|k]) Jᵀ, J = P[k|k] Aᵀ P[k+1|k]⁻¹.
 
-    A P[k+1|k] that is singular, as where R is nearly zero, takes the pseudo-inverse. Where the filter has settled J is constant: the means go backwards in blocks, the covariances until they settle too.
+    A P[k+1|k] that is singular, as where R is nearly zero, takes the pseudo-inverse. Where the filter has settled J is constant: the
+    means go backwards in blocks, the covariances until they settle too.
     Source: Rauch, Tung and Striebel, AIAA Journal 3 (1965) 1445–1450.
     """
     schedule = track.schedule
