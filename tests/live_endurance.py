@@ -29,7 +29,8 @@ from observer_lab.lessons import LESSONS
 from observer_lab.live.simulated import simulated
 
 LOST, JITTER, SLOWEST_S, KNOCKS = 0.01, 0.05, 0.01, 400
-LIVE = "from observer_lab.cli import main; raise SystemExit(main())"
+LIVE = ("import signal; signal.signal(signal.SIGINT, signal.default_int_handler); "  # also where these tests run behind a shell's `&`
+        "from observer_lab.cli import main; raise SystemExit(main())")
 BEGUN = 0.2  # share of the run after which memory is compared with that at the end
 REPLAY = """
 #include <stdio.h>

@@ -41,8 +41,10 @@
     show(figure);
   };
   const plane = event => frame(event.target) && event.target.closest('svg');
+  let down = null, hand = null;  // the pointer that draws; the question that has the focus, also when its figure comes anew
   document.addEventListener('pointerdown', event => {
     const svg = plane(event);
+    down = svg ? event.pointerId : null;
     if (!svg) return;
     svg.setPointerCapture(event.pointerId);
     svg.focus({preventScroll: true});
@@ -50,8 +52,12 @@
   });
   document.addEventListener('pointermove', event => {
     const svg = plane(event);
-    if (svg?.hasPointerCapture(event.pointerId)) follow(svg, event, true);
+    if (!svg || event.pointerId !== down) return;
+    if (!svg.hasPointerCapture(down)) svg.setPointerCapture(down);
+    follow(svg, event, true);
   });
+  for (const ends of ['pointerup', 'pointercancel']) document.addEventListener(ends, event => { if (event.pointerId === down) down = null; });
+  document.addEventListener('focusin', event => { hand = plane(event) ? read(frame(event.target)).question : null; });
   document.addEventListener('keydown', event => {
     const svg = plane(event), turn = KEYS[event.key];
     if (!svg || !(turn || event.key === 'Enter')) return;
@@ -65,6 +71,8 @@
     show(figure);
   }, true);
   new MutationObserver(() => document.querySelectorAll('.ol-sketch').forEach(figure => {
-    if (drawn[read(figure).question] && !figure.querySelector('.ol-sketched').getAttribute('d')) show(figure);
+    const {question} = read(figure);
+    if (drawn[question] && !figure.querySelector('.ol-sketched').getAttribute('d')) show(figure);
+    if (question === hand && document.activeElement === document.body) figure.querySelector('svg').focus({preventScroll: true});
   })).observe(document.body, {childList: true, subtree: true});
 }
