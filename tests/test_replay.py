@@ -11,6 +11,8 @@ from commands import refused
 
 from observer_lab.cli import inputs
 from observer_lab.lessons import LESSONS
+from observer_lab.page.charts.style_sheet import clock
+from observer_lab.page.replay.transport import slider_value
 
 NETWORK = LESSONS["network"]
 
@@ -32,3 +34,13 @@ def test_what_cannot_be_played_or_written_is_one_sentence(capsys: pytest.Capture
     monkeypatch.setattr("observer_lab.page.replay.replay.replay", lambda *_: "<html>")
     assert "cannot be written" in refused(capsys, "replay", "network", "-o", str(tmp_path / "nowhere" / "run.html"))
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("eighths", range(0, 81, 3))
+def test_clock_and_slider_halfway_are_those_of_the_scripts(eighths: int) -> None:
+    """Scripts round as ECMAScript says: of two that are equally near the larger one; Python's own round takes the even one."""
+    t, horizon = eighths / 8, 10.0
+    wanted = f"{(eighths * 1000 // 8 + 5) // 10 / 100:.2f}"
+    assert f"t = {wanted} s" in clock(t, horizon, 1.0, "")
+    assert slider_value(t, 0.25, horizon) == min((eighths + 1) // 2 / 4, horizon)
+    assert slider_value(0.225, 0.01, horizon) == 0.23

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from decimal import ROUND_HALF_UP, Decimal
 from string import Template
 
 from ...session.state.view import Picture
@@ -31,9 +32,14 @@ def figure_class(figure: str) -> str:
 
 def clock(t: float, horizon: float, speed: float, caption: str, share: str = "", now: str = "") -> str:
     """The cursor in all time plots and the clock beside the transport, in one element; `share` and `now` stand for t if given."""
-    share = share or f"{t / horizon if horizon > 0 else 0.0:.4f}"
+    share = share or fixed(t / horizon if horizon > 0 else 0.0, 4)
     return Template(web.file_text("clock.html")).substitute(
-        share=share, now=now or f"{t:.{clock_decimals(horizon)}f}", horizon=f"{horizon:g}", speed=f"{speed:g}", caption=caption)
+        share=share, now=now or fixed(t, clock_decimals(horizon)), horizon=f"{horizon:g}", speed=f"{speed:g}", caption=caption)
+
+
+def fixed(value: float, decimals: int) -> str:
+    """A number with so many decimals as a script of the page writes it: halfway between two it is the larger one."""
+    return f"{Decimal(value).quantize(Decimal(1).scaleb(-decimals), ROUND_HALF_UP):f}"
 
 
 def clock_decimals(horizon: float) -> int:

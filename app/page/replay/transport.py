@@ -28,6 +28,14 @@ def step_of(horizon: float) -> float:
     return max(s * decade for s in (1, 2, 5) if s * decade <= finest * (1 + 1e-9))
 
 
+def slider_value(t: float, step: float, horizon: float) -> float:
+    """Where the time slider stands at a time, in whole steps, since a field of six digits that change cannot be read.
+
+    Halfway between two steps it is the later one, as in the scripts of a page that plays by itself.
+    """
+    return min(round(math.floor(t / step + 0.5) * step, 9), horizon)
+
+
 def end_of(horizon: float) -> float:
     """The end of the time slider: the length of the run, without the digits that rounding has left there and a field would show."""
     return round(horizon, 9) or 0.01
@@ -140,6 +148,4 @@ class PlaybackControls:
             self._write(t)
 
     def _write(self, t: float) -> None:
-        step = self._time.step
-        value = min(round(round(t / step) * step, 9), self._horizon)  # a field of six digits that change cannot be read
-        self._back.show(value, self._picture)
+        self._back.show(slider_value(t, self._time.step, self._horizon), self._picture)
