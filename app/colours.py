@@ -83,7 +83,7 @@ COLOURS = MappingProxyType({
     # what bodies are made of
     "metal": "#C9CED6",
     "steel": "#8A93A0",
-    "copper": "#B87333",
+    "coil": "#4B4440",  # of wire; orange is the ghost's alone
     "dark": "#3A404A",
     "grey": "#9AA3AE",
     "tube": "#DCE8F2",
@@ -92,10 +92,10 @@ COLOURS = MappingProxyType({
     "unlit": "#5A616C",
     "lamp": "#FFD65A",
     "off": "#C4C9D1",
-    "cold": "#4A70A0",  # and from there steel, warm, hot, white-hot
-    "warm-steel": "#E2963C",
-    "hot": "#CD321E",
-    "white-hot": "#FFE1AA",
+    "cold": "#5A626E",  # and from there steel, warm, hot, white-hot
+    "warm-steel": "#B2B4B6",
+    "hot": "#DCD6CA",
+    "white-hot": "#FFF4DC",
 })
 DARK_COLOURS = MappingProxyType({
     **COLOURS,

@@ -17,7 +17,6 @@ import numpy as np
 from ..engine import Plant
 from ..text import text
 from .bodies.body import (
-    COPPER,
     DARK_GREY,
     GHOST_NAME,
     METAL,
@@ -121,7 +120,7 @@ BODY_PARTS = (
     Part("base", Box((4.1, 1.3, 0.1)), DARK_GREY),
     Part("column", Box((0.5, 0.5, JOINT[2] - 0.1)), STEEL),
     Part("motor", Cylinder(0.24, 0.72), METAL),
-    Part("gear", Cylinder(0.28, 0.3), COPPER),
+    Part("gear", Cylinder(0.28, 0.3), DARK_GREY),
     Part("hub", Cylinder(0.2, 0.5), STEEL),
     Part("arm", Rod(0.075), PLANT_COLOUR, twin=True),
     Part("hand", Ball(0.16), PLANT_COLOUR, twin=True),

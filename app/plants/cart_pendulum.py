@@ -19,7 +19,6 @@ from ..colours import COLOURS
 from ..engine import EngineError, NonlinearPlant, Plant
 from ..text import text
 from .bodies.body import (
-    COPPER,
     DARK_GREY,
     GHOST_NAME,
     METAL,
@@ -162,10 +161,10 @@ BODY_PARTS = (
     Part("rest mark", Box((0.05, 0.14, 0.012)), METAL),
     Part("cart", Box(CART), PLANT_COLOUR, twin=True),
     *(Part(f"wheel {i}", Cylinder(WHEEL, 0.08), DARK_GREY) for i in range(4)),
-    *(Part(f"hub {i}", Box((0.05, 0.16, 0.1)), COPPER) for i in range(4)),
+    *(Part(f"hub {i}", Box((0.05, 0.16, 0.1)), METAL) for i in range(4)),
     Part("pivot", Cylinder(0.09, 0.5), STEEL),
     Part("pole", Rod(0.04), PLANT_COLOUR, twin=True),
-    Part("ball", Ball(0.16), COPPER, twin=True),
+    Part("ball", Ball(0.16), PLANT_COLOUR, twin=True),
 )
 FIXED_POSES = MappingProxyType({
     "base": Pose((0.0, 0.0, 0.05)),

@@ -12,7 +12,6 @@ from ..colours import COLOURS, rgb
 from ..engine import Plant
 from ..text import text
 from .bodies.body import (
-    COPPER,
     DARK_GREY,
     GHOST_NAME,
     METAL,
@@ -91,7 +90,7 @@ def _parts() -> tuple[Part, ...]:
         *posts,
         Part("spreader", Box((1.24, 1.1, 0.1)), STEEL),
         *fins,
-        Part("sensor", Cylinder(0.08, 0.1), COPPER),
+        Part("sensor", Cylinder(0.08, 0.1), METAL),
         Part("scale", Box((1.16, 0.05, 1.9)), DARK_GREY),
         *ticks,
         *columns,
@@ -116,7 +115,7 @@ def _fixed() -> dict[str, Pose]:
 
 
 def glow(kelvin: float) -> tuple[int, int, int]:
-    """The colour of a temperature above ambient: steel blue when cold, grey at ambient, orange, red, pale when hot."""
+    """The colour of a temperature above ambient: dark when cold, grey at ambient, white when hot."""
     value = min(max(kelvin, GLOW[0][0]), GLOW[-1][0])
     for (low, a), (high, b) in pairwise(GLOW):
         if value <= high:

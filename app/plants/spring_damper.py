@@ -11,7 +11,6 @@ import numpy as np
 from ..engine import Plant
 from ..text import text
 from .bodies.body import (
-    COPPER,
     DARK_GREY,
     GHOST_NAME,
     LYING,
@@ -66,7 +65,7 @@ BODY_PARTS = (
     Part("rest mark", Box((0.05, 0.16, 0.012)), METAL),
     Part("block", Box((BLOCK_EDGE, 0.9, BLOCK_EDGE)), PLANT_COLOUR, twin=True),
     Part("spring", Spring(0.15, 8.0, 0.032), METAL),
-    Part("damper housing", Cylinder(0.12, 0.8), COPPER),
+    Part("damper housing", Cylinder(0.12, 0.8), STEEL),
     Part("damper rod", Rod(0.05), METAL),
 )
 FIXED_POSES = MappingProxyType({

@@ -16,8 +16,8 @@ from observer_lab.plants.platform.model import Parameters
 from observer_lab.text import same, text
 
 DECK_PARAMETERS = Parameters()
-FAILING, HONEST, COIL, STEEL_GREY = (rgb(COLOURS[role]) for role in ("error", "second", "copper", "steel"))
-FLAG, POLE = COLOURS["disturbance"], COLOURS["dark"]
+FAILING, HONEST, COIL, STEEL_GREY, MASS = (rgb(COLOURS[role]) for role in ("error", "second", "coil", "steel", "metal"))
+FLAG, POLE = COLOURS["lamp"], COLOURS["dark"]
 BELOW: Vector = (0.0, 0.0, -9.0)
 SIDES = (("left", -1.0), ("right", 1.0))
 GAUGE_AT, GAUGE_UP, GAUGE_Y = 1.02, 0.17, -0.42  # where the horizontal sensors stand on the deck
@@ -47,7 +47,7 @@ def _pose(x: Sequence[float], gain: float) -> Mapping[str, Pose]:
         at = _carried(poses["deck"], sign * GAUGE_AT, GAUGE_UP, GAUGE_Y)
         end = _carried(poses["deck"], sign * (GAUGE_AT + 0.45), GAUGE_UP, GAUGE_Y)
         poses[f"sensor {side}"] = replace(poses[f"sensor {side}"], colour=FAILING if up_down else HONEST)
-        poses[f"test mass {side}"] = replace(poses[f"test mass {side}"], colour=FAILING if up_down else COIL)
+        poses[f"test mass {side}"] = replace(poses[f"test mass {side}"], colour=FAILING if up_down else MASS)
         poses[f"gauge {side}"] = Pose(at, poses["deck"].wxyz, colour=FAILING if across else HONEST)
         poses[f"needle {side}"] = replace(pose_between(at, end), colour=FAILING if across else STEEL_GREY)
     for index, coil in enumerate(("coil left", "coil right", "coil across")):

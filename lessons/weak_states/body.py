@@ -53,7 +53,7 @@ BODY = Body(
     lambda x, u, gain: (),
     lambda x, gain: _placed(*x[STATE_COUNT : STATE_COUNT + 3]).anchors(x[:STATE_COUNT], gain),
     20.0,
-    text("Deck with its sensors; the copper balls are their test masses"),
+    text("Deck with its sensors; the steel balls are their test masses"),
     names=(PartName(text("test mass of a sensor"), "test mass left", (-0.4, -0.2, 0.6)),
            PartName(text("deck"), "deck", (-0.95, -0.7, -0.4)),
            PartName(text("ghost: the smaller model"), "payload lid", (0.9, -0.3, 0.4), True)),

@@ -5,7 +5,9 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
+from scipy.spatial import ConvexHull
 
+BEVEL, MOST_BEVEL = 0.12, 0.03  # of a part's least side; stage units
 Mesh = tuple[np.ndarray, np.ndarray]  # vertices (k, 3) float32, faces (f, 3) uint32
 
 
@@ -48,6 +50,40 @@ def _box(size: tuple[float, float, float], angle: float) -> Mesh:
     faces = [(0, 1, 3), (0, 3, 2), (4, 6, 7), (4, 7, 5), (0, 4, 5), (0, 5, 1), (2, 3, 7), (2, 7, 6), (0, 2, 6),
              (0, 6, 4), (1, 5, 7), (1, 7, 3)]
     return corners.astype(np.float32), np.array(faces, dtype=np.uint32)
+
+
+@lru_cache(maxsize=128)
+def bevelled_box(size: tuple[float, float, float]) -> Mesh:
+    """A box with its middle at the origin and its edges broken, so that they catch the light.
+
+    Corners are shared by their faces: the browser shades across a bevel as if it were round.
+    """
+    half = np.array(size) / 2
+    bevel = min(BEVEL * 2 * float(half.min()), MOST_BEVEL)
+    signs = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
+    corners = np.vstack([signs * (half - bevel * (1 - np.eye(3)[axis])) for axis in range(3)])  # those on the faces across each axis
+    hull = ConvexHull(corners)
+    return corners.astype(np.float32), _outwards(corners, hull.simplices)
+
+
+@lru_cache(maxsize=128)
+def bevelled_cylinder(radius: float, bottom: float, top: float, sides: int = 32) -> Mesh:
+    """An upright cylinder around the z axis with its rims broken."""
+    bevel = min(BEVEL * min(2 * radius, top - bottom), MOST_BEVEL)
+    angle = 2 * np.pi * np.arange(sides) / sides
+    rings = [np.column_stack([r * np.cos(angle), r * np.sin(angle), np.full(sides, z)])
+             for r, z in ((radius - bevel, bottom), (radius, bottom + bevel), (radius, top - bevel), (radius - bevel, top))]
+    vertices, j = np.vstack([*rings, [[0, 0, bottom], [0, 0, top]]]), np.arange(sides)
+    k, last = (j + 1) % sides, 3 * sides
+    caps = [np.stack([k, j, np.full(sides, 4 * sides)], -1), np.stack([last + j, last + k, np.full(sides, 4 * sides + 1)], -1)]
+    return vertices.astype(np.float32), np.concatenate([_strip(4, sides, closed=True), *caps]).astype(np.uint32)
+
+
+def _outwards(corners: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    """The faces of a body around the origin, each turned so that it is seen from outside."""
+    a, b, c = (corners[faces[:, k]] for k in range(3))
+    inside = np.einsum("ij,ij->i", np.cross(b - a, c - a), a + b + c) < 0
+    return np.where(inside[:, None], faces[:, ::-1], faces).astype(np.uint32)
 
 
 @lru_cache(maxsize=8)

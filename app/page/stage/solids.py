@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-import numpy as np
 import viser
 
 from ...colours import rgb
-from ...plants.bodies.body import Ball, Box, Cylinder, Part, Pose, Shape, Spring
+from ...plants.bodies.body import Ball, Box, Cylinder, Part, Pose, Rod, Shape, Spring
 from ..viser_private.stage_frames import Frame
-from .meshes import helix
+from .meshes import Mesh, bevelled_box, bevelled_cylinder, helix
 
 
 class Solids:
@@ -29,14 +28,9 @@ class Solids:
 
     def _node(self, name: str, shape: Shape, colour: str, opacity: float | None) -> viser.SceneNodeHandle:
         scene, look = self._scene, {"color": rgb(colour), "opacity": opacity, "cast_shadow": False, "receive_shadow": False}
-        if isinstance(shape, Box):
-            return scene.add_box(name, dimensions=shape.size, **look)
-        if isinstance(shape, Cylinder):
-            return scene.add_cylinder(name, shape.radius, shape.height, **look)
         if isinstance(shape, Ball):
             return scene.add_icosphere(name, shape.radius, **look)
-        vertices, faces = helix(shape.radius, shape.turns, shape.wire) if isinstance(shape, Spring) else _rod(shape.radius)
-        return scene.add_mesh_simple(name, vertices, faces, **look)
+        return scene.add_mesh_simple(name, *_mesh(shape), **look)
 
     def place(self, poses: Mapping[str, Pose], frame: Frame) -> None:
         """Write into a frame where every part is."""
@@ -61,13 +55,11 @@ class Solids:
         self._nodes = {}
 
 
-def _rod(radius: float, sides: int = 16) -> tuple[np.ndarray, np.ndarray]:
-    ring = 2 * np.pi * np.arange(sides) / sides
-    circle = np.column_stack([radius * np.cos(ring), radius * np.sin(ring)])
-    bottom, top = (np.column_stack([circle, np.full(sides, z)]) for z in (0.0, 1.0))
-    vertices = np.vstack([bottom, top, [[0, 0, 0]], [[0, 0, 1]]]).astype(np.float32)
-    faces = []
-    for i in range(sides):
-        j = (i + 1) % sides
-        faces += [(i, j, sides + j), (i, sides + j, sides + i), (j, i, 2 * sides), (sides + i, sides + j, 2 * sides + 1)]
-    return vertices, np.array(faces, dtype=np.uint32)
+def _mesh(shape: Box | Cylinder | Spring | Rod) -> Mesh:
+    if isinstance(shape, Box):
+        return bevelled_box(shape.size)
+    if isinstance(shape, Cylinder):
+        return bevelled_cylinder(shape.radius, -shape.height / 2, shape.height / 2)
+    if isinstance(shape, Spring):
+        return helix(shape.radius, shape.turns, shape.wire)
+    return bevelled_cylinder(shape.radius, 0.0, 1.0, sides=16)

@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 
 from ...text import text
 from .body import (
-    COPPER,
     DARK_GREY,
     GHOST_NAME,
     LYING,
@@ -44,9 +43,9 @@ def _wall(side: str, stiffness: float) -> tuple[Part, ...]:
     wall = Part(f"wall {side}", Box((0.2, 1.2, 1.05)), STEEL)
     if stiffness < 0:
         return (wall, *(Part(f"magnet {side} {pole}", Box((0.26, 0.3, 0.42)), colour)
-                        for pole, colour in (("front", COPPER), ("back", METAL))))
+                        for pole, colour in (("front", DARK_GREY), ("back", METAL))))
     return (wall, Part(f"spring {side}", Spring(0.12, 6.0, 0.028), METAL),
-            Part(f"housing {side}", Cylinder(0.09, 0.42), COPPER), Part(f"rod {side}", Rod(0.04), METAL))
+            Part(f"housing {side}", Cylinder(0.09, 0.42), STEEL), Part(f"rod {side}", Rod(0.04), METAL))
 
 
 def _fixed(left: float, right: float) -> dict[str, Pose]:
@@ -88,7 +87,7 @@ def chain_body(left: float, right: float, forces: Sequence[tuple[float, float]])
         *_wall("left", left),
         *_wall("right", right),
         Part("spring", Spring(0.13, 7.0, 0.03), METAL),
-        Part("housing", Rod(0.09), COPPER),
+        Part("housing", Rod(0.09), STEEL),
         Part("rod", Rod(0.04), METAL),
         *(Part(f"block {i}", Box((BLOCK_EDGE, 0.8, BLOCK_EDGE)), PLANT_COLOUR, twin=True) for i in (1, 2)),
     )

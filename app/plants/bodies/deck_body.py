@@ -7,7 +7,7 @@ from math import cos, sin
 
 from ...text import text
 from .body import (
-    COPPER,
+    COIL,
     DARK_GREY,
     GHOST_NAME,
     LYING,
@@ -65,7 +65,7 @@ def _parts() -> tuple[Part, ...]:
         Part("post left", Box((0.2, 0.5, PLANE + 0.2 - SLAB)), STEEL),
         Part("post right", Box((0.2, 0.5, PLANE + 0.2 - SLAB)), STEEL),
         Part("coil across yoke", Cylinder(0.2, 0.12), STEEL),
-        Part("coil across", Cylinder(0.15, 0.26), COPPER),
+        Part("coil across", Cylinder(0.15, 0.26), COIL),
         Part("rod across", Rod(0.05), METAL),
         Part("spring across", Spring(0.13, 5.0, 0.028), METAL),
     ]
@@ -74,11 +74,11 @@ def _parts() -> tuple[Part, ...]:
             Part(f"seat {side}", Cylinder(0.2, 0.06), STEEL),
             Part(f"spring {side}", Spring(0.15, 7.0, 0.032), METAL),
             Part(f"coil {side} yoke", Cylinder(0.19, 0.14), STEEL),
-            Part(f"coil {side}", Cylinder(0.15, 0.42), COPPER),
+            Part(f"coil {side}", Cylinder(0.15, 0.42), COIL),
             Part(f"rod {side}", Rod(0.05), METAL),
             Part(f"sensor {side}", Box((0.34, 0.34, SENSOR_TOP)), DARK_GREY, twin=True),
             Part(f"servo {side}", Spring(0.06, 4.0, 0.014), METAL),
-            Part(f"test mass {side}", Ball(0.1), COPPER, twin=True),
+            Part(f"test mass {side}", Ball(0.1), METAL, twin=True),
         ]
     return (
         *fixed,

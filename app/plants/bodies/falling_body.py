@@ -17,7 +17,6 @@ from ...colours import COLOURS, rgb
 from ...engine import NonlinearPlant
 from ...text import text
 from .body import (
-    COPPER,
     DARK_GREY,
     GHOST_NAME,
     METAL,
@@ -113,7 +112,7 @@ def _parts() -> tuple[Part, ...]:
         Part("mast", Rod(0.06), STEEL),
         Part("turret", Cylinder(0.13, 0.1), STEEL),
         Part("dish", Cylinder(0.2, 0.05), METAL),
-        Part("beam", Rod(0.012), COPPER, opacity=0.5),
+        Part("beam", Rod(0.012), COLOURS["lamp"], opacity=0.5),
         Part("scale", Rod(0.03), STEEL),
         *ticks,
         Part("capsule", Cylinder(0.1, 0.2), PLANT_COLOUR, twin=True),
