@@ -300,12 +300,19 @@ async def measure(server: Server, tabs: int, playing: int, dragging: int, second
     for task in listeners:
         task.cancel()
     ms = [1e3 * wait for wait in waits]
+    strange = sum(len(wrong) for _, wrong in judged)
+    if dragging and all(wait == float("inf") for wait in ms):
+        sys.exit("Nothing was measured: no move of a hand was answered.")
+    if playing and not sum(frames):
+        sys.exit("Nothing was measured: no player has seen a pose.")
+    if lost or strange:
+        said = ", ".join([what for _, wrong in judged for what in wrong][:3])
+        sys.exit(f"The run does not count: {lost} final values are lost, {strange} data are of others ({said}).")
     return [
         ("tabs (playing + dragging)", f"{tabs} ({playing} + {dragging})"),
         ("move of a hand → data of the first chart, median / p95", f"{share(ms, 0.5):.0f} / {share(ms, 0.95):.0f} ms"),
         ("moves; unanswered; final values lost; data of others",
-         f"{len(ms)}; {ms.count(float('inf'))}; {lost}; {sum(len(wrong) for _, wrong in judged)}"
-         + "".join(f", {what}" for _, wrong in judged for what in wrong[:3])),
+         f"{len(ms)}; {ms.count(float('inf'))}; {lost}; {strange}"),
         ("poses that a player sees in a second, median / least", f"{statistics.median(frames):.1f} / {min(frames):.1f}" if frames else "–"),
         ("opening: the first; one after another, median / p95", f"{first:.2f} s; {share(opening, 0.5):.2f} / {share(opening, 0.95):.2f} s"),
         ("opening while others work", ", ".join(f"{took:.2f}" for took in late) + " s" if late else "–"),

@@ -218,6 +218,8 @@ async def measure(url: str, word: str, process: int, options: argparse.Namespace
     for tab in (presenter, first, *(each.tab for each in lecture.followers)):
         await tab.socket.close()
     known = waits[~np.isnan(waits)]
+    if not known.size:
+        sys.exit("Nothing was measured: no follower has seen a move of the knob.")
     return {"followers": options.followers, "median ms": 1e3 * float(np.median(known)), "p95 ms": 1e3 * float(np.percentile(known, 95)),
             "moves not seen by the next one's": float(np.isnan(waits).mean()), "last move lost": lost,
             "server ms per follower and move": 1e3 * spent / options.moves / options.followers, "votes s": voted, "votes lost": unvoted,
@@ -259,6 +261,9 @@ def main() -> None:
     found |= {"load before": load, "load after": os.getloadavg()[0]}
     for name, value in found.items():
         print(f"{name:36} {value:.4g}")
+    missing = {name: value for name, value in found.items() if name.endswith("lost") and value}
+    if missing or not found["votes in the store"]:
+        sys.exit(f"The run does not count: {missing or 'no vote is in the store'}.")
 
 
 if __name__ == "__main__":

@@ -134,7 +134,7 @@ def rows(kinds: Sequence[str], lengths: Sequence[float]) -> list[Row]:
         process = subprocess.Popen([sys.executable, "-m", "observer_lab", "serve", "--port", "0", "--room", "--view", "present", "--lesson",
                                     LESSON, "--data-dir", str(folder)], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
                                    env={**os.environ, "PYTHONUNBUFFERED": "1", "OBSERVER_LAB_KERNELS": "off"})
-        stack.callback(process.wait, 20)
+        stack.callback(process.wait, 120)
         stack.callback(process.terminate)
         assert process.stdout is not None
         address = process.stdout.readline().strip()
