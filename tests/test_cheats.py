@@ -128,10 +128,13 @@ def test_the_server_signs_as_often_as_counts_and_the_same_answer_once(tmp_path: 
     assert at_a_page(course, "s2", ["3"])
 
 
-def test_where_nothing_can_be_kept_it_is_signed_all_the_same(tmp_path: Path) -> None:
-    course = ServedCourse(course_of(), lambda: DEADLINE - 60, Ledger(tmp_path))
+def test_where_nothing_can_be_kept_it_is_signed_all_the_same_and_said(tmp_path: Path) -> None:
+    ledger = Ledger(tmp_path)
+    course, kept = ServedCourse(course_of(), lambda: DEADLINE - 60, ledger), (tmp_path / "course.sqlite").read_bytes()
     (tmp_path / "course.sqlite").write_bytes(b"no database at all" * 100)
-    assert len(at_a_page(course, "s1", ["1"])) == 1
+    assert len(at_a_page(course, "s1", ["1"])) == 1 and ledger.failing
+    (tmp_path / "course.sqlite").write_bytes(kept)
+    assert len(at_a_page(course, "s2", ["1"])) == 1 and not ledger.failing
 
 
 def test_the_file_of_the_version_before_is_taken_over_and_one_of_a_later_version_refused(tmp_path: Path) -> None:

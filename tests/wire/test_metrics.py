@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import time
 from collections.abc import Callable
 from pathlib import Path
 from urllib.request import urlopen
@@ -13,6 +14,10 @@ from client import WireTab, eventually
 from lecture import counts, opened
 
 from observer_lab.classroom.room_store import RoomStore
+from observer_lab.course.handin.course_file import read_course
+from observer_lab.course.handin.ledger import Ledger
+from observer_lab.course.handin.served_course import ServedCourse
+from observer_lab.lessons import LESSONS
 from observer_lab.page.access.metrics import metrics_text
 from observer_lab.page.access.shared_counters import SharedCounters, WorkerSlot
 from observer_lab.page.screen.server import LabServer
@@ -76,5 +81,22 @@ def test_a_room_whose_store_fails_says_so_to_health_and_presenter(tmp_path: Path
             monkeypatch.undo()
             eventually(lambda: health(server)["status"] == "ok", "that it is well again")
             presenter.until(lambda: "ol-failing" not in counts(presenter), "that the presenter sees no more of it")
+    finally:
+        server.stop()
+
+
+def test_a_course_whose_store_fails_says_so_to_health(tmp_path: Path) -> None:
+    ledger, file = Ledger(tmp_path), tmp_path / "course.sqlite"
+    course = read_course('course = "c"\nsecret = "a secret of a course, for tests alone"\n[[lessons]]\nlesson = "kalman"\nexams = "all"\n',
+                         LESSONS, str)
+    server, kept = LabServer(LESSONS, port=0, course=ServedCourse(course, time.time, ledger)), file.read_bytes()
+    try:
+        assert health(server)["store"] == health(server)["status"] == "ok"
+        file.write_bytes(b"no database at all" * 100)
+        with pytest.raises(OSError):
+            ledger.use_nonce("a login")
+        assert health(server)["store"] == "failing" and health(server)["status"] == "degraded"
+        file.write_bytes(kept)
+        assert ledger.use_nonce("a login") and health(server)["status"] == "ok"
     finally:
         server.stop()

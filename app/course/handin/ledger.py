@@ -28,6 +28,8 @@ INSERT OR IGNORE INTO reports VALUES (1, 0);
 class KeptHandIns(Protocol):
     """What hand-ins and logins are kept in, for all workers. `Ledger` says what each method does."""
 
+    failing: bool
+
     def use_nonce(self, nonce: str) -> bool: ...
     def choose(self, student: str, pick: Callable[[Sequence[str]], str | None]) -> str | None: ...
     def add(self, student: str, token: str, now: float) -> tuple[list[str], int]: ...
@@ -38,7 +40,7 @@ class Ledger:
 
     def __init__(self, folder: Path) -> None:
         """Raises sqlite3.Error or OSError where the folder cannot hold it."""
-        self._path = folder / FILE
+        self._path, self.failing = folder / FILE, False  # whether the last login or hand-in could not be kept
         if not self._path.exists() and (folder / EARLIER_FILE).exists():
             (folder / EARLIER_FILE).rename(self._path)
         with suppress(FileExistsError):  # never opened here once SQLite has it: closing would end its locks
@@ -62,7 +64,9 @@ class Ledger:
             with self._open() as database:
                 database.execute("BEGIN IMMEDIATE")
                 yield database
+            self.failing = False
         except sqlite3.Error as problem:
+            self.failing = True
             raise OSError(str(problem)) from problem
 
     def use_nonce(self, nonce: str) -> bool:

@@ -19,6 +19,8 @@ log = logging.getLogger(__name__)
 class SignedHandIns(Protocol):
     """What all workers of a server have signed for students whom it knows."""
 
+    failing: bool
+
     def choose(self, student: str, pick: Callable[[Sequence[str]], str | None]) -> str | None:
         """Keep the token that `pick` gives for those kept of a student, None for none; no other is kept meanwhile. Raises OSError."""
         ...

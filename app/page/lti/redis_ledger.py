@@ -19,11 +19,11 @@ class RedisLedger:
 
     def __init__(self, address: str) -> None:
         """Raises RoomProblem where the server cannot be used."""
-        self._redis = connect(address, OPTION)
+        self._redis, self.failing = connect(address, OPTION), False  # whether the last login or hand-in could not be kept
 
     def use_nonce(self, nonce: str) -> bool:
         """Note that a login is used; False where it was before. Raises OSError."""
-        with _told():
+        with self._told():
             name = key("course", "nonce", hashlib.sha256(nonce.encode()).hexdigest())
             return bool(self._redis.set(name, 1, nx=True, ex=NONCE_KEPT_S))
 
@@ -38,7 +38,7 @@ class RedisLedger:
             if token is not None and token not in kept:
                 pipe.rpush(name, token)
             return token
-        with _told():
+        with self._told():
             return self._redis.transaction(write, name, value_from_callable=True)
 
     def add(self, student: str, token: str, now: float) -> tuple[list[str], int]:
@@ -56,19 +56,20 @@ class RedisLedger:
                 kept.append(token)
             pipe.set(REPORTS, ms)
             return kept, ms
-        with _told():
+        with self._told():
             return self._redis.transaction(write, name, REPORTS, value_from_callable=True)
 
+    @contextmanager
+    def _told(self) -> Iterator[None]:
+        """What goes wrong in the server is an OSError, without the address, which may hold a password."""
+        import redis
 
-@contextmanager
-def _told() -> Iterator[None]:
-    """What goes wrong in the server is an OSError, without the address, which may hold a password."""
-    import redis
-
-    try:
-        yield
-    except redis.RedisError as problem:
-        raise OSError(f"the Redis server of {OPTION} does not answer ({type(problem).__name__})") from None
+        try:
+            yield
+            self.failing = False
+        except redis.RedisError as problem:
+            self.failing = True
+            raise OSError(f"the Redis server of {OPTION} does not answer ({type(problem).__name__})") from None
 
 
 def _hand_ins(student: str) -> str:

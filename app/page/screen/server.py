@@ -124,7 +124,8 @@ class LabServer:
     def health(self) -> Mapping[str, object]:
         """What `GET /health` answers: nothing of any person."""
         self._note()
-        store = {} if self._room is None else {"store": "failing" if self._room.failing else "ok"}
+        kept = [each for each in (self._room, None if self._course is None else self._course.signed) if each is not None]
+        store = {"store": "failing" if any(each.failing for each in kept) else "ok"} if kept else {}
         status = "degraded" if "failing" in store.values() else "ok"
         return {"status": status, "version": version(), **self._slot.health(), **store}
 
