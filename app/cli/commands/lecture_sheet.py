@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ...text.languages import languages
-from ..options import CommandError, error_cause
+from ..options import CommandError, add_own_lessons, error_cause
 
 if TYPE_CHECKING:
     from ...classroom.votes import Vote
@@ -20,13 +21,13 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("room", metavar="FOLDER|redis://…", help="where serve --room has kept the room: its --data-dir or --room-store")
     parser.add_argument("-o", "--output", metavar="FILE", help="an .html page or a .csv table (default: print the table)")
     parser.add_argument("--lang", choices=languages(), default="en", help="language of the sheet")
+    add_own_lessons(parser)
 
 
 def execute(options: argparse.Namespace) -> int:
     """Write or print the sheet. Raises CommandError where there is no room, or at another suffix."""
-    from observer_lab.lessons import LESSONS
-
     from ...page.votes.lecture_sheet import sheet_csv, sheet_html, sheet_rows
+    from ..lesson_folder import lessons_of
     from ..outputs import write_whole_file
 
     suffix = Path(options.output).suffix if options.output else ".csv"
@@ -34,7 +35,10 @@ def execute(options: argparse.Namespace) -> int:
     if write is None:
         raise CommandError(f"{suffix[:20] or 'A file without a suffix'} is no form of the sheet; take .html or .csv.")
     votes, seen = _kept(options.room)
-    words = write(sheet_rows(votes, seen, LESSONS, options.lang), LESSONS, options.lang)
+    lessons = lessons_of(options)
+    for unknown in sorted({vote.lesson for vote in votes} - set(lessons)):
+        print(f"observer-lab: the votes of lesson {unknown[:80]} are left out; give its folder by --lessons.", file=sys.stderr)
+    words = write(sheet_rows(votes, seen, lessons, options.lang), lessons, options.lang)
     if options.output:
         write_whole_file(options.output, lambda name: Path(name).write_text(words, encoding="utf-8"))
     else:

@@ -168,7 +168,10 @@ class LectureRoom:
         return self._mark(replace(vote, talks=vote.talks + 1))
 
     def reveal(self, vote: Vote) -> RoomView:
-        """Tell the answer to a closed vote, with its counts."""
+        """Tell the answer to a closed vote, with its counts and those of the votes before on the same question."""
+        for before in self._store.votes():
+            if (before.lesson, before.scene, before.asked) == (vote.lesson, vote.scene, vote.asked) and before.number < vote.number:
+                self._store.mark_vote(replace(before, counts_out=True))
         return self._mark(replace(vote, counts_out=True, revealed=True, talks=0))
 
     def _mark(self, vote: Vote) -> RoomView:

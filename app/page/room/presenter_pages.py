@@ -15,7 +15,7 @@ import viser
 
 from ...classroom.kept_room import KeptPages, KeptRoom
 from ...session.commands.commands import Edit, Play, RunOnTabThread
-from ...session.commands.room import LeadShown
+from ...session.commands.room import LeadShown, PerformAnswer, Reveal
 from ...session.commands.written import MIRRORED, read_edit, write_edit
 from ...session.session import Session
 from ..words import phrases
@@ -111,6 +111,8 @@ class PresenterPages:
     # --- commands --------------------------------------------------------------------------------------------------
     def _mirror(self, one: Session, edit: Edit) -> None:
         """Let the other pages of the presenter do what a hand has done on one."""
+        if isinstance(edit, Reveal):  # the vote itself is in the store
+            edit = PerformAnswer()
         if not isinstance(edit, MIRRORED):
             return
         mine = one.picture

@@ -58,6 +58,10 @@ class Reveal(Command, frozen=True):
     number: object
 
 
+class PerformAnswer(Command, frozen=True):
+    """Do what the open scene's question asks about: its answer was told on another page of the presenter."""
+
+
 class LowerHands(Command, frozen=True):
     """Forget who asked for a slower lecture."""
 

@@ -11,13 +11,14 @@ from typing import Any  # a value of JSON is of any kind, as `Any` says
 import msgspec
 
 from ...course.knobs import ByHand
-from . import commands, guide
+from . import commands, guide, room
 from .commands import Edit, Play, SetKnobs
 
-MIRRORED = (SetKnobs, commands.DrawByHand, Play, commands.Kick, commands.Rewind, commands.Seek, commands.ChangeSpeed,
-            commands.Undo, commands.Redo, commands.Reset, commands.ChoosePlant, commands.PickPoint, commands.Predict, commands.PredictAgain,
-            commands.ShowAgain, commands.Reveal, commands.OpenLesson, commands.TurnPage, guide.SetMode, guide.GoToScene, guide.TurnScene,
-            guide.ChooseOption, guide.AnswerByHand, guide.RestartScene, guide.ShowKeptRun, guide.OpenLecture, guide.EndLecture)
+MIRRORED = (SetKnobs, commands.DrawByHand, Play, commands.Kick, commands.Rewind, commands.Seek, commands.ChangeSpeed, commands.Undo,
+            commands.Redo, commands.Reset, commands.ChoosePlant, commands.PickPoint, commands.Predict, commands.PredictAgain,
+            commands.ShowAgain, commands.ShowSolution, commands.Reveal, commands.OpenLesson, commands.TurnPage, guide.SetMode,
+            guide.GoToScene, guide.TurnScene, guide.ChooseOption, guide.AnswerByHand, guide.RestartScene, guide.ShowKeptRun,
+            guide.OpenLecture, guide.EndLecture, room.PerformAnswer)
 _KINDS = MappingProxyType({kind.__name__: kind for kind in MIRRORED})
 
 

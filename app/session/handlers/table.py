@@ -111,6 +111,7 @@ HANDLERS: Mapping[type[Command], Callable[..., object]] = MappingProxyType({
     room.HideCounts: hall.hide_counts,
     room.Discuss: hall.discuss,
     room.Reveal: hall.reveal,
+    room.PerformAnswer: path.perform_answer,
     room.LowerHands: hall.lower_hands,
     room.PauseAll: hall.pause_all,
     room.EndPause: hall.end_pause,

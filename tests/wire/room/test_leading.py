@@ -10,7 +10,7 @@ from urllib.request import HTTPRedirectHandler, Request, build_opener
 
 import pytest
 from client import WireTab
-from lecture import Enter, Present, ask, card, counts, hand, opened, part, say
+from lecture import Enter, Present, ask, card, counts, hand, number_of_the_vote, opened, part, say
 
 from observer_lab.classroom.room_store import RoomStore
 from observer_lab.lessons import LESSONS
@@ -163,6 +163,19 @@ def test_a_second_page_of_the_presenter_gets_knobs_answer_and_mode(present: Pres
         page.settle()
     first.update("stiffness error in the model [%]", value=12.0)
     second.until(lambda: second.value("stiffness error in the model [%]") == 12.0, "the knob on the second page")
+
+
+@pytest.mark.parametrize("tells", [0, 1], ids=["first page", "page that leads"])
+def test_an_answer_that_either_page_tells_is_shown_to_the_class(tells: int, enter: Enter, present: Present) -> None:
+    pages, follower = (present(), present()), enter()
+    ask(pages[tells], "vote:open")
+    number = number_of_the_vote(follower)
+    ask(pages[tells], "vote:close")
+    pages[tells].until(lambda: "Reveal the answer" in counts(pages[tells]), "the closed vote")
+    ask(pages[tells], f"vote:reveal:{number}")
+    follower.until(lambda: "ol-right" in card(follower), "the right option at the follower")
+    for page in pages:
+        page.until(lambda page=page: "ol-true" in card(page), "the right option on both pages")
 
 
 def test_in_the_lab_followers_see_the_knobs_that_the_presenter_has_moved(enter: Enter, present: Present,
