@@ -35,6 +35,7 @@
     const {arrays, content} = JSON.parse(new TextDecoder().decode(new Uint8Array(bytes, 8, size)));
     return {...content, arrays: arrays.map(([kind, count, place]) => new (TYPES[kind] ?? Uint8Array)(bytes, 8 + size + place, count))};
   });
+  const ahead = Promise.all([look, language].map(file => load(`${lesson}/${file}`)));  // while viser's page begins
   const filled = (value, arrays) => {  // with the arrays that it names
     if (value === null || typeof value !== 'object') return value;
     for (const name of Object.keys(value)) value[name] = filled(value[name], arrays);
@@ -47,7 +48,7 @@
 
   // --- what stands -------------------------------------------------------------------------------------------------------------
   let base = null, ground = new Map(), props = new Map(), at = 0, scene = null, state = {over: new Map(), held: {}}, touched = new Set();
-  let give = () => {}, speed = speeds.indexOf(1), turn = 0, overlay = null, drawn = '', stop = Number(asked.get('stop') ?? -1);
+  let give = () => {}, speed = speeds.indexOf(1), turn = 0, overlay = null, drawn = '', moving = {}, stop = Number(asked.get('stop') ?? -1);
   const id = () => base.scenes[at].id;
   const total = (key, over = state.over) => (over.has(key) ? over.get(key) : ground.get(key));
   const here = k => stops[k]?.[0] === lesson && stops[k][1] === id(), stopHere = () => (here(stop) ? stop : stops.findIndex((_, k) => here(k)));
@@ -114,7 +115,6 @@
     for (let k = 0; k < sums.length; k += 1) sums[k] += (other ? other[k] : 0) + (k % run.count ? sums[k - 1] : 0);
     return {name: run.names[name], kind: KINDS[kind], at: k => Array.from({length: many}, (_, part) => sums[part * run.count + k] * step)};
   });
-  let moving = {};  // the run that stands, read
   const pose = t => {
     if (!state.run) return;
     player.now = t;
@@ -278,7 +278,7 @@
   viser.onConnecting = () => history.replaceState(history.state, '', came);  // where viser's page has put the server it looks for
   const begin = async (send, connected) => {
     give = batch => batch.length && send(batch);
-    const [mine, spoken] = await Promise.all([look, language].map(file => load(`${lesson}/${file}`))), patch = read(spoken);
+    const [mine, spoken] = await ahead, patch = read(spoken);
     base = mine;
     ground = patch(base.base);
     props = byEntity(ground.keys());
