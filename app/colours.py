@@ -56,7 +56,6 @@ COLOURS = MappingProxyType({
     "fog": "#A9B4C4",
     "horizon": "#EEF2F7",  # what a trail fades into
     "empty": "#E2E5EA",  # what of a map is not computed
-    "stand": "#969CA6",  # of a board
     "glass": PAPER,
     "glass-unstable": "#F6D6D6",
     "glass-axis": "#282C34",

@@ -112,11 +112,6 @@ class BoardView:
             position=(0.0, -0.025, 0.0),
             wxyz=UPRIGHT,
         )
-        for side in (-1, 1):
-            scene.add_box(f"{root}/foot{side}", rgb(COLOURS["stand"]), (0.08, 0.5, 0.06), cast_shadow=False,
-                          position=(side * BOARD_WIDTH * 0.42, 0.0, -BOARD_HEIGHT / 2 - BOARD_FOOT + 0.03))
-            scene.add_box(f"{root}/leg{side}", rgb(COLOURS["stand"]), (0.06, 0.06, BOARD_FOOT), cast_shadow=False,
-                          position=(side * BOARD_WIDTH * 0.42, 0.02, -BOARD_HEIGHT / 2 - BOARD_FOOT / 2))
         self._letter_axes()
         title = b.title(language)
         self._label("title", title, (0.0, -0.06, BOARD_HEIGHT / 2 + MARGIN + 0.06), "bottom-center",
