@@ -18,7 +18,7 @@ def code(outcome: Outcome[Study]) -> Code:
     """The records of a design that its script starts from and finds again."""
     study, d = outcome.study, outcome.design
     record, s, fitted = study.found.record, study.found.subspace, study.found.fitted
-    kf, judged = fitted.kalman(factor=d["factor"]), study.judged
+    kf, judged = fitted.kalman(factor=study.factor), study.judged
     y, white = record.y, judged.whiteness
     gaps = study.gated or bool(np.isnan(y).any())
     shares = np.arange(1, record.y.shape[1] + 1)
@@ -46,6 +46,7 @@ def code(outcome: Outcome[Study]) -> Code:
             GivenValue("Q", kf.Q, "covariance of w, most likely, times the factor of the page"),
             GivenValue("R", kf.R, "covariance of v, most likely"),
             GivenValue("P_start", judged.track.schedule.prior[0], "covariance of the state before the first row"),
+            GivenValue("biases", fitted.biases, "of the last states are biases of sensors, which no output of the plant has"),
             GivenValue("limits", limits, "largest NIS of 1, 2 ... readings that a row is used with; inf without a gate"),
         ),
         (ShownValue("means", judged.track.means), ShownValue("set_aside", float(judged.set_aside.sum()), 1.0)) if gaps else (

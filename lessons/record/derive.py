@@ -14,7 +14,9 @@ from .study import Study
 
 def derived(outcome: Outcome[Study]) -> Mapping[str, Value]:
     """S, C P Cᵀ and R of the settled filter, and C A⁻¹ K and C M by two ways; of the first output."""
-    kf = outcome.study.found.fitted.kalman(factor=outcome.design["factor"])
+    if outcome.study.found.fitted.biases:
+        return {}
+    kf = outcome.study.found.fitted.kalman(factor=outcome.study.factor)
     P = kf.steady.solution
     S = kf.C @ P @ kf.C.T + kf.R
     if len(S) > 1:

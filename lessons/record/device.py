@@ -16,7 +16,7 @@ def device(outcome: Outcome[Study], ts: float | None = None) -> DeviceDesign:
     """The filter with its gate along the record, about the record's level. Raises DeviceError for another period."""
     study = outcome.study
     record, fitted, track = study.found.record, study.found.fitted, study.judged.track
-    kf = fitted.kalman(factor=outcome.design["factor"])
+    kf = fitted.kalman(factor=study.factor)
     if ts is not None and abs(ts - record.dt) > 1e-9 * record.dt:
         raise DeviceError(RECORDED_PERIOD.format(dt=record.dt))
     start = Belief(0 * track.means[0], track.schedule.prior[0])

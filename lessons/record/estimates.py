@@ -14,11 +14,12 @@ def estimates(outcome: Outcome[Study]) -> Sheet:
     """A row a sample: t in s, inputs, each output as measured, estimated with its σ and smoothed, then the states with σ.
 
     The estimate of a row uses the readings up to it; the smoothed one uses all. A missing reading is NaN, and so is one
-    that the gate set aside. Units are those of the record.
+    that the gate set aside. The bias of a sensor is the last state and in no estimate of an output. Units are those of the
+    record.
     """
     study = outcome.study
     record, judged, trend = study.found.record, study.judged, study.found.trend
-    C, D = (np.asarray(M) for M in (study.found.fitted.plant.C, study.found.fitted.plant.D))
+    C, D = study.found.fitted.outputs, np.asarray(study.found.fitted.plant.D)
     after = (record.t - trend.start)[:, None]
     about = record.u @ D.T + trend.y_level + after * trend.y_slope
     track, smoothed = judged.track, judged.smoothed

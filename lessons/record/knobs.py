@@ -7,7 +7,7 @@ from observer_lab.text import text
 
 SPRING, TANKS, MASSES, FURNACE, OWN = "spring", "tanks", "masses", "furnace", "own"
 FAULTY = "faulty"  # the spring, whose sensor is faulty in the rows that judge
-NO_GATE, ONE_SENSOR, SLOW, LATE = "off", "none", "slow", "late"
+NO_GATE, ONE_SENSOR, SLOW, LATE, NO_BIAS = "off", "none", "slow", "late", "none"
 MAX_ORDER, OPENING_SHARE = 6, 0.5
 
 DATA = Choice("data", "", text("record"), default=SPRING,
@@ -30,6 +30,10 @@ KNOBS = (
     Choice("gate", "", text("gate of the filter"), default=NO_GATE,
            options=((NO_GATE, text("off")), ("0.999", text("lets 99.9 % pass")), ("0.99", text("lets 99 % pass"))),
            hint=text("A reading farther from its prediction than this share of good ones is set aside and counts as missing.")),
+    Choice("bias", "", text("bias of a sensor"), default=NO_BIAS,
+           options=((NO_BIAS, text("not a state")), ("constant", text("a constant state")), ("drift", text("a drifting state")),
+                    ("data", text("as the data say"))),
+           hint=text("A further state for what one sensor reads too much: constant, or a random walk. The data decide by likelihood.")),
     Choice("second", "", text("second sensor"), default=ONE_SENSOR,
            options=((ONE_SENSOR, text("none")), (SLOW, text("exact, at every 10th row")), (LATE, text("the same, 5 rows late"))),
            hint=text("A second sensor of the first output, ten times as exact as the first. The figure of the standard deviation shows "

@@ -12,14 +12,14 @@ import numpy as np
 from observer_lab.course.figures.latex import matrix
 from observer_lab.course.lazy import LazyMap, LazySequence, LazyValue
 from observer_lab.course.lesson import Check, Design, Formula, Outcome, Stage
-from observer_lab.engine.identification import FilteredRecord, RecordFit, filter_plant, filter_record, identify
+from observer_lab.engine.identification import FilteredRecord, RecordFit, filter_plant, filter_record, identify, sensor_bias
 from observer_lab.engine.identification.evidence import INPUT, LEAST_FIT, MOST_FREE, WHITE
 from observer_lab.plants.bodies.own_body import tubes_body
 from observer_lab.text import NO_WORDS, Text, error_words, joined, text
 
 from .data import Given, record_of
 from .fusion import Fusion, fused
-from .knobs import MAX_ORDER, NO_GATE, ONE_SENSOR, OPENING_SHARE
+from .knobs import MAX_ORDER, NO_BIAS, NO_GATE, ONE_SENSOR, OPENING_SHARE
 
 DEVIATIONS = 3.0  # of a pole: within them the true one is expected
 
@@ -65,10 +65,10 @@ class Study:
         return rows + self.found.trend.y_level
 
     def estimate(self, smoothed: bool) -> np.ndarray:
-        """The estimated output of the rows that judge: by what came before and now, or by the whole record."""
-        plant = self.found.fitted.plant
+        """The estimated output of the rows that judge, without a sensor's bias: by what came before and now, or by the whole record."""
+        fitted = self.found.fitted
         means = self.judged.smoothed.means if smoothed else self.judged.track.means
-        return self.level((means @ plant.C.T + self.found.record.u @ plant.D.T)[self.first:])
+        return self.level((means @ fitted.outputs.T + self.found.record.u @ fitted.plant.D.T)[self.first:])
 
     @property
     def predicted(self) -> np.ndarray:
@@ -106,20 +106,31 @@ def _fitted(given: Given, order: int, share: float, delay: int) -> RecordFit:
     return identify(given.record, order=order, share=share, delay=delay, degree=None if own else 0, robust=own)
 
 
+@lru_cache(maxsize=32)
+def _biased(found: RecordFit, kind: str, factor: float, gate: float | None) -> RecordFit:
+    return sensor_bias(found, kind=kind, factor=factor, gate=gate)
+
+
 def compute(source: Source, design: Design) -> Outcome[Study]:
     """Fit the model and its noises to the first share of the record, filter the whole, judge by the rest."""
     given = source(design)
     found = _fitted(given, int(design["order"]), design["share"] / 100, int(design["delay"]))
     gate = None if design["gate"] == NO_GATE else float(design["gate"])
-    judged = found.judged if design["factor"] == 1 and gate is None else filter_record(
-        found.fitted, found.record, found.judged.first, factor=design["factor"], gate=gate)
-    study = Study(given, found, judged, *_beside(given, found), gate is not None, design["second"],
-                  design["factor"])
+    factor = float(design["factor"])
+    if design["bias"] != NO_BIAS:
+        found = _biased(found, design["bias"], factor, gate)
+    if found.fitted.biases:
+        judged, factor = found.judged, 1.0  # its Q holds the factor
+    elif factor == 1 and gate is None:
+        judged = found.judged
+    else:
+        judged = filter_record(found.fitted, found.record, found.judged.first, factor=factor, gate=gate)
+    study = Study(given, found, judged, *_beside(given, found), gate is not None, design["second"], factor)
     plant = found.fitted.plant
     metrics = LazyMap(lambda: _metrics(study, gains["M"]))
     came = np.isfinite(judged.track.innovations).sum(axis=1)
     last = len(came) - 1 - int(came[::-1].argmax())  # the last row with all readings; those that are missing have the gain 0
-    gains = {"M": judged.track.gains[last], "R": found.fitted.R, "Q": design["factor"] * found.fitted.Q, "S": judged.track.S[last]}
+    gains = {"M": judged.track.gains[last], "R": found.fitted.R, "Q": factor * found.fitted.Q, "S": judged.track.S[last]}
     return Outcome(
         design, gains, {"model": np.log(found.subspace.poles.astype(complex) + 1e-300) / plant.dt}, metrics,
         LazySequence(lambda: _checks(study)), None, (), _stage(study, bool(design["smoother"])),
@@ -146,7 +157,8 @@ def _metrics(study: Study, M: np.ndarray) -> dict[str, float]:
         "edge": s.edge, "last_value": float(s.singular_values[len(s.A) - 1]), "deviation": float(s.deviations.max()),
         "away": study.away, "sensor": float(np.sqrt(fitted.R[0, 0])), "horizon": float(s.horizon),
         "slowest": float(np.abs(s.poles).max()), "gain": float(np.linalg.norm(fitted.plant.C @ M)),
-        "set_aside": float(judged.set_aside.sum()), "sigma": float(study.fusion.alone[-1]),
+        "set_aside": float(judged.set_aside.sum()), "bias": 0.0 if study.found.bias is None else study.found.bias.value,
+        "sigma": float(study.fusion.alone[-1]),
         "sigma_least": float(study.fusion.period.min()), "sigma_most": float(study.fusion.period.max())}
     clean = study.clean
     if clean is not None:
@@ -216,6 +228,7 @@ def _live(study: Study) -> Text:
     alone = NO_WORDS if math.isnan(free) else (
         text("From the inputs alone the model gives {free:.3g} % of it.", free=100 * free) if free > 0 else
         text("From the inputs alone the model gives none of it."))
+    bias = NO_WORDS if study.found.bias is None else error_words(study.found.bias.said)
     mine = NO_WORDS if study.given.plant is None else text("The model is your own plant; only Q and R were fitted.")
     aside = NO_WORDS if not study.gated else text(
         "The gate set {count} of {rows} rows aside; they count as missing.", count=int(judged.set_aside.sum()), rows=len(judged.set_aside))
@@ -224,5 +237,6 @@ def _live(study: Study) -> Text:
     information = study.found.subspace.by_information
     criterion = NO_WORDS if information == suggested else text("An information criterion suggests order {order}.", order=information)
     return joined(*map(error_words, failures[:1] if not judged.evidence.stable else ()), nis,
-                  *map(error_words, failures[1:] if not judged.evidence.stable else failures), aside, mine, fit, alone, other, criterion,
+                  *map(error_words, failures[1:] if not judged.evidence.stable else failures), aside, bias, mine, fit, alone, other,
+                  criterion,
                   error_words(study.given.record.size), *map(error_words, study.found.record.notes))

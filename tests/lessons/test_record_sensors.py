@@ -166,3 +166,28 @@ def test_a_script_has_the_gate_of_the_page(tmp_path: Path, monkeypatch: pytest.M
     np.testing.assert_array_equal(aside, judged.set_aside)
     assert aside.any()
     np.testing.assert_array_equal(means, judged.track.means)
+
+
+def test_a_bias_becomes_a_state_where_the_data_say_so(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Behind the gate the estimate no longer follows the bias of the faulty sensor; a sound one gets no state; the script has it too."""
+    monkeypatch.setattr("matplotlib.pyplot.show", lambda: None)
+    chosen = {"data": "faulty", "gate": "0.999"}
+    plain, biased, sound = outcome(**chosen), outcome(**chosen, bias="data"), outcome(bias="data")
+    assert sound.study.found.bias.kind == "none" and "No sensor needs a bias" in sound.live("en")
+    np.testing.assert_array_equal(sound.study.judged.track.means, outcome().study.judged.track.means)
+    found = biased.study.found.bias
+    assert found.kind == "drift" and found.gain > 2 * found.cost and "has a bias that drifts" in biased.live("en")
+    assert found.value == pytest.approx(0.1, abs=3 * found.deviation) and found.deviation < 0.05
+    late = slice(-80, None)
+    away = [(o.study.estimate(False) - o.study.clean)[late, 0].mean() for o in (plain, biased)]
+    assert abs(away[1]) < 0.5 * abs(away[0])
+    assert biased.metrics["white_p"] > plain.metrics["white_p"] and biased.study.judged.evidence.stable
+    file = tmp_path / "biased.py"
+    assert main(["export", "record", *(word for name, value in {**chosen, "bias": "data"}.items() for word in ("--set", f"{name}={value}")),
+                 "--to", "python", "-o", str(file)]) == 0
+    names, record = runpy.run_path(str(file)), record_of("faulty", 1).record
+    means, outputs, _, aside = names["estimate"](record.t, record.u, record.y)
+    np.testing.assert_array_equal(means, biased.study.judged.track.means)
+    np.testing.assert_array_equal(aside, biased.study.judged.set_aside)
+    np.testing.assert_allclose(outputs[biased.study.first:], biased.study.estimate(False), atol=1e-12)
+    assert LESSON.device(biased).gap() < 1e-9

@@ -1,7 +1,8 @@
 """Make a filter from a record: read it, fit plant and noises to one part, judge by the other."""
 
 from ..systems.gates.room_gates import with_gates
-from .identified import FilteredRecord, FittedFilter, RecordFit, filter_record, fit_noise, identify
+from .bias import sensor_bias
+from .identified import FilteredRecord, FittedFilter, RecordFit, SensorBias, filter_record, fit_noise, identify
 from .known_plant import filter_plant
 from .reading.files import load_record, read_record
 from .reading.preview import Column, RecordPreview, preview_record
@@ -17,6 +18,7 @@ __all__ = [
     "Record",
     "RecordFit",
     "RecordPreview",
+    "SensorBias",
     "Smoothed",
     "Subspace",
     "Trend",
@@ -29,6 +31,7 @@ __all__ = [
     "preview_record",
     "read_record",
     "resample",
+    "sensor_bias",
     "split_record",
     "subspace",
     "trend_of",

@@ -89,10 +89,13 @@ class Evidence:
         return self.nis and not self.failures
 
 
-def evidence_of(kf: KalmanFilter, track: Track, record: Record, first: int, nis: bool, fit: np.ndarray, tuned: bool = False) -> Evidence:
-    """All tests of the innovations in the rows from `first` on; `tuned` if the gain was set by hand."""
+def evidence_of(kf: KalmanFilter, track: Track, record: Record, first: int, nis: bool, fit: np.ndarray, tuned: bool = False,
+                biases: int = 0) -> Evidence:
+    """All tests of the innovations in the rows from `first` on; `tuned` if the gain was set by hand. The last `biases` states are no
+    poles of the plant."""
     e, slopes, seen = _slopes(kf, track, record, first, tuned)
-    radius = float(np.abs(np.linalg.eigvals(kf.A)).max(initial=0.0))
+    own = kf.n - biases
+    radius = float(np.abs(np.linalg.eigvals(kf.A[:own, :own])).max(initial=0.0))
     u = record.u[first:]
     p = kf.C.shape[0]
     count = int(seen.sum()) // p

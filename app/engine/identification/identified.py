@@ -8,7 +8,7 @@ import numpy as np
 from scipy.special import fdtri
 
 from ..filters import KalmanFilter, SquaredError, Track, Whiteness, nis, whiteness
-from ..systems.errors import EngineError, phrase
+from ..systems.errors import EngineError, Phrase, phrase
 from ..systems.gates.argument_checks import BOOLEAN, SECONDS, choice, count, instance, number, optional, takes
 from ..systems.gates.plant_gate import PLANT
 from ..systems.plant import Plant
@@ -26,7 +26,7 @@ from .regular import Trend, detrend, resample, split_record, trend_of
 from .smoother import Smoothed, smooth
 from .subspace import MAX_ORDER, Subspace
 
-__all__ = ["FilteredRecord", "FittedFilter", "RecordFit", "filter_record", "fit_noise", "identify"]
+__all__ = ["FilteredRecord", "FittedFilter", "RecordFit", "SensorBias", "filter_record", "fit_noise", "identify"]
 
 LEVEL = 0.99  # with which the NIS of a right filter lies in its band
 MAX_LAGS = 20
@@ -37,7 +37,8 @@ STALE = 0.98  # |pole| above which the record is sampled much more finely than t
 class FittedFilter:
     """A sampled plant with the Q (n×n) and R (p×p) that a record of `rows` rows makes most likely.
 
-    parameters: how many were fitted. level: −2 log L for each row, less p log 2π. innovations (k, p): those of the fit.
+    parameters: how many were fitted. level: −2 log L for each row, less p log 2π. innovations (k, p): those of the fit. biases: how many
+    of the last states are biases of sensors.
     """
 
     plant: Plant
@@ -47,6 +48,17 @@ class FittedFilter:
     parameters: int
     level: float
     innovations: np.ndarray = field(repr=False)
+    biases: int = 0
+
+    @property
+    def outputs(self) -> np.ndarray:
+        """C (p×n) without the biases of sensors: what the plant itself gives.
+
+        >>> FittedFilter(Plant([[0.5]], [[1.0]], [[2.0]], None, 1.0), np.eye(1), np.eye(1), 9, 1, 0.0, np.zeros((1, 1))).outputs
+        array([[2.]])
+        """
+        own = np.arange(self.plant.n) < self.plant.n - self.biases
+        return np.where(own, np.asarray(self.plant.C), 0.0)
 
     def kalman(self, *, factor: float = 1.0) -> KalmanFilter:
         """The Kalman filter; `factor` multiplies Q."""
@@ -87,8 +99,28 @@ class FilteredRecord:
 
 
 @a_record()
+class SensorBias:
+    """What `sensor_bias` decided: kind "none", "constant" or "drift", of which output.
+
+    value, deviation: of the bias after the last row. gain: by how much its state lowers −2 log L of the unused rows; cost: what is needed.
+    said: the decision in one sentence.
+    """
+
+    kind: str
+    output: int
+    value: float
+    deviation: float
+    gain: float
+    cost: float
+    said: Phrase
+
+
+@a_record()
 class RecordFit:
-    """All that `identify` finds: the regular record, its trend, the subspace fit, the fitted filter, the judged record."""
+    """All that `identify` finds: the regular record, its trend, the subspace fit, the fitted filter, the judged record.
+
+    bias: what `sensor_bias` decided, None where it was not asked.
+    """
 
     record: Record
     trend: Trend
@@ -97,6 +129,7 @@ class RecordFit:
     judged: FilteredRecord
     delay: int = 0
     outliers: np.ndarray = field(default=None, repr=False)  # type: ignore[assignment]  # always an array after `identify`
+    bias: SensorBias | None = None
 
 
 @takes(record=instance(Record), order=optional(count(1, MAX_ORDER)), share=number(0.01, 0.99), degree=optional(choice(0, 1)),
@@ -217,7 +250,7 @@ def filter_record(fitted: FittedFilter, record: Record, first: int, *, factor: f
     lags = min(MAX_LAGS, len(nu) // 4)
     white = whiteness(nu, lags=lags) if seen.all() else None
     fit = np.array([_share(error[row], y[row]) for error, y, row in zip(nu.T, record.y[first:].T, came.T, strict=True)])
-    evidence = evidence_of(kf, track, record, first, band[0] <= mean <= band[1], fit, factor != 1)
+    evidence = evidence_of(kf, track, record, first, band[0] <= mean <= band[1], fit, factor != 1, fitted.biases)
     return FilteredRecord(track, smooth(kf, track), first, size_test, mean, band, white, fit, evidence, aside)
 
 
