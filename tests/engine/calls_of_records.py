@@ -40,4 +40,5 @@ def identification(dplant: Plant) -> dict[str, dict[str, Any]]:
         "filter_plant": {"plant": plant, "record": record, "share": 0.5, "delay": 0, "robust": True},
         "fit_noise": {"plant": plant, "record": record},
         "filter_record": {"fitted": found.fitted, "record": found.record, "first": 120, "factor": 1.0, "level": 0.99, "gate": 0.999},
+        "sensor_bias": {"found": found, "kind": "data", "factor": 1.0, "gate": 0.999},
     }

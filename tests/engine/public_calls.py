@@ -40,7 +40,7 @@ ANSWERS = frozenset({
     "sampled.ResponseMeasures", "sampled.SampledController", "sampled.SampledLoop", "sampled.SampledLqg", "sampled.SampledRun",
     "sampled.Trial", "network.CriticalLoss", "network.NetworkRun", "simulation.GearedRun", "simulation.RecoveryMap", "simulation.Run",
     "plant_files.Content", "structure.Coupling", "systems.Spectrum",
-    "identification.FilteredRecord", "identification.FittedFilter", "identification.RecordFit",
+    "identification.FilteredRecord", "identification.FittedFilter", "identification.RecordFit", "identification.SensorBias",
     "identification.Smoothed", "identification.Subspace", "identification.Trend",
 })
 NO_CALLS = frozenset({  # kinds of error, names of types, words, and kinds of filter that others are made of
