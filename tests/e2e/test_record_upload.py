@@ -100,7 +100,7 @@ def judge_on_the_second_half(script: Path, log: Heater, monkeypatch: pytest.Monk
     """The exported filter, on rows that no fit has seen, is about as good as the best filter of the plant that made them."""
     monkeypatch.setattr("matplotlib.pyplot.show", lambda: None)
     half, settled = np.arange(ROWS // 2, ROWS), 30
-    _, found, sigma = runpy.run_path(str(script))["estimate"](half.astype(float), log.u[half], log.y[half])
+    _, found, sigma, _ = runpy.run_path(str(script))["estimate"](half.astype(float), log.u[half], log.y[half])
     away = (found[:, 0] - log.clean[half[-len(found):]])[settled:]
     error, best = float(np.sqrt(np.mean(away**2))), error_of_the_best(log, half, settled)
     assert 0.9 * best < error < 1.25 * best < 0.8 * SENSOR, (error, best)

@@ -152,6 +152,6 @@ def test_a_file_becomes_a_filter_that_runs_on_its_second_half(tab: Tab, tmp_path
     script.write_bytes(content)
     names = runpy.run_path(str(script))
     half = record.rows // 2
-    _, estimate, sigma = names["estimate"](record.t[half:], record.u[half:], record.y[half:])
+    _, estimate, sigma, _ = names["estimate"](record.t[half:], record.u[half:], record.y[half:])
     away = (record.y[half + record.rows - half - len(estimate):] - estimate)[30:]
     assert np.nanstd(away) < 0.5 * np.nanstd(record.y[half:]) and np.all(sigma > 0)
