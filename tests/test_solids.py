@@ -15,7 +15,7 @@ from observer_lab.lessons import LESSONS
 from observer_lab.page.stage.meshes import Mesh, bevelled_box, bevelled_cylinder
 
 ORANGES, LEAST_SATURATION = (5 / 360, 42 / 360), 0.5  # hues from vermillion to amber; below it a colour reads as grey or brown
-ESTIMATES = {"cloud", "estimate", "prediction", "z1 level"}  # parts that show what the observer believes, as its ghost does
+ESTIMATES = {"cloud", "estimate", "prediction", "z1 level"}  # parts that show an estimate, as the ghost does
 MOMENTS = 8
 
 
@@ -31,7 +31,7 @@ def test_the_ghost_is_orange() -> None:
 
 
 @each("lesson", LESSONS.values())
-def test_orange_shows_what_is_believed_and_nothing_else(lesson: Lesson) -> None:
+def test_orange_shows_an_estimate_and_nothing_else(lesson: Lesson) -> None:
     stage = lesson.compute(lesson.start()).stage
     assert stage is not None
     body = stage.body

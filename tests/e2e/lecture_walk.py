@@ -174,7 +174,7 @@ class Walk:
 
 
 def packed(folder: Path) -> tuple[str, list[str]]:
-    """The lesson of the guide for own lessons as one file, lessons.zip: its id, and the scene before its question with that of it."""
+    """Pack the guide's own lesson into lessons.zip: its id, the scene before its question, and the scene of the question."""
     blocks = {kind: re.findall(rf"```{kind}\n(.*?)```", GUIDE, re.DOTALL) for kind in ("sh", "toml", "markdown")}
     name = blocks["sh"][0].split()[2]
     assert observer_lab(["new-lesson", name, "--folder", str(folder / "lessons")]) == 0

@@ -64,7 +64,7 @@ def turn(page: Page, scene: str) -> None:
 
 
 def stands(page: Page, scene: str) -> None:
-    """Wait for the card of a scene and for the last of its figures: a column that is still being filled has nothing to slide."""
+    """Wait for the card of a scene and for its last figure: a column that is still being filled cannot slide."""
     expect(page.locator(f".ol-card[data-scene={scene}]")).to_be_visible(timeout=PATIENCE)
     eventually(lambda: page.evaluate(ANSWERED, True), lambda said: said is True, f"the whole of the scene {scene!r}")
 

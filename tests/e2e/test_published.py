@@ -154,7 +154,7 @@ def with_lecture(folder: Path, *stops: tuple[str, str]) -> Path:
 
 
 def test_next_and_back_follow_the_stops_of_a_lecture(page: Page, folder: Path) -> None:
-    """Also back to a scene that was there before, from the last scene of a path, and at the end to the lecture's page."""
+    """Back to an earlier scene, on from the last scene of a path, and at the end to the lecture's page."""
     last = PATH[-1].id
     way = ["drag", "predict", last, "drag", "command"]
     site = with_lecture(folder, *((LESSON, scene) for scene in way))

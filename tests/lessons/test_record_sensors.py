@@ -156,7 +156,7 @@ def test_rows_with_a_part_of_their_outputs_are_used_in_page_fit_and_exports(tmp_
 @pytest.mark.slow
 @pytest.mark.parametrize("data", ["faulty", "furnace"])
 def test_a_script_has_the_gate_of_the_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, data: str) -> None:
-    """From the rows as they were measured it sets the same ones aside, and its states are those of the page to the last bit."""
+    """From the measured rows it sets the same ones aside, and its states are those of the page to the last bit."""
     monkeypatch.setattr("matplotlib.pyplot.show", lambda: None)
     file = tmp_path / "gated.py"
     assert main(["export", "record", "--set", f"data={data}", "--set", "gate=0.999", "--to", "python", "-o", str(file)]) == 0

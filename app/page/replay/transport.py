@@ -29,7 +29,7 @@ def step_of(horizon: float) -> float:
 
 
 def slider_value(t: float, step: float, horizon: float) -> float:
-    """Where the time slider stands at a time, in whole steps, since a field of six digits that change cannot be read.
+    """The place of the time slider at a time, in whole steps: a field of six digits that change cannot be read.
 
     Halfway between two steps it is the later one, as in the scripts of a page that plays by itself.
     """

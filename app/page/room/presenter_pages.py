@@ -23,7 +23,7 @@ from .broadcast import Broadcast
 from .presenter_view import PresenterScreen
 
 POLL_S = 0.03  # s between two looks at what hands have done at other workers
-LOOK_S = 0.25  # s between two looks at who leads, and at what the lead shows
+LOOK_S = 0.25  # s between two questions to the store: which page leads, and what it shows
 AGAIN_S = 1.5  # s after which the lead is shown once more: a page under a hand does not follow at once
 LEAD_S = 3.0  # s for which a worker leads without saying so again
 

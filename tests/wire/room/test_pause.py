@@ -54,7 +54,7 @@ def test_all_pages_of_a_class_stand_still_until_the_presenter_lets_them_go_on(pl
             assert store.votes()[-1].total == 0 and store.presence()[1] == 0
             tabs += [WireTab(one.url), WireTab(one.url, path="/?own=1")]
             for late in tabs[3:]:
-                late.until(lambda late=late: covered(late) == said, "that who comes late is paused too")
+                late.until(lambda late=late: covered(late) == said, "the pause on a page that comes late")
             ask(presenter, f"scene:{PREDICT - 1}")
             first.until(lambda: 'data-scene="predict"' not in card(first), "what the presenter shows meanwhile")
             ask(presenter, "pause:off")
@@ -66,7 +66,7 @@ def test_all_pages_of_a_class_stand_still_until_the_presenter_lets_them_go_on(pl
             say(first, f"vote:{vote}:1:ballot0002")
             first.until(lambda: store.votes()[-1].total == 1, "the vote that was still open")
             tabs.append(WireTab(other.url))
-            tabs[-1].until(lambda: card(tabs[-1]), "the card of who comes after the pause")
+            tabs[-1].until(lambda: card(tabs[-1]), "the card on a page that comes after the pause")
             assert covered(tabs[-1]) == ""
     finally:
         for tab in tabs:

@@ -74,7 +74,7 @@ def test_of_presenters_at_two_workers_the_last_one_leads_and_followers_come_back
 
 
 def standing(pages: KeptPages) -> int:
-    """The series of the page that who comes now gets."""
+    """The series of the page that a new tab gets."""
     found = pages.standing("en-wide")
     return -1 if found is None else found.series
 
