@@ -99,6 +99,7 @@ def test_a_page_whose_attempts_fail_is_loaded_again(context: BrowserContext, ser
         page = context.new_page()
         tab = Tab(page, cable.address, drawn=False)
         page.evaluate("window.observerLabViser.reconnect = () => {}; window.stillHere = true")
+        page.evaluate("history.replaceState(null, '', location.href)")  # as where the network ends before the page is told its lesson
         cable.become("cut")
         expect(page.locator(".ol-lost")).to_be_visible()
         push(tab, 2)

@@ -55,7 +55,7 @@
       dataset.value === value || (dataset.room && value.startsWith(dataset.room)));
   const again = entry => {
     const {message, key} = entry, widget = [...named].find(([, each]) => each.key === key);
-    if (entry.lesson !== lesson()) return null;
+    if (entry.lesson && entry.lesson !== lesson()) return null;  // a page that was cut off early was not yet told its lesson
     if (message.type === DRAG) return viser.node(message.name) ? {...message, owner} : null;
     if (!widget) return null;
     const [uuid, {kind, hidden}] = widget, done = entry.press && entry.at !== address();  // its answer was kept, though not seen
