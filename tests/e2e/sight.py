@@ -96,7 +96,7 @@ HALL = """() => {  // what is not as a hall needs it: the question on top, prose
   const out = [], seen = e => e.checkVisibility() && e.getClientRects().length > 0, y = e => e.getBoundingClientRect().top;
   const question = document.querySelector('.ol-question'), column = question.closest('[data-scrollarea-viewport]');
   const above = [...column.querySelectorAll('input, button')].filter(e => seen(e) && y(e) < y(question));
-  if (above.length) out.push(`the question, at ${y(question)} px, is not on top: ${above.map(e => `${y(e)} ${e.outerHTML.slice(0, 200)}`)}`);
+  if (above.length) out.push(`the question, at ${y(question)} px, is not on top: ${above.map(e => y(e) + e.outerHTML.slice(0, 200))}`);
   const heads = [...column.querySelectorAll('.mantine-Paper-root > .mantine-Paper-root')].filter(e => seen(e) && e.querySelector('svg'));
   const open = heads.filter(e => e.lastElementChild.matches('[class*="chevron-up"]')).map(e => e.textContent);
   if (open.length > 2) out.push(`open: ${open}`);  // what is predicted, and the knobs
