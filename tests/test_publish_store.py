@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Callable, Mapping
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 import pytest
@@ -11,6 +12,7 @@ from test_architecture import PICTURE
 
 from observer_lab.cli.commands import publish
 from observer_lab.cli.entry import main
+from observer_lab.engine.kernels import kernels_off
 from observer_lab.lessons import LESSONS
 from observer_lab.static_pages.store import MOST_KEPT, UNSHOWN, Sources, Store
 
@@ -86,6 +88,18 @@ def test_options_and_what_other_pages_show_are_part_of_a_key(house: Path) -> Non
     one = sources.keys(some, ["en"], 7)["separation"]
     assert one != sources.keys(some, ["en"], 8)["separation"]
     assert one != sources.keys({**some, "noise": LESSONS["noise"]}, ["en"], 7)["separation"]
+
+
+def test_how_the_kernels_are_compiled_is_part_of_a_key(
+        keys: Keys, before: Mapping[str, str], monkeypatch: pytest.MonkeyPatch) -> None:
+    def missing(name: str) -> str:
+        if name == "numba":
+            raise PackageNotFoundError
+        return version(name)
+    for name, other in (("kernels_off", lambda: not kernels_off()), ("version", missing)):
+        with monkeypatch.context() as patch:
+            patch.setattr(f"observer_lab.static_pages.store.{name}", other)
+            assert not set(keys().items()) & set(before.items()), name
 
 
 def test_a_recording_that_is_stopped_is_not_taken_for_a_whole_one(tmp_path: Path) -> None:

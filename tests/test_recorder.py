@@ -8,6 +8,7 @@ from observer_lab.course.knobs import Number, Poles
 from observer_lab.course.scenes import Move, entry_values
 from observer_lab.lessons import LESSONS
 from observer_lab.page.record.recorded_screen import WINDOWS, Look
+from observer_lab.static_pages import site
 from observer_lab.static_pages.points import MOST_PLACES, Points, value_for, values_of
 from observer_lab.static_pages.recorder import Recorder
 from observer_lab.static_pages.site import _widgets
@@ -57,3 +58,24 @@ def test_a_board_with_many_poles_has_a_coarser_grid_and_each_pole_still_moves(pa
     for k in range(pairs):
         others = set(now) - {now[2 * k], now[2 * k + 1]}
         assert len({place for place in places if others <= set(place)}) >= 12
+
+
+def test_the_compiled_kernels_are_ready_before_a_lesson_is_recorded(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A served page has them: numbers that are rounding alone would differ otherwise."""
+    done = list[str]()
+
+    class Ready:
+        def join(self) -> None:
+            done.append("kernels")
+
+    class Begun(Exception):
+        pass
+
+    def recorder(*_: object) -> None:
+        done.append("recorder")
+        raise Begun
+    monkeypatch.setattr(site, "prepare_kernels", Ready)
+    monkeypatch.setattr(site, "Recorder", recorder)
+    with pytest.raises(Begun):
+        site.write_lesson(LESSONS, "separation", [], FEW, lambda name, text: None)
+    assert done == ["kernels", "recorder"]

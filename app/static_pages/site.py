@@ -12,6 +12,7 @@ from typing import Any
 
 from ..course.lectures import Lecture
 from ..course.lesson import Lesson
+from ..engine.kernels import prepare_kernels
 from ..page.record.lecture_page import lecture_page
 from ..page.record.published_page import published_page
 from ..page.record.questions_page import questions_page
@@ -48,7 +49,11 @@ SKETCH = re.compile(r'data-sketch="([^"]*)"')  # in the HTML of a question's fig
 
 def write_lesson(lessons: Mapping[str, Lesson], lesson: str, looks: Sequence[Look], points: Points, write: Write,
                  advance: Callable[[], object] = lambda: None) -> None:
-    """Record one lesson and write its files, named from its own folder; `advance` is called after each scene."""
+    """Record one lesson and write its files, named from its own folder; `advance` is called after each scene.
+
+    The compiled kernels are made ready first, as a server does: the plain ways differ from them by rounding.
+    """
+    prepare_kernels().join()
     recorder = Recorder(lessons, lesson, looks, points)
     recorder.begin(0)
     bases, overlays = recorder.screens.standing(), recorder.overlays()

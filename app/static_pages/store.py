@@ -7,17 +7,18 @@ import os
 import shutil
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from importlib.metadata import version
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 from ..course.lesson import Lesson
+from ..engine.kernels import kernels_off
 
 MOST_KEPT = 4  # recordings of one lesson that are kept, the last used ones
 UNSHOWN = ("cli", "live", "notebook", "page/record/lecture_page.py", "page/record/published_page.py", "page/record/questions_page.py",
            "page/web/styles/published.css", "page/web/viser_page/published.js", "published", "static_pages/store.py",
            "study")  # parts of the package on which no recorded state depends
 SHARED_BY_LESSONS = ("toolkit", "from_files")  # folders beside those of the lessons
-LIBRARIES = ("viser", "numpy", "scipy", "control")
+LIBRARIES = ("viser", "numpy", "scipy", "control", "numba")
 KEY = "key.txt"
 Write = Callable[[str, str], object]  # the name of a file in a folder, and its text
 
@@ -40,7 +41,7 @@ class Sources:
     def keys(self, lessons: Mapping[str, Lesson], languages: Iterable[str], *settings: object) -> dict[str, str]:
         """For each lesson, in one word, what its files depend on: its own sources, the shared ones, the libraries and the settings."""
         spoken = list(languages)
-        shared = hashlib.sha256(repr((settings, [(name, version(name)) for name in LIBRARIES])).encode())
+        shared = hashlib.sha256(repr((settings, [*map(_version, LIBRARIES), kernels_off()])).encode())
         _add(shared, self.package, self._shared())
         for root in (*self.course.glob("*.*"), *(self.course / name for name in SHARED_BY_LESSONS)):
             _add(shared, self.course, _files(root))
@@ -71,6 +72,14 @@ def _files(root: Path) -> list[Path]:
 def _add(found: hashlib._Hash, root: Path, paths: Iterable[Path]) -> None:
     for path in paths:
         found.update(path.relative_to(root).as_posix().encode() + b"\0" + hashlib.sha256(path.read_bytes()).digest())
+
+
+def _version(library: str) -> tuple[str, str]:
+    """A library and its version, none where it is not installed."""
+    try:
+        return library, version(library)
+    except PackageNotFoundError:
+        return library, ""
 
 
 def _on_other_pages(lesson: Lesson, languages: Iterable[str]) -> tuple[object, ...]:

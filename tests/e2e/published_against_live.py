@@ -40,6 +40,7 @@ SEEN = """() => ({
     .map(each => each.getAttribute('aria-valuenow') ?? String(each.checked)),
   boards: Object.keys(window.__viserMutable?.nodeRefFromName ?? {}).filter(name => name.startsWith('/board/')).sort(),
 })"""
+TOLD = 400  # letters of what differs
 PIXEL = 2e-3  # of a curve's range: less than one pixel of a chart
 KINDS = ("entry", "option", "kick", "knob", "pole")
 FORGOTTEN = "() => { try { localStorage.clear(); sessionStorage.clear(); } catch { /* about:blank has none */ } }"
@@ -65,13 +66,21 @@ def seen(page: Page) -> dict[str, Any]:
 
 def differences(live: dict[str, Any], published: dict[str, Any]) -> list[str]:
     """In what two pages differ; curves by less than a pixel do not."""
-    out = [name for name in live if name not in ("curves", "way") and live[name] != published[name]]
+    out = [_told(name, live[name], published[name]) for name in live if name not in ("curves", "way") and live[name] != published[name]]
     if [title for title, _ in live["curves"]] != [title for title, _ in published["curves"]]:
         return [*out, "titles of charts"]
     for (title, ours), (_, theirs) in zip(live["curves"], published["curves"], strict=True):
         if len(ours) != len(theirs) or not all(map(_same_row, ours, theirs)):
             out.append(f"curves of {title}")
     return out
+
+
+def _told(name: str, live: Any, published: Any) -> str:
+    """What differs, with both, those of a list that differ alone."""
+    if isinstance(live, list) and len(live) == len(published):
+        live, published = ([each for each, other in zip(ours, theirs, strict=True) if each != other]
+                           for ours, theirs in ((live, published), (published, live)))
+    return f"{name} ({json.dumps(live, ensure_ascii=False)[:TOLD]} live, {json.dumps(published, ensure_ascii=False)[:TOLD]} published)"
 
 
 def _same_row(ours: list[float | None], theirs: list[float | None]) -> bool:
@@ -254,7 +263,8 @@ def _pole(pair: Pair, lesson: Lesson, scene: Scene, points: Points) -> Iterator[
             mouse.move(x0 + share * (x1 - x0), y0 + share * (y1 - y0))
             pair.published.wait_for_timeout(60)
         mouse.up()
-        told = [name for name in pair.differences() if name not in ("answer", "card")]  # a design that was opened is nothing that was done
+        found = pair.differences()
+        told = [name for name in found if not name.startswith(("answer", "card"))]  # a design that was opened is nothing that was done
         yield "pole", f"{lesson.id}/{scene.id}/{knob.name} = {aim}", told
 
 

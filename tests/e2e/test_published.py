@@ -100,6 +100,15 @@ def test_a_switch_leads_to_its_recorded_state_and_a_kick_moves_the_deck(page: Pa
     eventually(lambda: page.evaluate(DECK), lambda at: at != rest, "the deck after the kick")
 
 
+def test_a_kick_plays_where_calm_is_asked_for_as_on_the_live_page(page: Page, folder: Path) -> None:
+    page.emulate_media(reduced_motion="reduce")
+    page.goto((folder / "index.html").as_uri() + "?scene=command")
+    at_scene(page, "command")
+    page.get_by_role("button", name="kick").click()
+    before = eventually(lambda: page.evaluate(CLOCK), lambda share: share > 0, "the run in motion")
+    eventually(lambda: page.evaluate(CLOCK), lambda share: share > before, "the run farther on")
+
+
 def test_a_pole_is_dragged_to_a_computed_place(page: Page, folder: Path) -> None:
     page.goto((folder / "index.html").as_uri() + "?scene=drag")
     at_scene(page, "drag")

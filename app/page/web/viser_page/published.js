@@ -163,7 +163,7 @@
     }
     cover.hidden = true;
   };
-  const perform = async next => {
+  const perform = async next => {  // where calm is asked for an answer rests at once; a run that a hand has started plays
     const mine = turn += 1;
     go(false);
     for (const over of calm() ? [] : next.steps) {
@@ -172,7 +172,7 @@
       if (mine !== turn) return;
     }
     show(next);
-    if (next.runs && !calm()) go(true, 0); else pose(next.runs ? next.rest : next.t);
+    if (next.runs && (/^(play|kick|pull)/.test(next.name) || !calm())) go(true, 0); else pose(next.runs ? next.rest : next.t);
   };
   const reach = name => scene.states[name] && perform(scene.states[name]);
   const follow = by => {  // the stops of a lecture where this is one, else the path
