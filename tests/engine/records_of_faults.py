@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
@@ -29,9 +30,11 @@ from record_laws import PLANTS, Known
 
 from observer_lab.engine import EngineError
 from observer_lab.engine.identification import Record, RecordFit, identify
+from observer_lab.engine.identification.evidence import INPUT, MOST_FREE, WHITE
+from observer_lab.engine.kernels import prepare_kernels
 
 DOUBT, LAGS = 1e-9, 10  # a probability that is beyond doubt; lags of the test of whiteness
-WHOLE, FRESH = 2000, 1_000_000  # records for a rate, and the first of their seeds
+WHOLE, FRESH, EVERY = 2000, 1_000_000, 250  # records for a rate, the first of their seeds, and after how many the rate is printed
 REJECTED, INSIDE, WITHIN = 0.05, 0.95, 0.015  # the rates that are wanted, and how near they must be
 CHI2_95 = 5.991  # of two degrees of freedom
 CHI2_95_REAL = 3.841  # of one
@@ -85,7 +88,8 @@ FAULTS: tuple[tuple[str, Callable[[Record, Known, np.random.Generator], Record] 
 @dataclass(frozen=True)
 class Trial:
     """One fit: the farthest pole from its true one, in its own unit; whether the filter is called consistent, and whether tests of our own
-    contradict that beyond doubt; "" or why there was no answer; for each real pole and conjugate pair whether it lies in its band."""
+    contradict that beyond doubt; "" or why there was no answer; for each real pole and conjugate pair whether it lies in its band; the
+    names of the checks that fail."""
 
     error: float
     inside: bool
@@ -93,6 +97,7 @@ class Trial:
     contradicted: bool
     refused: str = ""
     each: tuple[bool, ...] = ()
+    failed: tuple[str, ...] = ()
 
 
 def contradicted(found: RecordFit) -> bool:
@@ -133,7 +138,16 @@ def trial(plant: Known, record: Record, step: int = 1) -> Trial:
     away = s.poles[columns] - true[rows]
     each = tuple(_in_band(gap, spread, pole, interval) for gap, spread, pole, interval
                  in zip(away, s.spread[columns], true[rows], s.intervals[columns], strict=True) if pole.imag >= 0)
-    return Trial(float(np.abs(away).max()), all(each), found.judged.consistent, contradicted(found), "", each)
+    return Trial(float(np.abs(away).max()), all(each), found.judged.consistent, contradicted(found), "", each,
+                 _failed(found))
+
+
+def _failed(found: RecordFit) -> tuple[str, ...]:
+    """The checks that a filter fails."""
+    e = found.judged.evidence
+    holds = {"nis": e.nis, "white": e.white >= WHITE, "input": e.input >= INPUT, "open loop": e.open_loop, "stable": e.stable,
+             "free run": not e.free_size > MOST_FREE}
+    return tuple(name for name, right in holds.items() if not right)
 
 
 def _in_band(gap: complex, spread: np.ndarray, pole: complex, interval: np.ndarray) -> bool:
@@ -160,18 +174,30 @@ def fault_trials(name: str, plant: Known, seeds: int) -> list[Trial]:
     return out
 
 
-def rates(plant: Known, seeds: int, first: int) -> bool:
-    """Print how often the true order is rejected and how often each pole lies in its band; whether all are as wanted."""
-    true = np.linalg.eigvals(plant.sampled()[0])
-    trials = [trial(plant, plant.record(first + seed)) for seed in range(seeds)]
+def rates(plants: list[Known], seeds: int, first: int) -> bool:
+    """Print the rates of each plant as the count of records grows; whether all are as wanted in the end."""
+    trials: dict[str, list[Trial]] = {plant.name: [] for plant in plants}
+    right = False
+    for begin in range(0, seeds, EVERY):
+        right = True
+        for plant in plants:
+            trials[plant.name] += [trial(plant, plant.record(first + seed)) for seed in range(begin, min(begin + EVERY, seeds))]
+            right &= said(plant, trials[plant.name])
+    return right
+
+
+def said(plant: Known, trials: list[Trial]) -> bool:
+    """Print the rates of these trials, each with its standard error, and which check rejects; whether all are as wanted."""
+    poles = [pole for pole in np.linalg.eigvals(plant.sampled()[0]) if pole.imag >= 0]
     answers = [t for t in trials if not t.refused]
-    rejected = float(np.mean([not t.consistent for t in trials]))
-    inside = np.mean([t.each for t in answers], axis=0)
-    named = [pole for pole in true if pole.imag >= 0]
-    bands = ", ".join(f"{pole:.3f} {share:.1%}" for pole, share in zip(named, inside, strict=True))
+    rejected, inside = float(np.mean([not t.consistent for t in trials])), np.mean([t.each for t in answers], axis=0)
+    bands = ", ".join(f"{pole:.3f} {share:.1%}" for pole, share in zip(poles, inside, strict=True))
+    checks = Counter(check for t in answers for check in t.failed)
+    by_check = ", ".join(f"{name} {count / len(trials):.1%}" for name, count in sorted(checks.items()))
     right = abs(rejected - REJECTED) <= WITHIN and bool((np.abs(inside - INSIDE) <= WITHIN).all())
-    print(f"{plant.name:18} {seeds} records   rejected {rejected:.1%}   in its 95 % band: {bands}   refused {seeds - len(answers)}   "
-          f"{'as wanted' if right else 'NOT as wanted'}", flush=True)
+    error = np.sqrt(REJECTED * INSIDE / len(trials))
+    print(f"{plant.name:18} {len(trials)} records   rejected {rejected:.1%} ({by_check})   in its 95 % band: {bands}   standard error "
+          f"{error:.1%}   refused {len(trials) - len(answers)}   {'as wanted' if right else 'NOT as wanted'}", flush=True)
     return right
 
 
@@ -184,9 +210,10 @@ def main() -> int:
     parser.add_argument("--plants", nargs="*", default=[plant.name for plant in PLANTS])
     parser.add_argument("--only", nargs="*", default=[])
     options = parser.parse_args()
+    prepare_kernels().join()
     if options.whole:
         chosen = [plant for plant in PLANTS if plant.name in options.plants]
-        return int(not all([rates(plant, options.seeds or WHOLE, options.first) for plant in chosen]))
+        return int(not rates(chosen, options.seeds or WHOLE, options.first))
     failed, seeds = False, options.seeds or 50
     for plant in PLANTS[:3]:
         trials = clean(plant, seeds)
