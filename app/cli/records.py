@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import argparse
 import re
-from collections.abc import Sequence
+import sys
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from .options import CommandError
+from .terminal import Progress
 
 if TYPE_CHECKING:
     from ..course.lesson import Design, Lesson, Outcome
@@ -17,6 +21,8 @@ RECORD = "record"  # the lesson that takes one
 DATA_HELP = "your own record for lesson record: CSV or .mat; with the extra `records` also Parquet, MDF or MCAP"
 COLUMNS_HELP = "which columns are time, inputs and outputs, as in `t=time[ms] u=heater y=T1,T2`; by number where the file has no head line"
 KINDS = "tuy"
+SAID_AFTER_S = 1.0  # s from which on a fit says how far it is
+STOPPED = "observer-lab: the fit was stopped before its end; nothing was written."
 KEY = re.compile(r"(?:^|[\s,;]+)(\w+)\s*=")
 
 
@@ -59,11 +65,30 @@ def lesson_with(lesson: Lesson, file: str, columns: str | None, how: ReadingOpti
         raise CommandError(f"--data is for lesson {RECORD}; lesson {lesson.id} takes none.")
     time, inputs, outputs = columns_of(columns or "")
     try:
-        return with_record(lesson, load_record(file, time=time, inputs=inputs, outputs=outputs, step=how.step, missing=how.missing,
-                                               decimal=how.decimal, hold=how.hold),
-                           None if plant is None else plant_of(example(plant)) if plant in EXAMPLES else load_plant(plant))
+        record = load_record(file, time=time, inputs=inputs, outputs=outputs, step=how.step, missing=how.missing, decimal=how.decimal,
+                             hold=how.hold)
+        own = None if plant is None else plant_of(example(plant)) if plant in EXAMPLES else load_plant(plant)
+        with fit_told() as tell:
+            return with_record(lesson, record, own, progress=tell)
     except EngineError as problem:
         raise CommandError(str(problem)) from problem
+
+
+@contextmanager
+def fit_told(clock: Callable[[], float] = time.monotonic) -> Iterator[Callable[[float], None]]:
+    """Say on stderr how far a long fit is and how long it goes on; Ctrl-C leaves one sentence."""
+    began, progress = clock(), Progress(100, 0, clock, "parts of the fit")
+
+    def tell(share: float) -> None:
+        if clock() - began > SAID_AFTER_S:
+            progress.tell(min(int(100 * share), 99))
+    try:
+        yield tell
+    except KeyboardInterrupt:
+        progress.end()
+        print(STOPPED, file=sys.stderr)
+        raise
+    progress.end()
 
 
 def from_record(origin: Lesson, options: argparse.Namespace) -> tuple[Lesson, Design]:

@@ -1,4 +1,4 @@
-"""Make standard output take any letter: plain letters stand for those that its encoding lacks."""
+"""Write to a terminal: any letter, plain where its encoding lacks it, and how far something long is."""
 
 from __future__ import annotations
 
@@ -6,13 +6,15 @@ import codecs
 import io
 import os
 import sys
-from collections.abc import Mapping
+import time
+from collections.abc import Callable, Mapping
 from types import MappingProxyType
 from typing import Any
 
-__all__ = ["give_up_output", "set_up", "shows"]
+__all__ = ["Progress", "give_up_output", "set_up", "shows"]
 
 HANDLER = "observer-lab-plain"
+PROGRESS_INTERVAL_S = 0.2  # s between two looks at how far it is
 PLAIN: Mapping[str, str] = MappingProxyType({
     "−": "-", "–": "-", "—": "-", "·": "*", "×": "x", "…": "...", "≤": "<=", "≥": ">=", "≠": "!=", "≈": "~", "→": "->", "“": '"', "”": '"',
     "‘": "'", "’": "'", "±": "+-", "∞": "inf", "√": "sqrt", "²": "^2", "³": "^3", "⁻": "^-", "¹": "1", "ᵀ": "^T", "°": " deg", "∫": "int",
@@ -64,3 +66,34 @@ def give_up_output() -> None:
     except (OSError, ValueError, AttributeError):
         pass
     sys.stdout = None  # type: ignore[assignment]
+
+
+class Progress:
+    """How far it is, on stderr: a line that renews itself on a terminal, else one for each tenth."""
+
+    def __init__(self, size: int, done: int, clock: Callable[[], float] = time.monotonic, what: str = "runs") -> None:
+        self._size, self._before, self._clock, self._what = size, done, clock, what
+        self._began, self._said, self._open = clock(), -1e9, False
+        self._tenth = 10 * done // size
+        if done:
+            print(f"observer-lab: {done} of {size} {what} are done already.", file=sys.stderr)
+
+    def tell(self, done: int) -> None:
+        """Say that so many are done, if it is time to."""
+        now, tenth = self._clock(), 10 * done // self._size
+        lasts = sys.stderr.isatty()
+        if (now - self._said < PROGRESS_INTERVAL_S and done < self._size) if lasts else tenth == self._tenth:
+            return
+        self._said, self._tenth, self._open = now, tenth, lasts
+        left = (now - self._began) * (self._size - done) / max(done - self._before, 1)
+        words = f"{done} of {self._size} {self._what}, {100 * done / self._size:.0f} %, {_time(left)} left"
+        print(f"\r{words:<60}" if lasts else words, end="" if lasts else "\n", file=sys.stderr, flush=True)
+
+    def end(self) -> None:
+        """Leave the line."""
+        if self._open:
+            print(file=sys.stderr)
+
+
+def _time(seconds: float) -> str:
+    return f"{seconds:.0f} s" if seconds < 100 else f"{seconds / 60:.0f} min" if seconds < 6000 else f"{seconds / 3600:.1f} h"

@@ -6,7 +6,7 @@ from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from types import MappingProxyType, ModuleType
-from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
+from typing import Any, Generic, Protocol, TypeVar
 
 import numpy as np
 
@@ -34,9 +34,6 @@ from .own_plant_banner import write_banner
 from .reading.lesson_data import read_folder
 from .scenes import NO_PATH, Scene
 from .script_record import Code
-
-if TYPE_CHECKING:
-    from ..engine.identification import Record  # late: it brings scipy.optimize
 
 S = TypeVar("S")  # a lesson's study: what it computes of its own
 Found = TypeVar("R")  # what a lesson's job finds
@@ -187,7 +184,7 @@ class Lesson(Generic[S]):
     `code` says what a script of a design starts from and finds again, where the run is no plain loop.
     `device` says what a device computes, and every how many seconds, where the run is no plain loop; `device_parts` are its parts, by
     their names, that a device can compute alone.
-    `take_record(lesson, record)` makes the lesson for a person's own record;
+    `take_record(lesson, record, progress=…)` makes the lesson for a person's own record, and tells `progress` the share that is done;
     `estimates` is the table of what a filter finds along a person's record.
     `derived` gives the numbers of the derivation's places, `place` its place in the course, `again` its second prediction,
     `path` its scenes, which are told on the lesson's own plant. `seeds` runs one design on many seeds.
@@ -227,7 +224,7 @@ class Lesson(Generic[S]):
     fault: Text = NO_WORDS
     device: Callable[[Outcome[S], float | None], DeviceDesign] | None = None
     estimates: Callable[[Outcome[S]], Sheet] | None = None
-    take_record: Callable[[Lesson, Record], Lesson] | None = None
+    take_record: Callable[..., Lesson] | None = None
     live: LiveDesk | None = None  # of a page beside a running plant
     device_parts: Mapping[str, Callable[[Outcome[S], float | None], DeviceDesign]] = field(default_factory=dict)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 
@@ -21,10 +22,11 @@ MAX_SHOWN = 20_000  # rows that the page fits and plays; a longer record gets a 
 LONGEST_NAME = 18
 
 
-def with_record(lesson: Lesson[Study], record: Record, plant: Plant | None = None) -> Lesson[Study]:
+def with_record(lesson: Lesson[Study], record: Record, plant: Plant | None = None,
+                progress: Callable[[float], object] | None = None) -> Lesson[Study]:
     """The lesson with that record as a further choice, which it opens with; with a plant, its filter on that record.
 
-    Raises EngineError where the record cannot be made regular.
+    progress: called with the share of the fit that is done. Raises EngineError where the record cannot be made regular.
     """
     regular = resample(record)
     factor = math.ceil(regular.rows / MAX_SHOWN)
@@ -32,7 +34,7 @@ def with_record(lesson: Lesson[Study], record: Record, plant: Plant | None = Non
         regular = resample(regular, step=factor * regular.dt)
     plain = _plain(regular)
     late = replace(DELAY, default=min(delayed(plain, OPENING_SHARE, None)[1], int(DELAY.high)))
-    opening = None if plant is not None else _opening(plain, late.default)
+    opening = None if plant is not None else _opening(plain, late.default, progress)
     mine = Given(plain, own=True, plant=plant, opening=opening)
 
     def source(design: Design) -> Given:
@@ -43,10 +45,10 @@ def with_record(lesson: Lesson[Study], record: Record, plant: Plant | None = Non
     return replace(lesson, knobs=tuple(own.get(knob.name, knob) for knob in lesson.knobs), compute=partial(compute, source))
 
 
-def _opening(record: Record, delay: int) -> RecordFit | None:
+def _opening(record: Record, delay: int, progress: Callable[[float], object] | None) -> RecordFit | None:
     """The fit of the order that the singular values suggest; None where there is none, which the lesson then says."""
     try:
-        found = identify(record, share=OPENING_SHARE, delay=delay)
+        found = identify(record, share=OPENING_SHARE, delay=delay, progress=progress)
     except EngineError:
         return None
     return found if ORDER.low <= len(found.subspace.A) <= ORDER.high else None

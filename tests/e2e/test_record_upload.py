@@ -14,6 +14,7 @@ from tab import Tab, eventually
 
 from observer_lab.lessons import LESSONS
 from observer_lab.page.words import phrases
+from observer_lab.session.handlers.tasks import CANCELLED
 
 OUTPUT = "output on the unused part"
 ROWS, GONE, EMPTY = 800, (50, 51, 120, 610), (7, 90, 733)  # rows that are missing; rows whose output is empty
@@ -81,7 +82,8 @@ def test_a_file_becomes_a_filter_that_runs_on_its_second_half(
     eventually(tab.page.get_by_text("Step 1 s, 800 rows, 800 s.").count, lambda n: n == 1, "what was read")
     assert tab.page.get_by_text("Rows that are missing: 4.").count() == 1
     tab.press(phrases.USE_RECORD("en"))
-    eventually(lambda: dict(tab.curves())[OUTPUT][0][0], lambda first: first == ROWS // 2, "the second half of the record as a figure")
+    eventually(lambda: dict(tab.curves()).get(OUTPUT, [[None]])[0][0], lambda first: first == ROWS // 2,
+               "the second half of the record as a figure")
     fitted = tab.shown()
     assert tab.value("order of the model") == 1
     tab.predict("A")
@@ -140,3 +142,28 @@ def test_a_file_that_is_dropped_on_the_folder_is_looked_at(new_tab: Callable[...
     tab.unfold(phrases.RECORD_FILE("en"))
     assert tab.page.evaluate(DROP, ["dropped.csv", heater().log.decode()]) == [True, True, False]
     eventually(tab.page.get_by_text("dropped.csv", exact=True).count, lambda n: n == 1, "the preview of the dropped file")
+
+
+@pytest.mark.slow
+def test_a_long_fit_says_how_long_and_is_cancelled(new_tab: Callable[..., Tab], tmp_path: Path) -> None:
+    rng, file, rows = np.random.default_rng(1), tmp_path / "long.csv", 9000
+    u, y = rng.choice([-1.0, 1.0], rows), np.zeros((rows, 2))
+    for k in range(rows - 1):
+        y[k + 1] = 0.9 * y[k] + [0.1, 0.2] * (u[k] + 0.3 * rng.standard_normal(2))
+    read = y + 0.1 * rng.standard_normal(y.shape)
+    lost = rng.random(y.shape) < 0.1
+    cells = [["" if gone else f"{value:.4f}" for gone, value in zip(*pair, strict=True)] for pair in zip(lost, read, strict=True)]
+    file.write_text("\n".join(["t,u,y1,y2", *(f"{k},{u[k]},{a},{b}" for k, (a, b) in enumerate(cells))]))
+    tab, words = new_tab(), LESSONS["record"].words["en"]
+    tab.choose_lesson(words.title, words.question)
+    before = tab.curves()
+    tab.unfold(phrases.RECORD_FILE("en"))
+    chosen(tab).set_files(file)
+    eventually(tab.page.get_by_text("Step 1 s, 9000 rows").or_(tab.page.get_by_text("9,000 rows")).count, lambda n: n > 0, "what was read")
+    tab.press(phrases.USE_RECORD("en"))
+    eventually(tab.page.get_by_text("s left.").count, lambda n: n == 1, "how long the fit goes on")
+    assert tab.button(phrases.USE_RECORD("en")).is_disabled() and tab.curves() == before
+    tab.press(phrases.CANCEL_JOB("en"))
+    eventually(tab.page.get_by_text(CANCELLED("en")).count, lambda n: n > 0, "that the fit was cancelled")
+    assert tab.page.get_by_text("s left.").locator("visible=true").count() == 0 and tab.curves() == before
+    assert tab.button(phrases.USE_RECORD("en")).is_enabled()

@@ -43,10 +43,21 @@ class AtOnce:
         self._post(job())
         return True
 
+    def tell(self, notice: Notice) -> bool:
+        self._post(notice)
+        return True
+
 
 @pytest.fixture
-def tab() -> Tab:
+def tab(monkeypatch: pytest.MonkeyPatch) -> Tab:
+    monkeypatch.setattr("observer_lab.session.session.BackgroundJobs", AtOnce)
     return Tab({name: LESSONS[name] for name in ("record", "kalman")}, "record")
+
+
+def use(tab: Tab) -> None:
+    """Use the record that is looked at, whose fit is through at once."""
+    tab.do(UseRecord())
+    tab.session.step(0.0)
 
 
 def file_of(tab: Tab) -> RecordFile:
@@ -71,7 +82,7 @@ def test_an_upload_asks_for_the_columns_and_the_lesson_then_runs_on_it(tab: Tab)
                   "Heizung [V]"):
         assert words in shown
     assert shown.count("<polyline") == 1 + 5  # a curve ends at each gap
-    tab.do(UseRecord())
+    use(tab)
     assert tab["data"] == "own" and tab.picture.outcome.study.given.own and tab.picture.state.record_file is None
     study = tab.picture.outcome.study
     assert tab["order"] == study.found.subspace.suggested == 1 and study.judged.evidence.stable  # the lesson opens at that order
@@ -86,7 +97,7 @@ def test_a_second_record_takes_the_place_of_the_first(tab: Tab) -> None:
         tab.do(UploadRecord("heater.csv", b"\n".join(heater("t;raum;y;u").split(b"\n")[:rows])))
         tab.do(SetColumnRole(1, "u"))
         tab.do(SetColumnRole(3, ""))
-        tab.do(UseRecord())
+        use(tab)
     assert tab.picture.outcome.study.found.record.t[-1] < 205 and tab["data"] == "own"
 
 
@@ -134,7 +145,6 @@ def test_nothing_is_done_without_a_file_or_in_another_lesson(tab: Tab) -> None:
 @pytest.mark.slow
 def test_a_file_becomes_a_filter_that_runs_on_its_second_half(tab: Tab, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Semicolons, decimal commas, gaps and times as in ISO 8601: read in the page, used, exported, and run on rows it was not fitted to."""
-    monkeypatch.setattr("observer_lab.session.session.BackgroundJobs", AtOnce)
     monkeypatch.setattr("matplotlib.pyplot.show", lambda: None)
     tab = Tab({"record": LESSONS["record"]}, "record")
     tab.do(UploadRecord("heater.csv", heater()))
@@ -143,7 +153,7 @@ def test_a_file_becomes_a_filter_that_runs_on_its_second_half(tab: Tab, tmp_path
     record = file_of(tab).preview.record
     assert record is not None
     tab.do(Predict(0))
-    tab.do(UseRecord())
+    use(tab)
     tab.set(order=1)
     tab.do(DownloadFile("python"))
     tab.session.step(0.0)

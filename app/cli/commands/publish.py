@@ -170,7 +170,7 @@ def _sources(lessons: Mapping[str, Lesson], own: str | None) -> Sources:
 
 def _record(work: Work, keys: Mapping[str, str], scenes: int, workers: int) -> None:
     """Record lessons into the store, several at a time where that is wanted, and say how far it is."""
-    from .study import Progress
+    from ..terminal import Progress
 
     if not keys:
         return

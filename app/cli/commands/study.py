@@ -7,12 +7,12 @@ import json
 import os
 import signal
 import sys
-import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..options import THREADS, CommandError, add_json, error_cause, whole_number
+from ..terminal import Progress
 
 if TYPE_CHECKING:
     from ...study.ledger import Ledger
@@ -38,7 +38,6 @@ FOLDER gets runs.csv with every run, study.json with all of it, a figure where a
 done: the same command goes on from there. The results are the same to the last bit, whoever computes them."""
 ADDRESS = "local"
 MOST_WORKERS = 256
-PROGRESS_INTERVAL_S = 0.2  # s between two looks at how far it is
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -113,37 +112,6 @@ def _run(study: Study, ledger: Ledger, options: argparse.Namespace) -> None:
     finally:
         rows.close()  # type: ignore[attr-defined]
         progress.end()
-
-
-class Progress:
-    """How far it is, on stderr: a line that renews itself on a terminal, else one for each tenth."""
-
-    def __init__(self, size: int, done: int, clock: Callable[[], float] = time.monotonic, what: str = "runs") -> None:
-        self._size, self._before, self._clock, self._what = size, done, clock, what
-        self._began, self._said, self._open = clock(), -1e9, False
-        self._tenth = 10 * done // size
-        if done:
-            print(f"observer-lab: {done} of {size} {what} are done already.", file=sys.stderr)
-
-    def tell(self, done: int) -> None:
-        """Say that so many are done, if it is time to."""
-        now, tenth = self._clock(), 10 * done // self._size
-        lasts = sys.stderr.isatty()
-        if (now - self._said < PROGRESS_INTERVAL_S and done < self._size) if lasts else tenth == self._tenth:
-            return
-        self._said, self._tenth, self._open = now, tenth, lasts
-        left = (now - self._began) * (self._size - done) / max(done - self._before, 1)
-        words = f"{done} of {self._size} {self._what}, {100 * done / self._size:.0f} %, {_time(left)} left"
-        print(f"\r{words:<60}" if lasts else words, end="" if lasts else "\n", file=sys.stderr, flush=True)
-
-    def end(self) -> None:
-        """Leave the line."""
-        if self._open:
-            print(file=sys.stderr)
-
-
-def _time(seconds: float) -> str:
-    return f"{seconds:.0f} s" if seconds < 100 else f"{seconds / 60:.0f} min" if seconds < 6000 else f"{seconds / 3600:.1f} h"
 
 
 # --- what comes of it --------------------------------------------------------------------------------------------------

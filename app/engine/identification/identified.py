@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import field, replace
 
 import numpy as np
@@ -9,7 +10,7 @@ from scipy.special import fdtri
 
 from ..filters import KalmanFilter, SquaredError, Track, Whiteness, nis, whiteness
 from ..systems.errors import EngineError, Phrase, phrase
-from ..systems.gates.argument_checks import BOOLEAN, SECONDS, choice, count, instance, number, optional, takes
+from ..systems.gates.argument_checks import BOOLEAN, FUNCTION, SECONDS, choice, count, instance, number, optional, takes
 from ..systems.gates.plant_gate import PLANT
 from ..systems.plant import Plant
 from ..systems.records import record as a_record
@@ -25,6 +26,7 @@ from .records import MAX_ROWS, Record
 from .regular import Trend, detrend, resample, split_record, trend_of
 from .smoother import Smoothed, smooth
 from .subspace import MAX_ORDER, Subspace
+from .told import part_of, silent
 
 __all__ = ["FilteredRecord", "FittedFilter", "RecordFit", "SensorBias", "filter_record", "fit_noise", "identify"]
 
@@ -133,15 +135,15 @@ class RecordFit:
 
 
 @takes(record=instance(Record), order=optional(count(1, MAX_ORDER)), share=number(0.01, 0.99), degree=optional(choice(0, 1)),
-       step=optional(SECONDS), delay=optional(count(0, MAX_ROWS)), robust=BOOLEAN)
+       step=optional(SECONDS), delay=optional(count(0, MAX_ROWS)), robust=BOOLEAN, progress=optional(FUNCTION))
 def identify(record: Record, *, order: int | None = None, share: float = 0.5, degree: int | None = None, step: float | None = None,
-             delay: int | None = None, robust: bool = True) -> RecordFit:
+             delay: int | None = None, robust: bool = True, progress: Callable[[float], object] | None = None) -> RecordFit:
     """A filter from a record: resample, take the level out, fit A, B, C, D, Q and R to the first `share`, judge by the rest.
 
     order: None takes what the singular values suggest, or the next smaller one that has a filter. degree: 0 takes out a level, 1 a
     straight line, both of the first part; None takes the line where it is sure. step in s: None keeps the record's own. delay: rows by
     which the inputs act later; None estimates them. robust: outliers count as missing. Outputs that come at every r-th row alone give a
-    model of that step. Raises EngineError.
+    model of that step. progress: called with the share that is done, from 0 to 1; what it raises ends the fit. Raises EngineError.
 
     >>> rng = np.random.default_rng(0)
     >>> u, y = rng.choice([-1.0, 1.0], 600), np.zeros(600)
@@ -149,6 +151,8 @@ def identify(record: Record, *, order: int | None = None, share: float = 0.5, de
     >>> round(float(identify(Record(np.arange(600), u, y), order=1).subspace.poles[0].real), 2)
     0.8
     """
+    tell = silent if progress is None else progress
+    tell(0.0)
     regular = slow_outputs(resample(record, step=step))
     regular, shift = delayed(regular, share, delay)
     first, _ = split_record(regular, share=share)
@@ -162,7 +166,7 @@ def identify(record: Record, *, order: int | None = None, share: float = 0.5, de
     trend = trend_of(first, degree=degree)
     flat = detrend(regular, trend)
     part = flat.part(0, first.rows)
-    found, noises, pieces = fit_states(part.u, part.y, order)
+    found, noises, pieces = fit_states(part.u, part.y, order, part_of(tell, 0.05, 0.85))
     n, m, p = len(found.A), part.u.shape[1], part.y.shape[1]
     if order is None and n < found.suggested:
         flat = flat.noted(phrase("No filter was found for the suggested order {suggested}; the model has order {order}.",
@@ -173,7 +177,9 @@ def identify(record: Record, *, order: int | None = None, share: float = 0.5, de
     if np.abs(found.poles).min() > STALE:
         flat = flat.noted(phrase("Even the fastest pole moves little in one step of {step:.3g} s; a coarser step may fit better.",
                                  step=regular.dt))
-    return RecordFit(flat, trend, found, fitted, filter_record(fitted, flat, first.rows), shift, marked)
+    judged = filter_record(fitted, flat, first.rows)
+    tell(1.0)
+    return RecordFit(flat, trend, found, fitted, judged, shift, marked)
 
 
 @takes(plant=PLANT, record=instance(Record))

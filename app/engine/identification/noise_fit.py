@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from itertools import count as counted
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -11,6 +12,7 @@ from ..systems.arrays import symmetric
 from ..systems.errors import EngineError
 from ..systems.recursions import affine_scan
 from .predictor import Pieces, fitted_inputs, prediction_errors
+from .told import Tell, part_of, silent
 
 __all__ = ["NoiseFit", "fit_noise_to", "steady_gain"]
 
@@ -18,6 +20,7 @@ FIRST = (1e-5, 1e-3, 1e-1, 10.0)  # of Q, in units of the output's variance: whe
 FLOOR = 1e-9  # of Q in the same units: no state is known exactly
 WORST = 1e12
 SEARCH = 10  # most steps of one search
+BEGUN = 0.3  # of the work, before the searches
 DOUBLINGS = 60
 
 
@@ -88,7 +91,8 @@ def gains_of(A: np.ndarray, C: np.ndarray, Q: np.ndarray, R: np.ndarray, pieces:
     return gains, sizes
 
 
-def fit_noise_to(A: np.ndarray, C: np.ndarray, pieces: Pieces, known: tuple[np.ndarray, np.ndarray] | None = None) -> NoiseFit:
+def fit_noise_to(A: np.ndarray, C: np.ndarray, pieces: Pieces, known: tuple[np.ndarray, np.ndarray] | None = None,
+                 tell: Tell = silent) -> NoiseFit:
     """The most likely Q and R of x⁺ = A x + B u + w, y = C x + D u + v; `known` gives B and D, else they are fitted too.
 
     For a settled filter −2 log L/N = log det S + tr(S⁻¹ E), E the mean of e eᵀ. S and E follow from G and the ratios of R; the common
@@ -96,12 +100,16 @@ def fit_noise_to(A: np.ndarray, C: np.ndarray, pieces: Pieces, known: tuple[np.n
     Source: Schweppe, IEEE Transactions on Information Theory 11 (1965) 61–70; Åström, Automatica 16 (1980) 551–574.
     """
     search = _Search(A, C, pieces, known)
-    first = min((search.begun(q) for q in FIRST), key=lambda found: found[0])
+    begun = []
+    for k, q in enumerate(FIRST):
+        begun.append(search.begun(q))
+        tell(BEGUN * (k + 1) / len(FIRST))
+    first = min(begun, key=lambda found: found[0])
     if not first[0] < WORST:
         raise EngineError("No filter with a settled gain was found for this plant; a mode that grows is not seen by any output.")
     x, B, D, starts = first[1:]
-    for _ in range(2):
-        x = search.improved(x, B, D, starts)
+    for k in range(2):
+        x = search.improved(x, B, D, starts, part_of(tell, BEGUN + (1 - BEGUN) * k / 2, BEGUN + (1 - BEGUN) * (k + 1) / 2))
         B, D, starts, _ = search.inputs(x)
     return search.found(x, B, D, starts)
 
@@ -167,11 +175,12 @@ class _Search:
         scale = float((self.whitened(S, e)**2).mean()) * float(np.exp(-size / self.p))
         return size + self.p * float(np.log(max(scale, 1e-300))), scale
 
-    def improved(self, x: np.ndarray, B: np.ndarray, D: np.ndarray, starts: np.ndarray) -> np.ndarray:
+    def improved(self, x: np.ndarray, B: np.ndarray, D: np.ndarray, starts: np.ndarray, tell: Tell) -> np.ndarray:
         """The x that is more likely, at these B, D and starts."""
-        lost = np.full(self.pieces.readings, np.sqrt(WORST))
+        lost, most, made = np.full(self.pieces.readings, np.sqrt(WORST)), SEARCH * (len(x) + 1), counted()
 
         def cost(z: np.ndarray) -> np.ndarray:
+            tell(next(made) / most)
             try:
                 K, S = self.gains(z)
                 e = prediction_errors(self.A, B, self.C, D, K, starts, self.pieces)
@@ -179,7 +188,7 @@ class _Search:
             except (np.linalg.LinAlgError, ValueError):
                 return lost
         return least_squares(cost, x, method="lm", x_scale=np.maximum(np.abs(x), 1e-3), diff_step=1e-5, xtol=1e-3, ftol=1e-5,
-                             max_nfev=SEARCH * (len(x) + 1)).x
+                             max_nfev=most).x
 
     def found(self, x: np.ndarray, B: np.ndarray, D: np.ndarray, starts: np.ndarray) -> NoiseFit:
         """Q and R with their scale."""

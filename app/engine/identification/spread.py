@@ -10,6 +10,7 @@ from ..systems.recursions import affine_scan
 from .noise_fit import NoiseFit, steady_gain
 from .predictor import Pieces
 from .subspace import Subspace
+from .told import Tell, silent
 
 __all__ = ["matched", "models_of", "simulated_spread", "window_grams"]
 
@@ -20,7 +21,8 @@ BAND = 0.95  # share of the simulated poles that lie in the band of this share
 SURE = 1e-9  # of the real part's variance: below it the imaginary part is sure
 
 
-def simulated_spread(found: Subspace, noises: NoiseFit, pieces: Pieces, rows: int) -> tuple[np.ndarray, np.ndarray] | None:
+def simulated_spread(found: Subspace, noises: NoiseFit, pieces: Pieces, rows: int,
+                     tell: Tell = silent) -> tuple[np.ndarray, np.ndarray] | None:
     """Covariance (n, 2, 2) of real and imaginary part of each pole about the fitted one, and the 95 % interval (n, 2) of each real pole.
 
     None where the model makes no finite record; NaN for the interval of a pair.
@@ -32,7 +34,7 @@ def simulated_spread(found: Subspace, noises: NoiseFit, pieces: Pieces, rows: in
     """
     try:
         with np.errstate(over="ignore", invalid="ignore"):
-            poles = _simulated_poles(found, noises, pieces)
+            poles = _simulated_poles(found, noises, pieces, tell)
     except np.linalg.LinAlgError:
         return None
     if not np.isfinite(poles).all():
@@ -87,7 +89,7 @@ def matched(poles: np.ndarray, other: np.ndarray) -> np.ndarray:
     return other[linear_sum_assignment(np.abs(poles[:, None] - other))[1]]
 
 
-def _simulated_poles(found: Subspace, noises: NoiseFit, pieces: Pieces) -> np.ndarray:
+def _simulated_poles(found: Subspace, noises: NoiseFit, pieces: Pieces, tell: Tell) -> np.ndarray:
     """Poles (J, n) of the fits to J records that the model makes. Raises LinAlgError."""
     n, p, m = len(found.A), len(found.C), noises.B.shape[1]
     K, S = steady_gain(found.A, found.C, noises.Q, noises.R)
@@ -106,6 +108,7 @@ def _simulated_poles(found: Subspace, noises: NoiseFit, pieces: Pieces) -> np.nd
         if not np.isfinite(grams).all():
             raise np.linalg.LinAlgError
         models.append(models_of(grams, found.horizon, m, n))
+        tell((first + count) / RECORDS)
     return np.linalg.eigvals(np.concatenate(models))
 
 

@@ -14,7 +14,7 @@ from ...course.figures.curves import thin_samples
 from ...course.figures.records import Curve, PlaneFigure
 from ...engine.identification import Record
 from ...session.commands.commands import Edit
-from ...session.commands.records import DropRecord, SetColumnRole, TellOfRecord, UploadRecord, UseRecord
+from ...session.commands.records import DropRecord, SetColumnRole, StopFit, TellOfRecord, UploadRecord, UseRecord
 from ...session.state.record_file import DECIMALS, MAX_RECORD_BYTES, ROLES, TIME_UNITS, RecordFile
 from ...session.state.view import Picture
 from ...text import error_words, same
@@ -70,10 +70,23 @@ class RecordPicker:
             return
         for row in self._rows:
             row.back.show(row.value(file), picture)
-        if file is not self._shown:
-            self._shown = file
+        if self._shown is None or file.preview is not self._shown.preview:
             self._said.content = preview_html(file, self._lang)
-            self._use.disabled = file.preview.record is None
+        self._shown = file
+        self._show_fit(file)
+
+    def _show_fit(self, file: RecordFile) -> None:
+        """How far the fit is and how long it goes on, while there is one."""
+        fitting = file.fitting
+        if fitting is not None:
+            left = fitting.seconds_left
+            words = phrases.FITTING if left is None else phrases.FITTING_FOR.format(seconds=f"{max(left, 1.0):.0f}")
+            self._lasts.content = f'<p class="ol-note" role="status">{words(self._lang)}</p>'
+            self._bar.value = 100.0 * fitting.share
+        for handle in (self._lasts, self._bar, self._stop):
+            if handle.visible != (fitting is not None):
+                handle.visible = fitting is not None
+        self._use.disabled = file.preview.record is None or fitting is not None
 
     def _clear(self) -> None:
         for row in self._rows:
@@ -94,8 +107,10 @@ class RecordPicker:
                 self._choice(phrases.COLUMN.format(name=column.words + unit)(lang), roles, lambda its, k=k: its.preview.columns[k].role,
                              lambda role, k=k: SetColumnRole(k, role), file, phrases.ROLE_HINT(lang))
             self._use = gui.add_button(phrases.USE_RECORD(lang))
+            self._lasts, self._bar = gui.add_html("", visible=False), gui.add_progress_bar(0.0, visible=False)
+            self._stop = gui.add_button(phrases.CANCEL_JOB(lang), color="gray", visible=False)
             drop = gui.add_button(phrases.DROP_RECORD(lang), color="gray")
-            self._others = [self._said, self._use, drop]
+            self._others = [self._said, self._use, self._lasts, self._bar, self._stop, drop]
             self._choice(phrases.TIME_UNIT(lang), {unit: unit or found for unit in TIME_UNITS}, lambda its: its.told.unit,
                          lambda unit: TellOfRecord("unit", unit), file)
             self._choice(phrases.DECIMAL_SIGN(lang), {sign: sign or found for sign in DECIMALS}, lambda its: its.told.decimal,
@@ -109,6 +124,10 @@ class RecordPicker:
         @self._use.on_click
         async def _(_: viser.GuiEvent) -> None:
             self._post(UseRecord())
+
+        @self._stop.on_click
+        async def _(_: viser.GuiEvent) -> None:
+            self._post(StopFit())
 
         @drop.on_click
         async def _(_: viser.GuiEvent) -> None:

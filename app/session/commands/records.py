@@ -1,8 +1,9 @@
-"""Define the commands about a record that a person brings."""
+"""Define the commands about a record that a person brings, and what its fit tells."""
 
 from __future__ import annotations
 
-from .base import Command
+from ...course.lesson import Lesson
+from .base import Command, Notice
 
 
 class UploadRecord(Command, frozen=True):
@@ -27,7 +28,25 @@ class TellOfRecord(Command, frozen=True):
 
 
 class UseRecord(Command, frozen=True):
-    """Open the lesson on the record that was looked at."""
+    """Fit the record that was looked at, and open the lesson on it."""
+
+
+class StopFit(Command, frozen=True):
+    """End that fit; the lesson stays as it is."""
+
+
+class FitGoesOn(Notice, frozen=True):
+    """A fit has come farther."""
+
+    fitting: object
+
+
+class FitEnded(Notice, frozen=True):
+    """A fit is through: the lesson on the record, or what went wrong; neither where it was ended."""
+
+    fitting: object
+    lesson: Lesson | None
+    problem: BaseException | None
 
 
 class DropRecord(Command, frozen=True):

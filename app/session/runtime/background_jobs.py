@@ -18,7 +18,7 @@ class BackgroundJobs:
         self._post = post
         self._waiting: deque[Callable[[], Edit]] = deque()
         self._lock = threading.Lock()
-        self._busy = False
+        self._busy = self._left = False
 
     def send(self, job: Callable[[], Edit]) -> bool:
         """Have it done after those that wait; False if too many do. A job must not raise."""
@@ -31,9 +31,18 @@ class BackgroundJobs:
             threading.Thread(target=self._work, name="observer-lab job", daemon=True).start()
         return True
 
+    def tell(self, notice: Edit) -> bool:
+        """Post a word of a job that goes on; False if nobody waits any more."""
+        with self._lock:
+            if self._left:
+                return False
+        self._post(notice)
+        return True
+
     def forget(self) -> None:
         """Nobody waits any more."""
         with self._lock:
+            self._left = True
             self._waiting.clear()
 
     def _work(self) -> None:

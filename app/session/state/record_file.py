@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from ...course.knobs import KnobError
 from ...text import text
+from .record_fitting import RecordFitting
 
 if TYPE_CHECKING:  # the reader is imported late: it brings scipy.optimize
     from ...engine.identification import RecordPreview
@@ -35,12 +36,13 @@ class Told:
 
 @dataclass(frozen=True, eq=False)
 class RecordFile:
-    """A file that was brought, what was told about it, and what was read so."""
+    """A file that was brought, what was told about it, what was read so, and the fit of it."""
 
     name: str
     data: bytes = field(repr=False)
     told: Told
     preview: RecordPreview
+    fitting: RecordFitting | None = field(default=None, repr=False)  # while it goes on
 
 
 def open_record(name: object, data: object) -> RecordFile:

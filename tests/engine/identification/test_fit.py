@@ -294,3 +294,23 @@ def test_a_gate_sets_aside_its_share_of_good_rows_and_the_mean_nis_allows_for_it
     assert np.mean(means) == pytest.approx(np.mean(plain), abs=0.03)
     with pytest.raises(EngineError, match="gate"):
         filter_record(found.fitted, found.record, found.judged.first, gate=0.2)
+
+
+@pytest.mark.parametrize("gaps", [False, True], ids=["whole", "gaps"])
+def test_a_fit_tells_its_share_and_ends_where_whoever_hears_raises(gaps: bool) -> None:
+    record, heard = PLANTS[0].record(1), []
+    if gaps:
+        record = missing(record, PLANTS[0], np.random.default_rng(0))
+    plain = identify(record)
+    told = identify(record, progress=heard.append)
+    np.testing.assert_array_equal(told.subspace.poles, plain.subspace.poles)
+    assert heard[0] == 0 and heard[-1] == 1 and heard == sorted(heard) and max(np.diff(heard)) < 0.5
+
+    class Enough(Exception):
+        pass
+
+    def stop(share: float) -> None:
+        if share > 0.2:
+            raise Enough
+    with pytest.raises(Enough):
+        identify(record, progress=stop)
