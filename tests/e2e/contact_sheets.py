@@ -4,7 +4,7 @@ Each scene is measured as it is entered. A question is then answered wrongly, by
 button is pressed; the card with what it says then is measured and drawn too. With several sizes, as in `--size 1366x768,390x844`,
 the window changes in each scene; with `--law` nothing is drawn, which is quicker.
 
-`python tests/e2e/contact_sheets.py FOLDER [--lang en|zh] [--size 1366x768] [--dark] [--present] [--law] [LESSON …]`
+`python tests/e2e/contact_sheets.py FOLDER [--lang en|zh] [--size 1366x768] [--dark] [--present] [--hall] [--law] [LESSON …]`
 """
 
 from __future__ import annotations
@@ -38,31 +38,39 @@ PATIENCE = 60_000  # ms
 ACROSS, SHARE = 4, 0.45  # pictures in a row of a sheet; their size
 PHONE = 897  # px: narrower windows have a sheet below the stage
 LEAST = {True: 0.4, False: 0.6}  # share of the window for the stage, on a phone and elsewhere
+LETTERS = {True: 1 / 60, False: 1 / 90}  # of the window's height: words of a question's figure, in a hall and elsewhere
 MEASURE = """() => {
   const box = name => document.querySelector(name).getBoundingClientRect(), stage = box('canvas[data-engine]');
   const card = ['.ol-card', '.ol-answer', '.ol-way'].map(box), sheet = innerWidth < 897 ? box('.ol-head').top : stage.height;
   return {stage: stage.width * Math.min(stage.height, sheet) / (innerWidth * innerHeight),
           bottom: Math.max(...card.map(r => r.bottom)) - innerHeight, right: Math.max(...card.map(r => r.right)) - innerWidth,
           left: Math.min(...card.map(r => r.left)), top: Math.min(...card.map(r => r.top)),
+          words: Math.min(innerHeight, ...[...document.querySelectorAll('.ol-figure[data-figure=question] text')]
+            .filter(each => each.textContent.trim()).map(each => parseFloat(getComputedStyle(each).fontSize) * Math.hypot(each.getScreenCTM().a, each.getScreenCTM().b))),
+          beyond: (document.querySelector('.ol-figure[data-figure=question]>svg')?.getBoundingClientRect().bottom ?? 0) - innerHeight,
           cut: [...document.querySelectorAll('.ol-formula')].filter(each => each.scrollWidth > each.clientWidth + 1).length};
 }"""
 
 
-def breaches(page: Page) -> list[str]:
-    """What of stage and card breaks the law now."""
-    found = page.evaluate(MEASURE)
-    least = LEAST[page.evaluate("innerWidth") < PHONE]
+def breaches(page: Page, hall: bool) -> list[str]:
+    """What of stage and card, and off a phone of the question's figure, breaks the law now."""
+    found, (wide, high) = page.evaluate(MEASURE), page.evaluate("[innerWidth, innerHeight]")
+    least = LEAST[wide < PHONE]
     bad = [f"stage {found['stage']:.2f}"] if found["stage"] < least else []
     bad += [f"{side} by {found[side]:.0f} px" for side in ("bottom", "right") if found[side] > 0]
+    if wide >= PHONE and found["words"] < LETTERS[hall] * high:
+        bad += [f"the question's figure has words of {found['words']:.1f} px"]
+    if wide >= PHONE and found["beyond"] > 0:
+        bad += [f"the question's figure beyond by {found['beyond']:.0f} px"]
     bad += ["a formula is cut"] if found["cut"] else []
     return bad + [f"{side} by {-found[side]:.0f} px" for side in ("left", "top") if found[side] < 0]
 
 
-def lasting_breaches(page: Page) -> list[str]:
+def lasting_breaches(page: Page, hall: bool) -> list[str]:
     """The breaches that remain after the columns have taken the width of a new window."""
     with suppress(AssertionError):
-        eventually(lambda: breaches(page), lambda bad: not bad, "a card in sight", patience=6)
-    return breaches(page)
+        eventually(lambda: breaches(page, hall), lambda bad: not bad, "a card in sight", patience=6)
+    return breaches(page, hall)
 
 
 def answer(page: Page, lesson: Lesson, scene: Scene, language: str) -> bool:
@@ -84,7 +92,8 @@ def answer(page: Page, lesson: Lesson, scene: Scene, language: str) -> bool:
 def scenes(page: Page, address: str, lesson: Lesson, asked: argparse.Namespace) -> Iterator[tuple[str, list[str], Image.Image | None]]:
     """Every scene of a lesson in every size, entered and answered: the size, the breaches, which are printed, and the picture."""
     mode = "present" if asked.present else "guide"
-    first = SavedState(lesson.start(), asked.lang, asked.present, mode=mode, scene=lesson.path[0].id)
+    hall = asked.present or asked.hall
+    first = SavedState(lesson.start(), asked.lang, hall, mode=mode, scene=lesson.path[0].id)
     page.goto(f"{address}#{write_token(lesson, first)}")
     for k, scene in enumerate(lesson.path):
         page.wait_for_selector(".ol-dot", timeout=PATIENCE)
@@ -97,7 +106,7 @@ def scenes(page: Page, address: str, lesson: Lesson, asked: argparse.Namespace) 
                 if asked.size != size:
                     page.set_viewport_size(window(size))
                 eventually(lambda: page.evaluate(ANSWERED, True), lambda said: said is True, "a page at rest")
-                bad = lasting_breaches(page)
+                bad = lasting_breaches(page, hall)
                 if bad:
                     print(f"{size} {lesson.id} {scene.id}, {when}: {', '.join(bad)}", flush=True)
                 yield size, bad, None if asked.law else picture(page)
@@ -138,6 +147,7 @@ def main() -> None:
     parser.add_argument("--size", default="1366x768")
     parser.add_argument("--dark", action="store_true")
     parser.add_argument("--present", action="store_true")
+    parser.add_argument("--hall", action="store_true")
     parser.add_argument("--law", action="store_true")
     asked = parser.parse_args()
     asked.folder.mkdir(parents=True, exist_ok=True)
@@ -156,7 +166,7 @@ def main() -> None:
                     pictures.setdefault(size, []).append(drawn)
             page.close()
             for size, drawn_ones in pictures.items():
-                name = f"{id}-{asked.lang}-{size}{'-dark' if asked.dark else ''}{'-present' if asked.present else ''}.png"
+                name = f"{id}-{asked.lang}-{size}{'-dark' if asked.dark else ''}{'-present' if asked.present else ''}{'-hall' if asked.hall else ''}.png"
                 sheet(drawn_ones).save(asked.folder / name)
             print(f"{id}: {dict(views)} views so far", flush=True)
         browser.close()

@@ -29,6 +29,7 @@ BAR = 12.0  # px between the panel of the run and the columns
 GUIDE_SHARE = 0.32  # of the window's width: the guide's column
 FRAME_PX = 36.0  # px of a column of figures beside its charts and drawings
 QUESTION_HEIGHT = 300.0  # of a question's figure, whose width is `axes.W`
+ASKED_IN_HALL, ANSWERED_IN_HALL = 0.75, 0.56  # of that width: its height in a hall, above which stand the options, then the verdict
 LEAST_CHART, CHARTS = 180, MappingProxyType({1: 320, 2: 230})  # px of a chart's height, and where it stands alone or with one figure more
 FILLS, TALLEST = 0.72, 1.4  # of a lone drawing in large print: its share of the window's height, its height over its width
 LEAST_FILLED = 0.26  # of the window's height: a chart in large print is no lower; `fill.js` has it as a share of the column
@@ -104,10 +105,11 @@ class Sizes:
             return float(H)
         return min(FILLS * self.state.window[1] * W / self.right, TALLEST * W) if self.state.lecture else float(W)
 
-    @property
-    def question(self) -> float:
+    def question(self, answered: bool = False) -> float:
         """The height of a question's figure: room is left for the verdict above it; `fill.js` makes it smaller where that is long."""
-        return self.drawing(1) if self.state.lecture or self.sheet else QUESTION_HEIGHT
+        if self.state.lecture and not self.sheet:
+            return W * (ANSWERED_IN_HALL if answered else ASKED_IN_HALL)
+        return self.drawing(1) if self.sheet else QUESTION_HEIGHT
 
     @property
     def large_words(self) -> bool:

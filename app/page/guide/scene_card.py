@@ -195,7 +195,7 @@ def question_html(picture: Picture, sizes: Sizes, hand: str) -> str:
     if cloud:
         return cloud
     figure = picture.question.drawn(chosen, answered, state.sketches.get(scene.id))
-    drawn = draw(figure, state.language, sizes.large_words, sizes.question)
+    drawn = draw(figure, state.language, sizes.large_words, sizes.question(chosen is not None or answered))
     return drawn if chosen is not None or answered or not picture.question.columns else sketch_html(picture, figure, drawn, sizes, hand)
 
 

@@ -26,7 +26,7 @@ def drawing_html(picture: Picture, vote: Vote) -> str:
     lang, sizes = picture.state.language, Sizes(picture.state)
     figure = picture.question.drawn(None, False)
     send = f'<button type="button" class="ol-do" disabled data-room="sketch:{vote.number}">{html.escape(phrases.SEND(lang))}</button>'
-    drawn = draw(figure, lang, sizes.large_words, sizes.question)
+    drawn = draw(figure, lang, sizes.large_words, sizes.question())
     return sketch_frame(picture.question, figure, drawn, sizes, lang, f"vote/{vote.number}", phrases.DRAW_HOW(lang), send)
 
 
@@ -39,14 +39,14 @@ def drawings_html(picture: Picture, vote: Vote) -> str:
     figure = question.drawn(None, answered)
     name = html.escape(f"{phrases.CLASS_DRAWINGS(lang)} {phrases.VOTES.format(count=vote.total)(lang)}", quote=True)
     cloud = f'<g class="ol-drawings" role="img" aria-label="{name}">{_strokes(vote, counts, question.columns, figure, lang, sizes)}</g>'
-    drawn, under = draw(figure, lang, sizes.large_words, sizes.question), f'<g clip-path="url(#clip-{figure.id})">'
+    drawn, under = draw(figure, lang, sizes.large_words, sizes.question()), f'<g clip-path="url(#clip-{figure.id})">'
     return drawn.replace(under, f"{under}{cloud}", 1)
 
 
 def _strokes(vote: Vote, counts: tuple[int, ...], columns: tuple[float, ...], figure: PlaneFigure, language: str, sizes: Sizes) -> str:
     """A stroke for each piece that was drawn."""
     assert vote.asked is not None and vote.asked.sketch is not None
-    grid, axes = vote.asked.sketch, axes_of_plane(figure, language, sizes.question)
+    grid, axes = vote.asked.sketch, axes_of_plane(figure, language, sizes.question())
     places = np.interp(np.linspace(0, len(columns) - 1, grid.columns), np.arange(len(columns)), columns)
     low, high = figure.y_range
     most, out = max(counts), []
