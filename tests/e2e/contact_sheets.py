@@ -24,6 +24,7 @@ if __name__ == "__main__":
     sys.path[:0] = [str(Path(__file__).parent), str(Path(__file__).parents[1])]
 
 from conftest import chromium, serving
+from sight import question_faults
 from tab import ANSWERED, DRAWN, FLAGS, UNDRAWN, eventually
 
 from observer_lab.course.guiding.predictions import prediction_of
@@ -38,30 +39,23 @@ PATIENCE = 60_000  # ms
 ACROSS, SHARE = 4, 0.45  # pictures in a row of a sheet; their size
 PHONE = 897  # px: narrower windows have a sheet below the stage
 LEAST = {True: 0.4, False: 0.6}  # share of the window for the stage, on a phone and elsewhere
-LETTERS = {True: 1 / 60, False: 1 / 90}  # of the window's height: words of a question's figure, in a hall and elsewhere
 MEASURE = """() => {
   const box = name => document.querySelector(name).getBoundingClientRect(), stage = box('canvas[data-engine]');
   const card = ['.ol-card', '.ol-answer', '.ol-way'].map(box), sheet = innerWidth < 897 ? box('.ol-head').top : stage.height;
   return {stage: stage.width * Math.min(stage.height, sheet) / (innerWidth * innerHeight),
           bottom: Math.max(...card.map(r => r.bottom)) - innerHeight, right: Math.max(...card.map(r => r.right)) - innerWidth,
           left: Math.min(...card.map(r => r.left)), top: Math.min(...card.map(r => r.top)),
-          words: Math.min(innerHeight, ...[...document.querySelectorAll('.ol-figure[data-figure=question] text')]
-            .filter(each => each.textContent.trim()).map(each => parseFloat(getComputedStyle(each).fontSize) * Math.hypot(each.getScreenCTM().a, each.getScreenCTM().b))),
-          beyond: (document.querySelector('.ol-figure[data-figure=question]>svg')?.getBoundingClientRect().bottom ?? 0) - innerHeight,
           cut: [...document.querySelectorAll('.ol-formula')].filter(each => each.scrollWidth > each.clientWidth + 1).length};
 }"""
 
 
 def breaches(page: Page, hall: bool) -> list[str]:
-    """What of stage and card, and off a phone of the question's figure, breaks the law now."""
-    found, (wide, high) = page.evaluate(MEASURE), page.evaluate("[innerWidth, innerHeight]")
-    least = LEAST[wide < PHONE]
+    """What of stage, card and question's figure breaks the law now."""
+    found = page.evaluate(MEASURE)
+    least = LEAST[page.evaluate("innerWidth") < PHONE]
     bad = [f"stage {found['stage']:.2f}"] if found["stage"] < least else []
     bad += [f"{side} by {found[side]:.0f} px" for side in ("bottom", "right") if found[side] > 0]
-    if wide >= PHONE and found["words"] < LETTERS[hall] * high:
-        bad += [f"the question's figure has words of {found['words']:.1f} px"]
-    if wide >= PHONE and found["beyond"] > 0:
-        bad += [f"the question's figure beyond by {found['beyond']:.0f} px"]
+    bad += question_faults(page, hall)
     bad += ["a formula is cut"] if found["cut"] else []
     return bad + [f"{side} by {-found[side]:.0f} px" for side in ("left", "top") if found[side] < 0]
 
@@ -166,7 +160,8 @@ def main() -> None:
                     pictures.setdefault(size, []).append(drawn)
             page.close()
             for size, drawn_ones in pictures.items():
-                name = f"{id}-{asked.lang}-{size}{'-dark' if asked.dark else ''}{'-present' if asked.present else ''}{'-hall' if asked.hall else ''}.png"
+                look = "".join(f"-{word}" for word in ("dark", "present", "hall") if getattr(asked, word))
+                name = f"{id}-{asked.lang}-{size}{look}.png"
                 sheet(drawn_ones).save(asked.folder / name)
             print(f"{id}: {dict(views)} views so far", flush=True)
         browser.close()

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
+from playwright.sync_api import Page
 from tab import Tab
 
 from observer_lab.page.charts.print_sizes import SHEET_MAX_WIDTH_PX
@@ -135,6 +136,14 @@ TABS = """() => {  // what is wrong with the row of the figures' tabs in large p
     out.push('the row of tabs fades at an end where it does not go on, or does not where it does');
   return out;
 }"""
+QUESTION = """() => {  // px of the smallest words of a question's figure, and how far it goes beyond the window
+  const words = [...document.querySelectorAll('.ol-figure[data-figure=question] text')].filter(each => each.textContent.trim());
+  const size = each => parseFloat(getComputedStyle(each).fontSize) * Math.hypot(each.getScreenCTM().a, each.getScreenCTM().b);
+  const below = document.querySelector('.ol-figure[data-figure=question]>svg')?.getBoundingClientRect().bottom ?? 0;
+  return {words: Math.min(innerHeight, ...words.map(size)), beyond: below - innerHeight, high: innerHeight, wide: innerWidth};
+}"""
+LETTERS = {True: 1 / 64, False: 1 / 90}  # of the window's height: the least words of a question's figure, in a hall and elsewhere
+PHONE = 897  # px: narrower windows have a sheet below the stage, and the figure below the card
 REACH = """() => {
   const view = document.querySelector('.ol-parts').closest('[data-scrollarea-viewport]');
   return view.scrollHeight / innerHeight;
@@ -206,3 +215,13 @@ def look(tab: Tab, large: bool = False, every: bool = False) -> Sight:
     return Sight(knob, least["words"], round(size["height"] / least["words"], 1), least["smallest"],
                  tuple(w for it in found for w in it["cut"]), tuple(w for it in found for w in it["over"]),
                  round(max(it["empty"] for it in found), 2), round(screens, 2), hall)
+
+
+def question_faults(page: Page, hall: bool) -> list[str]:
+    """What keeps a question's figure from being read: small words, or a place beyond the window; a phone scrolls to it."""
+    found = page.evaluate(QUESTION)
+    if found["wide"] < PHONE:
+        return []
+    small = found["words"] < LETTERS[hall] * found["high"]
+    return ([f"the question's figure has words of {found['words']:.1f} px"] if small else []) + (
+        [f"the question's figure is beyond by {found['beyond']:.0f} px"] if found["beyond"] > 0 else [])

@@ -8,6 +8,7 @@ from contextlib import AbstractContextManager
 import pytest
 from axe_rules import serious
 from playwright.sync_api import Page, expect
+from sight import question_faults
 from tab import ANSWERED, eventually
 
 from observer_lab.course.lectures import PREPARED_FOLDER, read_lecture
@@ -208,6 +209,7 @@ def give_a_lecture(page: Page, language: str) -> None:
     expect(page.locator(".ol-more[open]")).to_have_count(0)
     answer(page, 0)
     assert page.evaluate(SMALL_PRINT) == []
+    eventually(lambda: question_faults(page, hall=True), lambda bad: not bad, "the question's figure in a hall's letters, wholly in sight")
 
 
 @pytest.mark.parametrize("size", [SIZES[0], SIZES[-1]], ids=["wide", "phone"])
