@@ -2,7 +2,7 @@
 
 It tries every scene of the lessons on entry, every option of its question, its kick, each knob in sight at each of its points, and
 one pole at one place, in the languages and themes of the folder. A line for each state that differs, a table at the end; the status
-is 1 where one differs, where a page reported an error, or where a request left the folder. `--looks en-light,zh-dark` and
+is 1 where one differs, where a page reported an error, or where a request left the folder. `--looks en-light,zh-dark-phone` and
 `--kinds entry,option` choose among them; without `--whole` each lesson is compared in one look after another, in turn.
 """
 
@@ -27,6 +27,7 @@ from observer_lab.course.lesson import Lesson
 from observer_lab.course.scenes import Choose, Move, Press, Scene, entry_values
 from observer_lab.lessons import LESSONS
 from observer_lab.page.column.knob_widgets import label_of
+from observer_lab.page.record.recorded_screen import WINDOWS
 from observer_lab.session.state.saved_state import SavedState
 from observer_lab.session.state.token import write_token
 from observer_lab.static_pages.points import Points, values_of
@@ -285,9 +286,10 @@ def _scale(page: Page, board: str, poles: tuple[complex, ...]) -> tuple[str, Cal
     return board, lambda pole: [float(np.polyval(across, pole.real)), float(grips[0, 1]), float(np.polyval(up, pole.imag))]
 
 
-def opened(browser: Browser, complaints: list[str], home: str, dark: bool = False) -> Page:
+def opened(browser: Browser, complaints: list[str], home: str, dark: bool = False, width: str = "wide") -> Page:
     """A page that asks for calm, whose errors and whose requests to elsewhere are written down."""
-    context = browser.new_context(viewport={"width": 1366, "height": 768}, reduced_motion="reduce",
+    across, up = map(int, WINDOWS[width][0])
+    context = browser.new_context(viewport={"width": across, "height": up}, reduced_motion="reduce",
                                   color_scheme="dark" if dark else "light")
     context.add_init_script(f"({UNDRAWN})(); ({FORGOTTEN})()")
     page = context.new_page()
@@ -303,11 +305,11 @@ def opened(browser: Browser, complaints: list[str], home: str, dark: bool = Fals
 
 
 def pair_of(browser: Browser, served: str, folder: Path, look: str, complaints: list[str]) -> Pair:
-    """Both pages in a look such as zh-dark."""
-    language, _, theme = look.partition("-")
-    page = (folder / "index.html").resolve().as_uri()
-    return Pair(opened(browser, [], served, theme == "dark"), opened(browser, complaints, page.rpartition("/")[0], theme == "dark"),
-                served, page, language, theme == "dark")
+    """Both pages in a look such as zh-dark, or zh-dark-phone."""
+    language, theme, width = (*look.split("-"), "wide")[:3]
+    page, dark = (folder / "index.html").resolve().as_uri(), theme == "dark"
+    live, published = (opened(browser, told, home, dark, width) for told, home in (([], served), (complaints, page.rpartition("/")[0])))
+    return Pair(live, published, served, page, language, dark)
 
 
 def looks_in(folder: Path, lesson: str) -> list[str]:
