@@ -94,7 +94,7 @@ def _with_bias(plain: FittedFilter, output: int, variance: float, factor: float)
     B = np.vstack([plant.B, np.zeros((1, plant.m))])
     C = np.hstack([plant.C, np.eye(plant.p)[:, [output]]])
     wide = Plant(A, B, C, plant.D, plant.dt, (), plant.input_names, plant.output_names, plant.units, plant.name)
-    return replace(plain, plant=wide, Q=Q, biases=1)
+    return replace(plain, plant=wide, Q=Q, biases=1, tuned=factor != 1)
 
 
 def _level(judged: FilteredRecord, first: int) -> float:

@@ -40,7 +40,7 @@ class FittedFilter:
     """A sampled plant with the Q (n×n) and R (p×p) that a record of `rows` rows makes most likely.
 
     parameters: how many were fitted. level: −2 log L for each row, less p log 2π. innovations (k, p): those of the fit. biases: how many
-    of the last states are biases of sensors.
+    of the last states are biases of sensors. tuned: whether Q was set by hand, not by likelihood.
     """
 
     plant: Plant
@@ -51,6 +51,7 @@ class FittedFilter:
     level: float
     innovations: np.ndarray = field(repr=False)
     biases: int = 0
+    tuned: bool = False
 
     @property
     def outputs(self) -> np.ndarray:
@@ -256,7 +257,8 @@ def filter_record(fitted: FittedFilter, record: Record, first: int, *, factor: f
     lags = min(MAX_LAGS, len(nu) // 4)
     white = whiteness(nu, lags=lags) if seen.all() else None
     fit = np.array([_share(error[row], y[row]) for error, y, row in zip(nu.T, record.y[first:].T, came.T, strict=True)])
-    evidence = evidence_of(kf, track, record, first, band[0] <= mean <= band[1], fit, factor != 1, fitted.biases)
+    evidence = evidence_of(kf, track, record, first, band[0] <= mean <= band[1], fit, fitted.tuned or factor != 1,
+                           fitted.biases)
     return FilteredRecord(track, smooth(kf, track), first, size_test, mean, band, white, fit, evidence, aside)
 
 
