@@ -30,10 +30,10 @@ FIELDS = """() => [...document.querySelectorAll('input')].filter(field => field.
   .filter(field => /[.,]0+$/.test(field.value) || field.scrollWidth > field.clientWidth + 1).map(field => field.value)"""
 BUBBLES = "() => [...document.querySelectorAll('.mantine-Slider-label')].filter(each => each.checkVisibility()).length"
 SETTINGS = """() => [...document.querySelectorAll('input')].filter(field => field.value.startsWith('ws://')).map(field => {
-  const folded = field.closest('[style*="display: none"]');
-  folded.style.display = 'block';  // as it stays where a busy page never comes to the end of its folding
+  const folded = field.closest('[style*="display: none"]');  // none while a busy page has not come to the end of its folding
+  if (folded) folded.style.display = 'block';
   const reached = field.checkVisibility();
-  folded.style.display = 'none';
+  if (folded) folded.style.display = 'none';
   return reached;
 })"""
 SIGHT = "() => window.__viserMutable.camera.matrixWorldInverse.toArray()"
