@@ -39,4 +39,4 @@ def test_page_that_drives_is_marked_and_drives_no_more_once_it_is_gone(browser: 
         eventually(lambda: set(last_inputs(tmp_path / "run.csv")), lambda inputs: inputs == {0.0}, "u = 0 without the page")
     finally:
         served.terminate()
-        served.wait(20)
+        served.wait(60)
