@@ -71,7 +71,7 @@ def serving(port: int = 0, *options: str, **surroundings: str) -> Iterator[str]:
             assert " ERROR " not in said and "Traceback" not in said, f"the server's log: {said[-4000:]}"
         finally:
             process.terminate()
-            process.wait(20)
+            process.wait(60)
             LOGS.remove(log.file)
 
 
