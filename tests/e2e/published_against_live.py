@@ -39,7 +39,8 @@ SEEN = """() => ({
   captions: [...document.querySelectorAll('.ol-caption')].filter(each => each.checkVisibility()).map(each => each.innerText),
   knobs: [...document.querySelectorAll('[role=slider], input[type=checkbox]')].filter(each => each.checkVisibility())
     .map(each => each.getAttribute('aria-valuenow') ?? String(each.checked)),
-  boards: Object.keys(window.__viserMutable?.nodeRefFromName ?? {}).filter(name => name.startsWith('/board/')).sort(),
+  boards: Object.entries(window.__viserMutable?.nodeRefFromName ?? {})  // viser keeps the names of what has gone
+    .filter(([name, node]) => node && name.startsWith('/board/')).map(([name]) => name).sort(),
 })"""
 TOLD = 400  # letters of what differs
 PIXEL = 2e-3  # of a curve's range: less than one pixel of a chart
