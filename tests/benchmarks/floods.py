@@ -31,7 +31,7 @@ import msgspec
 from websockets.frames import Frame, Opcode
 
 HERE = Path(__file__).parents[2]
-sys.path[:0] = [str(HERE), str(HERE / "tests" / "wire"), str(HERE / "tests" / "benchmarks")]
+sys.path[:0] = [str(HERE), str(HERE / "tests"), str(HERE / "tests" / "wire"), str(HERE / "tests" / "benchmarks")]
 
 from bench_many import enter, share  # type: ignore[import-not-found]
 

@@ -27,7 +27,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-sys.path[:0] = [str(Path(__file__).parents[2]), str(Path(__file__).parents[1]), str(Path(__file__).parents[1] / "e2e")]
+sys.path[:0] = [str(Path(__file__).parents[2]), str(Path(__file__).parents[1] / "e2e"), str(Path(__file__).parents[1])]
 
 from conftest import chromium  # type: ignore[import-not-found]
 from nginx_proxy import NAME  # type: ignore[import-not-found]

@@ -37,7 +37,7 @@ from scipy.stats import linregress
 from scipy.stats import t as student
 
 HERE = Path(__file__).parents[2]
-sys.path[:0] = [str(HERE), str(HERE / "tests" / "wire"), str(HERE / "tests" / "benchmarks")]
+sys.path[:0] = [str(HERE), str(HERE / "tests"), str(HERE / "tests" / "wire"), str(HERE / "tests" / "benchmarks")]
 
 from bench_many import Tab, enter, share  # type: ignore[import-not-found]
 from floods import FLOODS, flood_once  # type: ignore[import-not-found]

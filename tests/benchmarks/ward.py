@@ -29,7 +29,7 @@ from websockets.asyncio.client import connect
 from websockets.typing import Subprotocol
 
 HERE = Path(__file__).parents[2]
-sys.path[:0] = [str(HERE), str(HERE / "tests" / "wire")]
+sys.path[:0] = [str(HERE), str(HERE / "tests"), str(HERE / "tests" / "wire")]
 
 from client import PATIENCE, WirePage  # type: ignore[import-not-found]
 from sick import Sick  # type: ignore[import-not-found]

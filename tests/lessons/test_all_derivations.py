@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 import re
+import sys
 from collections.abc import Iterator
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+
+if __name__ == "__main__":
+    sys.path[:0] = [str(Path(__file__).resolve().parents[1])]
+
 from attack import outcome_of, random_designs
 from laws import each
 from lesson_checks import CJK, check_markdown, check_mathml, every_lesson, without_math
@@ -158,7 +164,6 @@ def test_the_oracle_reads_the_arithmetic(latex: str, value: Any) -> None:
 
 
 if __name__ == "__main__":
-    import sys
     for name in sys.argv[1:] or LESSONS:
         lesson, tried = LESSONS[name], 0
         for found in map(lambda design, lesson=lesson: outcome_of(lesson, design), random_designs(lesson, 200)):
