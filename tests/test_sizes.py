@@ -70,3 +70,12 @@ def test_a_drawing_that_stands_alone_fills_its_column_in_a_hall_and_is_a_square_
     assert desk.drawing(1) == W
     assert hall.drawing(2) == desk.drawing(2) == H
     assert all(Sizes(State(window=window)).drawing(1) == H for window in ((390.0, 844.0), (844.0, 390.0), (768.0, 1024.0)))
+
+
+def test_the_figure_of_a_question_is_flatter_beside_its_verdict_where_the_window_is_low() -> None:
+    low, high = (Sizes(State(window=window)) for window in ((1280.0, 720.0), (1920.0, 1080.0)))
+    assert low.question(answered=True) < low.question() == high.question() == high.question(answered=True)
+    hall = Sizes(State(lecture=True, window=(1920.0, 1080.0)))
+    assert hall.question(answered=True) < hall.question() < W
+    phone = Sizes(State(window=(390.0, 844.0)))
+    assert phone.question() == phone.question(answered=True) == H

@@ -29,6 +29,7 @@ BAR = 12.0  # px between the panel of the run and the columns
 GUIDE_SHARE = 0.32  # of the window's width: the guide's column
 FRAME_PX = 36.0  # px of a column of figures beside its charts and drawings
 QUESTION_HEIGHT = 300.0  # of a question's figure, whose width is `axes.W`
+ANSWERED_SHARE = 0.31  # of the window's height, in px: no higher once the card has its verdict, so that a low window does not make it small
 ASKED_IN_HALL, ANSWERED_IN_HALL = 0.75, 0.56  # of that width: its height in a hall, above which stand the options, then the verdict
 LEAST_CHART, CHARTS = 180, MappingProxyType({1: 320, 2: 230})  # px of a chart's height, and where it stands alone or with one figure more
 FILLS, TALLEST = 0.72, 1.4  # of a lone drawing in large print: its share of the window's height, its height over its width
@@ -109,7 +110,9 @@ class Sizes:
         """The height of a question's figure: room is left for the verdict above it; `fill.js` makes it smaller where that is long."""
         if self.state.lecture and not self.sheet:
             return W * (ANSWERED_IN_HALL if answered else ASKED_IN_HALL)
-        return self.drawing(1) if self.sheet else QUESTION_HEIGHT
+        if self.sheet:
+            return self.drawing(1)
+        return min(QUESTION_HEIGHT, ANSWERED_SHARE * self.state.window[1]) if answered else QUESTION_HEIGHT
 
     @property
     def large_words(self) -> bool:
