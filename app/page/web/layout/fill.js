@@ -4,7 +4,7 @@
 ({large}) => {
   const viser = window.observerLabViser, {chart: CHART, column: COLUMN, view: VIEW} = viser.parts;
   const lab = window.observerLabFill ??= {}, LEAST = .3, MUCH = .35, HALF = .5, SMALL = .24, TALLEST = 1.5;  // shares; height over width
-  const CLEAR = 6, ASKED = 170, AIR = .7;  // px; px that a question's figure has at least; letters
+  const CLEAR = 6, ASKED = 160, AIR = .7;  // px; px that a question's figure has at least; letters
   const DRAWN = `${CHART},.ol-table,.ol-figure,:has(${CHART},.ol-table,.ol-figure)`;
   const [SPARE, SLACK] = [26, 66];  // px left below grown charts, so that a caption may take a line more; px from which they grow again
   lab.large = large;
