@@ -1,4 +1,4 @@
-"""A long fit of a person's record: it says how far it is, can be ended, and leaves the last good picture where it fails."""
+"""A long fit of a person's record: its progress, its cancel button, and the last good picture where it fails."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ class Bench:
         self.before = self.tab.picture.design
 
     def end(self) -> None:
-        """Let the fit come to its end, and the tab hear of it."""
+        """Run the fit to its end, and give the tab its result."""
         self.jobs.work()
         self.tab.session.step(0.0)
 

@@ -9,7 +9,7 @@ from ...course.knobs import KnobError
 from ...text import text
 
 MOST_FIT_S = 180.0  # s by the clock that a fit may take
-SAID_EVERY_S, KNOWN_AFTER_S, KNOWN_SHARE = 0.5, 1.0, 0.03  # when a fit is told of, and from when on its end is known
+SAID_EVERY_S, KNOWN_AFTER_S, KNOWN_SHARE = 0.5, 1.0, 0.03  # s between two reports; s and share after which its end can be estimated
 TOO_LONG = text("This fit takes more than {seconds:.0f} s and was ended; use fewer rows or columns.", seconds=MOST_FIT_S)
 
 
@@ -18,7 +18,7 @@ class FitStopped(Exception):
 
 
 class RecordFitting:
-    """One fit on a thread of its own. `told` hears of it now and then, and says whether anybody still waits."""
+    """One fit on a thread of its own. `told` is called with it now and then, and returns whether the tab is still open."""
 
     def __init__(self, told: Callable[[RecordFitting], bool], clock: Callable[[], float] = time.monotonic) -> None:
         self._told, self._clock = told, clock
