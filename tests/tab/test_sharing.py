@@ -5,9 +5,10 @@ from __future__ import annotations
 import json
 
 import pytest
-from fakes import BROKEN, FORBIDDEN, FakeView, Tab, toy
+from fakes import BROKEN, FORBIDDEN, Clock, FakeView, Tab, toy
 
 from observer_lab.course.figures.records import tab_names
+from observer_lab.course.scenes import Read, entry_values
 from observer_lab.lessons import LESSONS as COURSE
 from observer_lab.session.commands.commands import (
     MemoryRecalled,
@@ -24,6 +25,8 @@ from observer_lab.session.commands.commands import (
     Undo,
 )
 from observer_lab.session.commands.guide import GoToScene
+from observer_lab.session.commands.room import LeadShown
+from observer_lab.session.handlers.guide import STEP_S, STEPS
 from observer_lab.session.session import Session
 from observer_lab.session.state.saved_state import SavedState, write_state
 from observer_lab.session.state.token import DAMAGED_LINK, read_token, write_token
@@ -206,3 +209,70 @@ def test_a_link_that_names_a_scene_opens_it_with_the_design_as_it_was() -> None:
     second.open()
     opened = second.picture
     assert opened is not None and (opened.lesson.id, opened.state.scene, opened.design) == ("separation", 3, picture.design)
+
+
+READINGS = [(lesson.id, k) for lesson in COURSE.values() for k, scene in enumerate(lesson.path)
+            if isinstance(scene.do, Read) and scene.play]
+
+
+def by_link(lesson: str, scene: int) -> str:
+    """A link to a scene as it begins, which says nothing of what was done there."""
+    start, path = COURSE[lesson].start(), COURSE[lesson].path
+    return write_token(COURSE[lesson], SavedState(COURSE[lesson].apply(start, entry_values(path, scene, start)), mode="guide",
+                                                  scene=path[scene].id))
+
+
+def after(tab: Tab) -> tuple[object, ...]:
+    """What a scene shows once its performance is over."""
+    for _ in range(STEPS + 2):
+        tab.clock.advance(STEP_S + 0.01)
+        tab.session.step(0.0)
+    state = tab.picture.state
+    return tab.picture.design, state.performance, state.scene, state.done, state.playing
+
+
+@pytest.mark.parametrize(("lesson", "scene"), READINGS)
+def test_a_scene_to_be_read_is_performed_by_a_link_as_by_its_dot(lesson: str, scene: int) -> None:
+    """In a fresh browser, over another lesson, and over the same scene that was read before: the card says that the page changes."""
+    by_dot = Tab(COURSE, lesson, mode="guide")
+    by_dot.do(GoToScene(scene))
+    read = COURSE[lesson].path[scene]
+    want = after(by_dot)
+    assert want[0] == COURSE[lesson].apply(by_dot.picture.design, read.play) and read.id in by_dot.picture.state.done
+    over, fresh_one = Tab(COURSE, next(id for id in COURSE if id != lesson), mode="guide"), Tab.__new__(Tab)
+    fresh_one.lessons, fresh_one.view, fresh_one.clock = dict(COURSE), FakeView(), Clock()
+    fresh_one.session = Session(COURSE, fresh_one.view, next(iter(COURSE)), clock=fresh_one.clock, mode="guide")
+    fresh_one.session.restore(None, by_link(lesson, scene))
+    fresh_one.session.open()
+    for tab in (over, by_dot):
+        tab.do(OpenState(by_link(lesson, scene)))
+    for tab in (fresh_one, over, by_dot):
+        assert tab.picture.state.performance is not None
+        design, performance, at, done, playing = after(tab)
+        assert (design, performance, at, playing) == (want[0], None, scene, want[4]) and done[read.id] == want[0]
+
+
+@pytest.mark.parametrize(("lesson", "scene"), READINGS)
+def test_a_link_to_a_reading_that_is_over_or_was_changed_opens_as_it_was(lesson: str, scene: int) -> None:
+    tab = Tab(COURSE, lesson, mode="guide")
+    tab.do(GoToScene(scene))
+    after(tab)
+    copied = tab.view.addresses[-1][0]
+    assert read_token(copied, COURSE).answered == -1
+    changed = SavedState(COURSE[lesson].start(), mode="lab", scene=COURSE[lesson].path[scene].id)
+    for token, design in ((copied, tab.picture.design), (write_token(COURSE[lesson], changed), changed.design)):
+        session = Session(COURSE, FakeView(), "kalman", mode="guide")
+        session.restore(None, token)
+        session.open()
+        assert session.picture is not None and session.picture.design == design and session.picture.state.performance is None
+
+
+@pytest.mark.parametrize(("lesson", "scene"), READINGS)
+def test_a_page_that_follows_performs_nothing_by_itself(lesson: str, scene: int) -> None:
+    tab = Tab(COURSE, lesson, mode="guide")
+    tab.do(LeadShown(by_link(lesson, scene)))
+    assert tab.picture.state.scene == 0, "a hand has just been here"
+    tab.rest()
+    tab.clock.advance(60.0)
+    tab.do(LeadShown(by_link(lesson, scene)))
+    assert tab.picture.state.scene == scene and tab.picture.state.performance is None

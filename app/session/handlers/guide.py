@@ -36,6 +36,17 @@ def enter(show: Presenter) -> None:
     """Open the path's scene where it has not been begun; a path that was left, or came by a link, stands as it was."""
     if show.picture.guided and not show.state.done and not show.state.chosen and not show.lesson_state.entered:
         enter_scene(show, show.state.scene)
+    elif show.lesson_state.entered:
+        perform_reading(show)
+
+
+def perform_reading(show: Presenter) -> None:
+    """Perform what an open scene to be read speaks of, where a link brought the scene as it begins."""
+    scene = show.picture.scene
+    if scene is None or not isinstance(scene.do, Read) or not scene.play or scene.id in show.state.done or show.design.plant:
+        return
+    if show.design == entry_design(show, show.state.scene):
+        _perform(show, scene)
 
 
 def greet(show: Presenter) -> None:

@@ -7,13 +7,13 @@ from dataclasses import replace
 
 from ...course.figures.records import tab_names
 from ...course.knobs import KnobError
-from ...course.scenes import Choose
+from ...course.scenes import Choose, Read
 from ...engine import EngineError
 from ...text import error_words, joined
 from ..runtime.error_words import NOT_DONE, error_kind
 from ..state.saved_state import NO_STATE, SavedState, read_state, write_state
 from ..state.token import is_token, read_token, write_token
-from .guide import entry_design
+from .guide import entry_design, perform_reading
 from .presenter import Presenter
 
 LEAD_S = 1.0  # s after its last edit or command in which a page keeps what a hand has made there
@@ -44,6 +44,8 @@ def take(show: Presenter, words: object) -> None:
     """Open the state in a token, a link or the words of a file, and say what could not be taken over. Raises KnobError and
     what the lesson raises."""
     _take(show, _read(show, words))
+    if show.shown is not None:
+        perform_reading(show)
 
 
 def follow_lead(show: Presenter, token: str) -> None:
@@ -63,7 +65,9 @@ def _take(show: Presenter, saved: SavedState) -> None:
         kept.scene, kept.entered = scene, True
         if saved.answered is None and not saved.design.plant:
             kept.began = entry_design(show, scene)  # a move is judged as for somebody who came to the scene along the path
-        if saved.answered is not None:
+        if saved.answered is None and isinstance(show.lesson.path[scene].do, Read):
+            kept.done = {name: design for name, design in kept.done.items() if name != saved.scene}  # it is read anew
+        elif saved.answered is not None:
             kept.done = {**kept.done, saved.scene: saved.design}
             kept.chosen = {**kept.chosen, saved.scene: saved.answered} if isinstance(show.lesson.path[scene].do, Choose) else kept.chosen
         if show.shown is not None:
