@@ -97,10 +97,10 @@ def test_each_lesson_is_judged_alone(tmp_path: Path, capsys, monkeypatch: pytest
     (tmp_path / "odd" / "lesson.toml").write_text("", encoding="utf-8")
     real = module.read_lesson
 
-    def read(place: Path, number: int, trusted: bool):
+    def read(place: Path, number: int, trusted: bool, uploaded: bool):
         if place.name == "odd":
             raise MemoryError
-        return real(place, number, trusted)
+        return real(place, number, trusted, uploaded)
     monkeypatch.setattr(module, "read_lesson", read)
     words = tmp_path / "good" / "lesson.md"
     words.write_text(words.read_text(encoding="utf-8").replace("# ", "# Better: ", 1), encoding="utf-8")

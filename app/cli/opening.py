@@ -59,6 +59,7 @@ class ServeRequest:
     idle: float = 3600.0  # s
     reading: ReadingOptions = field(default_factory=ReadingOptions)
     course_store: str | None = field(default=None, repr=False)
+    uploads: bool = False  # whether a page may bring a .zip of lessons
 
 
 @dataclass(frozen=True)

@@ -10,8 +10,10 @@ from __future__ import annotations
 import logging
 import secrets
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
+from functools import partial
+from typing import Any  # what a reader of lessons is given is `Any` here; `ReadLessons` says it
 
 from ..classroom.room import RoomView, VoteDesk
 from ..course.handin.learner import Learner
@@ -23,6 +25,7 @@ from ..course.scenes import Mode
 from ..engine import EngineError
 from .commands.base import Notice
 from .commands.commands import Edit, MemoryRecalled
+from .commands.files import LessonsRead
 from .handlers import design, guide, lectures, playback, room, sharing, tasks
 from .handlers.many_seeds import SeedRunner
 from .handlers.presenter import Presenter
@@ -33,6 +36,7 @@ from .runtime.mailbox import Mailbox, grouped
 from .runtime.scheduler import Scheduler
 from .runtime.watchdog import TAB_ENDED, Watchdog
 from .runtime.worker import start_worker
+from .state.own_lessons import OwnLessons, ReadLessons
 from .state.view import Picture, State, View
 
 log = logging.getLogger(__name__)
@@ -52,14 +56,16 @@ class Session:
     def __init__(self, lessons: Mapping[str, Lesson], view: View, lesson: str, language: str = "en",
                  clock: Callable[[], float] = time.monotonic, plant: str = "",
                  state: str = "", insists: bool = False, sealed: bool = False, mode: Mode = "lab", talk: Lecture | None = None,
-                 course: ServedCourse | None = None, desk: VoteDesk | None = None, learner: Learner | None = None) -> None:
+                 course: ServedCourse | None = None, desk: VoteDesk | None = None, learner: Learner | None = None,
+                 read_lessons: ReadLessons | None = None) -> None:
         """`state` is a token, or the words of a saved file, that the tab opens with if nothing else is known of it.
 
         A new tab goes on where the browser's last one was, unless the server `insists` on its lesson or its state.
 
         Exams are drawn for a random key until the person gives one; a `sealed` tab only notes answers to them.
         With a `course` its numbers are drawn instead, and its answers are handed in, by a `learner` to the platform.
-        A tab that presents to a room has a `desk` there.
+        A tab that presents to a room has a `desk` there. `read_lessons` reads a .zip of lessons that the person brings, None where
+        the server takes none.
         """
         if lesson not in lessons:
             raise KeyError(f"There is no lesson {lesson}; there are {', '.join(lessons)}.")
@@ -67,7 +73,8 @@ class Session:
         first = State(language=language, fresh=secrets.token_hex(8), plant=plant, withheld=sealed, sealed=sealed, mode=mode,
                       talk=talk, lecture=talk is not None, course=course, learner=learner, key=learner.key if learner else "",
                       newcomer=mode == "guide" and not insists and not state and desk is None,
-                      room=None if desk is None else RoomView(audience=desk.audience))
+                      room=None if desk is None else RoomView(audience=desk.audience),
+                      own=None if read_lessons is None else OwnLessons(partial(self._watched, read_lessons)))
         self._show = Presenter(lessons, view, lesson, first, clock, BackgroundJobs(self.post), desk)
         self._show.insists = insists or bool(state)
         self._seeds = SeedRunner(self._show)
@@ -175,7 +182,7 @@ class Session:
         end = time.monotonic() + RECALL_TIMEOUT_S
         while not self._show.recalled and not self._mailbox.closed and (left := end - time.monotonic()) > 0:
             for _, edit in self._mailbox.take(left):
-                if isinstance(edit, MemoryRecalled):
+                if isinstance(edit, (MemoryRecalled, LessonsRead)):
                     run_command(self._show, edit)
                 else:
                     early.append(edit)
@@ -187,6 +194,16 @@ class Session:
 
     def _step_when_due(self) -> None:
         self.step(self._wait())
+
+    def _watched(self, read: ReadLessons, *given: Any) -> Iterator[Lesson]:
+        """Each lesson of a .zip, read as a step that may be broken off."""
+        lessons = read(*given)
+        while True:
+            with WATCHDOG.step(self._left, self._end_from_outside):
+                lesson = next(lessons, None)
+            if lesson is None:
+                return
+            yield lesson
 
     def _left(self) -> bool:
         return self._mailbox.closed

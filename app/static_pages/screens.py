@@ -109,5 +109,8 @@ class RecordedScreens:
     def save_design(self, name: str, words: str) -> None:
         """There is no browser that keeps anything."""
 
+    def keep_lessons(self, words: str) -> None:
+        """There is no browser that keeps anything."""
+
     def clear_storage(self) -> None:
         """There is no browser that keeps anything."""

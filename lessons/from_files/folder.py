@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -23,23 +23,33 @@ log = logging.getLogger(__name__)
 
 @dataclass(eq=False)
 class LessonFolder:
-    """The lessons below a folder, one in each subfolder with a `lesson.toml`; `taken` are ids that are not free."""
+    """The lessons below a folder, one in each subfolder with a `lesson.toml`; `taken` are ids that are not free.
+
+    Words of `uploaded` lessons may hold no HTML.
+    """
 
     path: Path
     taken: tuple[str, ...]
     trusted: bool
+    uploaded: bool = False
     _stamps: dict[str, Stamp] = field(default_factory=dict)
     _lessons: dict[str, Lesson] = field(default_factory=dict)
 
     def lessons(self) -> dict[str, Lesson]:
         """Every lesson by its id, in the order of the folders' names; changed ones are read anew."""
-        places = self._places()
-        for number, place in enumerate(places, len(self.taken) + 1):
+        return {lesson.id: lesson for lesson in self.read_each()}
+
+    def read_each(self) -> Iterator[Lesson]:
+        """Every lesson in that order, read when it is asked for."""
+        for number, place in enumerate(self._places(), len(self.taken) + 1):
             stamp = _stamp_of(place)
             if stamp != self._stamps.get(place.name):
                 self._lessons[place.name], self._stamps[place.name] = self._read(place, number), stamp
-        names = [place.name for place in places]
-        return {self._lessons[name].id: self._lessons[name] for name in names}
+            yield self._lessons[place.name]
+
+    def count(self) -> int:
+        """How many lessons it holds, whole or not."""
+        return len(self._places())
 
     def changed(self) -> bool:
         """Whether a file has changed since the lessons were read last."""
@@ -59,7 +69,7 @@ class LessonFolder:
                 raise refusal(place.name[:40], 1, text("Name the folder with small letters, digits and hyphens."))
             if place.name in self.taken:
                 raise refusal(place.name, 1, text("There is a lesson of this name already; rename the folder."))
-            return read_lesson(place, number, self.trusted)
+            return read_lesson(place, number, self.trusted, self.uploaded)
         except LessonFileError as problem:
             id = re.sub(r"[^a-z0-9-]", "-", place.name.lower())[:30]
             return broken_lesson(f"{id}-broken" if id in self.taken else id, number, problem.text)

@@ -21,6 +21,7 @@ from observer_lab.text import OutsideFileError, Text, error_words, languages, re
 from ..toolkit.knobs import run_knobs
 from .exams import read_exams
 from .figures import draw_all, figure_ids, read_figures
+from .outside_words import check_markdown, check_strings, plain_markdown
 from .plant_source import read_plant
 from .setup import read_setup
 from .study import compute, derived
@@ -33,13 +34,18 @@ MAX_FILE_BYTES = 1_000_000
 NOT_READ = text("This lesson cannot be read")
 
 
-def read_lesson(folder: Path, number: int, trusted: bool) -> Lesson:
-    """The lesson of a folder; `trusted` says whether its Python code may run. Raises LessonFileError."""
+def read_lesson(folder: Path, number: int, trusted: bool, uploaded: bool = False) -> Lesson:
+    """The lesson of a folder; `trusted` says whether its Python code may run. An `uploaded` one may hold no HTML.
+
+    Raises LessonFileError.
+    """
     top = read_table(TOML, _text_of(folder / TOML)).only(*TOP_KEYS)
+    if uploaded:
+        check_strings(top)
     source, parameters = read_plant(top, folder, trusted)
     setup = read_setup(top, source, parameters)
     knobs = (*parameters.knobs, *run_knobs(setup.horizon))
-    draws, ids, tasks, words = read_figures(top, source), figure_ids(top), read_tasks(top, knobs), _words(folder)
+    draws, ids, tasks, words = read_figures(top, source), figure_ids(top), read_tasks(top, knobs), _words(folder, uploaded)
     for prose in words.values():
         _check_words(top, prose)
     data = read_data(top, top, knobs, [task.id for task in tasks], words["en"], MARKDOWN)
@@ -77,13 +83,15 @@ def _text_of(path: Path) -> str:
         raise refusal(path.name, 1, text("The file cannot be read.")) from problem
 
 
-def _words(folder: Path) -> dict[str, Prose]:
+def _words(folder: Path, uploaded: bool) -> dict[str, Prose]:
     """The prose in every language: `lesson.zh.md` where there is one, else `lesson.md`."""
     found = {}
     for language in languages():
         path = folder / f"lesson.{language}.md"
         path = path if path.is_file() else folder / MARKDOWN
         words = _text_of(path)
+        if uploaded:
+            check_markdown(path.name, words)
         try:
             found[language] = parse_prose(words, path.name)
         except ProseError as problem:
@@ -104,7 +112,7 @@ def _check_words(top: Table, prose: Prose) -> None:
 def broken_lesson(id: str, number: int, why: Text) -> Lesson:
     """A lesson whose page says what is wrong with its files."""
     table = TableFigure("fault", NOT_READ, (text("What is wrong"),), ((why,),))
-    words: Mapping[str, Prose] = {language: Prose(id, NOT_READ(language), why(language), "", (), (), "", (), {}, {}, "")
+    words: Mapping[str, Prose] = {language: Prose(id, NOT_READ(language), plain_markdown(why(language)), "", (), (), "", (), {}, {}, "")
                                   for language in languages()}
     return Lesson(id, number, run_knobs(1.0), _nothing, lambda outcome: (table,), answer=0, tasks=(), source="", words=words, kick=False,
                   fault=why)

@@ -79,6 +79,7 @@ class FakeView:
     def __init__(self, kept: str | None = None, answers: bool = True) -> None:
         self.calls: list[tuple[str, Any]] = []
         self.kept = kept
+        self.zipped = ""  # the .zip of lessons that it keeps
         self.answers = answers  # whether it says at once what it kept
         self.asked: list[Callable[..., object]] = []
         self.addresses: list[tuple[str, str, int]] = []
@@ -151,13 +152,16 @@ class FakeView:
     def recall(self, answer: Callable[..., object]) -> None:
         self.asked.append(answer)
         if self.answers:
-            answer(self.kept)
+            answer(self.kept, *(("", False, None, None, None, self.zipped) if self.zipped else ()))
 
     def remember(self, text: str) -> None:
         self.kept = text
 
     def save_design(self, name: str, words: str) -> None:
         self.calls.append(("shelve", (name, words)))
+
+    def keep_lessons(self, words: str) -> None:
+        self.zipped = words
 
     def clear_storage(self) -> None:
         self.kept = None

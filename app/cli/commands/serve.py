@@ -74,6 +74,8 @@ def arguments(parser: argparse.ArgumentParser) -> None:
                                                              "environment, OBSERVER_LAB_TOKEN, where it is not printed)")
     parser.add_argument("--lesson", metavar="ID", help="lesson that a page opens on")
     add_own_lessons(parser)
+    parser.add_argument("--allow-lessons", action="store_true",
+                        help="let a page open a .zip of lessons, for its own tab alone; none of its code runs")
     parser.add_argument("--view", choices=MODES, default="guide", help="how a page shows its lesson (default %(default)s)")
     parser.add_argument("--lang", choices=languages(), default="en", help="language that a page opens in")
     parser.add_argument("--plant", metavar="FILE", help=PLANT_HELP)
@@ -115,7 +117,8 @@ def execute(options: argparse.Namespace) -> int:
                               options.view, options.worker_timeout,
                               options.token, options.data, options.columns, options.lecture, options.course, options.lessons,
                               options.trust_code, options.room, options.at, options.lti, options.store, tuple(options.proxies),
-                              60.0 * options.idle or float("inf"), reading_options(options), options.course_store))
+                              60.0 * options.idle or float("inf"), reading_options(options), options.course_store,
+                              options.allow_lessons))
 
 
 def serve(request: ServeRequest) -> int:
@@ -157,6 +160,8 @@ def _serve(request: ServeRequest, end: Ending) -> None:
         presenter, audience, links = _links(request, room_place, listener.getsockname()[1], access)
         request = replace(request, names=(*request.names, *names_of(request.at)))
     doors = None if platforms is None else platforms.doors(first, request, listener.getsockname()[1])
+    from observer_lab.lessons.from_files.packed import uploaded_lessons
+
     from ...page.access.proxies import TrustedProxies
     from ...page.access.shared_counters import SharedCounters, WorkerSlot
     from ...page.screen.server import LabServer  # viser is loaded only here
@@ -169,7 +174,8 @@ def _serve(request: ServeRequest, end: Ending) -> None:
                          state=first.state, insists=first.insists, sealed=request.exam or first.course is not None, access=access,
                          frames=request.frames, listener=listener, slot=slot, mode="present" if first.talk else request.mode,
                          talk=first.talk, course=first.course, room=room, presenter=presenter, doors=doors,
-                         proxies=TrustedProxies.of(request.proxies), idle=request.idle)
+                         proxies=TrustedProxies.of(request.proxies), idle=request.idle,
+                         read_lessons=uploaded_lessons if request.uploads else None)
 
     def tell() -> None:
         log.info("serving %s", url)

@@ -15,7 +15,9 @@ from ...course.learning_paths import next_lessons, paths_with_lessons
 from ...course.lectures import MAX_LECTURE_CHARS, prepared_lectures, words_in, write_lecture
 from ...course.lesson import Lesson
 from ...session.commands.commands import Edit, OpenLesson, ToggleCourse
+from ...session.commands.files import UploadLessons
 from ...session.commands.guide import OpenLecture
+from ...session.state.own_lessons import MAX_ZIP_BYTES, OwnLessons
 from ...session.state.view import Picture, progress_of
 from ...text import Text, listed, same
 from .. import web
@@ -77,6 +79,9 @@ class CourseDialog(Dialog):
                     gui.add_html(f'<p class="ol-note">{html.escape(way.said(lang))}</p>{self._cards(on_it, picture, progress)}')
             with parts.add_tab(phrases.LECTURES(lang)):
                 self._offer_lectures(picture)
+            if picture.state.own is not None:
+                with parts.add_tab(phrases.OWN_LESSONS(lang)):
+                    self._offer_own(picture.state.own, picture, progress)
             self.closed_by(gui.add_button(phrases.CLOSE(lang), color="gray"))
             gui.add_html(f"<style>{_loops(lessons)}</style>")  # behind all else: they are larger than the page
 
@@ -93,6 +98,20 @@ class CourseDialog(Dialog):
         async def _(event: viser.GuiEvent) -> None:
             self.close_later()
             self._post(OpenLecture(event.target.value.content[:4 * MAX_LECTURE_CHARS + 1]))
+
+    def _offer_own(self, own: OwnLessons, picture: Picture, progress: Mapping[str, Progress]) -> None:
+        """The lessons that the person has brought, and a button that opens others in their place."""
+        gui, lang = self._client.gui, picture.state.language
+        lost = phrases.OWN_LESSONS_LOST.format(file=own.file)(lang) if own.lost else ""
+        gui.add_html("".join(f'<p class="ol-note">{html.escape(words)}</p>' for words in (phrases.OWN_LESSONS_HINT(lang), lost) if words)
+                     + self._cards([each for each in picture.catalogue if each.id in own.ids], picture, progress))
+        upload = gui.add_upload_button(phrases.UPLOAD_LESSONS(lang), color="gray", mime_type=".zip")
+
+        @upload.on_upload
+        async def _(event: viser.GuiEvent) -> None:
+            file = event.target.value
+            self.close_later()
+            self._post(UploadLessons(file.name, file.content[:MAX_ZIP_BYTES + 1]))
 
     def _give(self, button: viser.GuiButtonHandle, words: str) -> None:
         @button.on_click

@@ -17,6 +17,7 @@ from ..viser_private import page_scripts, viser_internals
 
 ADDRESS_PATTERN = re.compile(r"https?://[\w.:\[\]-]{1,200}(?:/[\w.~/%-]{0,200})?", re.ASCII)
 STORAGE, DESIGNS = "observer-lab", "observer-lab-designs"  # the keys of what tabs keep, and of the designs under names
+LESSONS = "observer-lab-lessons"  # the key of a tab's own .zip of lessons
 
 
 class Browser:
@@ -62,7 +63,7 @@ class Browser:
         def heard(kept: str | None, token: str, known: bool, home: str, *others: Any) -> None:
             self._home = home if ADDRESS_PATTERN.fullmatch(home) else ""
             answer(kept, token, known, *others)
-        viser_internals.ask_storage(self._client, STORAGE, DESIGNS, heard)
+        viser_internals.ask_storage(self._client, STORAGE, DESIGNS, LESSONS, heard)
 
     def remember(self, text: str) -> None:
         """Keep a text in this tab's own storage, which survives a reload, and beside that of other tabs for those to come."""
@@ -72,9 +73,13 @@ class Browser:
         """Keep words in the browser under a name, or nothing any more for ""."""
         viser_internals.run_script(self._client, "shelve", key=DESIGNS, under=name, words=words)
 
+    def keep_lessons(self, words: str) -> None:
+        """Keep a .zip of lessons in this tab's own storage, or none any more for ""."""
+        viser_internals.run_script(self._client, "lessons", key=LESSONS, words=words)
+
     def clear_storage(self) -> None:
         """Let the browser forget all that it keeps."""
-        viser_internals.run_script(self._client, "wipe", keys=[STORAGE, DESIGNS])
+        viser_internals.run_script(self._client, "wipe", keys=[STORAGE, DESIGNS, LESSONS])
 
     def answer(self, question: float) -> None:
         """Say on the page's mark that all that was done before a question is shown."""

@@ -25,6 +25,7 @@ from ...course.scenes import Mode
 from ...session.commands.commands import Refuse, RunOnTabThread
 from ...session.commands.files import LessonsChanged
 from ...session.session import WATCHDOG, Session
+from ...session.state.own_lessons import ReadLessons
 from ..access.access_policy import AccessPolicy, Refusal
 from ..access.addresses import is_public, listen, url
 from ..access.connection import Connection
@@ -64,7 +65,7 @@ class LabServer:
                  frames: Iterable[str] = (), listener: socket.socket | None = None, slot: WorkerSlot | None = None,
                  mode: Mode = "lab", talk: Lecture | None = None, course: ServedCourse | None = None,
                  room: Room | None = None, presenter: AccessToken | None = None, doors: LaunchDoors | None = None,
-                 proxies: TrustedProxies | None = None, idle: float = float("inf")) -> None:
+                 proxies: TrustedProxies | None = None, idle: float = float("inf"), read_lessons: ReadLessons | None = None) -> None:
         """`state` is what a tab opens with that brings none, as a token or the words of a file. A new tab goes on where the last one
         of its browser was, unless the server `insists` on its lesson or has a state. `sealed` offers no practice of exams.
         `frames` are the sites that may show the page inside theirs.
@@ -82,6 +83,9 @@ class LabServer:
 
         A tab gives its place back after `idle` seconds in which nobody has touched it; who presents keeps theirs.
 
+        `read_lessons` reads the .zip of lessons that a page brings for its own tab, None where none may; who presents to a room has
+        those of the server.
+
         Raises OSError where it cannot listen, ValueError at a name that is none.
         """
         sys.setswitchinterval(SWITCH_INTERVAL_S)
@@ -90,6 +94,7 @@ class LabServer:
         self._lesson, self._language, self._plant, self._state = lesson, language, plant, state
         self._insists, self._sealed, self._talk, self._course = insists, sealed, talk, course
         self._mode: Mode = mode
+        self._read_lessons = read_lessons
         self._lag = 0.0  # s that the event loop took to answer when it was asked last
         self._sessions: dict[int, Session] = {}
         self._screens: dict[int, Screen] = {}
@@ -194,7 +199,7 @@ class LabServer:
         """Begin a session on a screen."""
         session = Session(self._lessons, screen, self._lesson, self._language, plant=self._plant, state=state or self._state,
                           insists=self._insists, sealed=self._sealed, mode=self._mode, talk=self._talk, course=self._course,
-                          desk=desk, learner=learner)
+                          desk=desk, learner=learner, read_lessons=self._read_lessons if desk is None else None)
         screen.attach(session.post)
         viser_internals.accept_values_only(client, lambda: session.post(Refuse(phrases.NONSENSE)))
         viser_internals.accept_small_files_only(client, MOST_BYTES, lambda: session.post(Refuse(phrases.TOO_LARGE)))

@@ -182,8 +182,7 @@ def write(widget: Any, value: Any) -> None:
     widget._queue_update("value", value)
 
 
-def ask_storage(client: viser.ClientHandle, key: str, shelf: str,
-                answer: Callable[..., object]) -> None:
+def ask_storage(client: viser.ClientHandle, key: str, shelf: str, lessons: str, answer: Callable[..., object]) -> None:
     """Ask the page what it keeps under these keys and what stands in its address bar; `answer` is called on the event loop with
     what `check_browser_memory` makes of it, when it comes, which may be never."""
     request, connection = secrets.token_hex(8), client._websock_connection
@@ -194,7 +193,8 @@ def ask_storage(client: viser.ClientHandle, key: str, shelf: str,
             answer(*check_browser_memory(message.value))
 
     connection.register_handler(_messages.LocalStorageGetItemResponseMessage, heard)
-    run_script(client, "recall", key=key, shelf=shelf, most=MAX_MESSAGE_BYTES - SPARE, request=request)
+    run_script(client, "recall", key=key, shelf=shelf, lessons=lessons, most=MAX_MESSAGE_BYTES - SPARE,
+               request=request)
     client.flush()
 
 

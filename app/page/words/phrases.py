@@ -10,6 +10,10 @@ GLOSSARY, SEARCH = text("Glossary"), text("Search (Ctrl+K)")
 END_LECTURE, LECTURES = text("End the lecture"), text("Lectures")
 RECORD_STOP, SAVE_LECTURE = text("Note this scene for a lecture (B)"), text("Save the lecture of {count} scenes")
 UPLOAD_LECTURE = text("Open a lecture file")
+OWN_LESSONS, UPLOAD_LESSONS = text("Own lessons"), text("Open lessons (.zip)")
+OWN_LESSONS_HINT = text("A .zip of lessons without code, up to 1 MB, as observer-lab list --zip writes it. Only this tab has them. When "
+                        "you close the tab they are gone.")
+OWN_LESSONS_LOST = text("{file} is no longer open; open it here again.")
 LECTURE_HINT = text("A lecture is a TOML file: scenes of any lessons in order, with minutes and notes. To make one, press B at each "
                     "scene in the guide, then save it from the menu ⋯.")
 LECTURE_STOPS = text("{minutes:.0f} min, {count} scenes")

@@ -19,9 +19,17 @@ def mathml(latex: str, display: bool = False) -> str:
     """One equation as MathML. A formula that the converter refuses is shown as its source."""
     try:
         drawn = latex.replace("bmatrix", "matrix").replace("pmatrix", "matrix")  # the style sheet draws the brackets
-        return _with_accents(convert(drawn, display="block" if display else "inline"))
+        return _with_accents(_escaped(convert(drawn, display="block" if display else "inline")))
     except Exception:  # the converter raises many kinds of errors for malformed LaTeX
         return f"<code>{html.escape(latex)}</code>"
+
+
+WORDS_IN_FORMULA = re.compile(r"(<mtext[^>]*>)([^<]*(?:<(?!/mtext>)[^<]*)+)(?=</mtext>)")
+
+
+def _escaped(markup: str) -> str:
+    """MathML in which a < within words stands for itself; the converter hands it on."""
+    return WORDS_IN_FORMULA.sub(lambda words: words[1] + words[2].replace("<", "&lt;"), markup)
 
 
 MOVER = re.compile(r"(<mover[^>]*>|</mover>)")

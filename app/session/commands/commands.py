@@ -219,7 +219,8 @@ class MemoryRecalled(Notice, frozen=True):
     """What the browser's tab kept before it was loaded again, None if nothing.
 
     `token` stands in the address bar, "" where none does; `known` says that this tab itself has put it there. `earlier` is what
-    the browser's last tab kept, for a new one; `shelf` the designs that it keeps under names; `window` is what `WindowChanged` says.
+    the browser's last tab kept, for a new one; `shelf` the designs that it keeps under names; `window` is what `WindowChanged` says;
+    `lessons` is the tab's own .zip of lessons, as `write_zip` has written it.
     """
 
     text: str | None
@@ -228,6 +229,7 @@ class MemoryRecalled(Notice, frozen=True):
     earlier: str | None = None
     shelf: str | None = None
     window: tuple[object, object, object] | None = None
+    lessons: str | None = None
 
 
 class OpenState(Command, frozen=True):

@@ -32,6 +32,27 @@ class LessonsChanged(Notice, frozen=True):
     lessons: Mapping[str, Lesson]
 
 
+class UploadLessons(Command, frozen=True):
+    """The .zip of lessons that the person chose, for this tab alone."""
+
+    name: object
+    data: object
+
+
+class LessonsRead(Notice, frozen=True):
+    """A .zip of lessons is read: its lessons by id, or what is wrong with it.
+
+    `own` is what the tab had when it began; `then` is told whether it could be read.
+    """
+
+    own: object
+    file: str
+    content: bytes
+    lessons: Mapping[str, Lesson] | None
+    problem: BaseException | None
+    then: Callable[[bool], object]
+
+
 class LinesCame(Notice, frozen=True):
     """The running plant has sent lines; `done` is called once this tab shows them: `whole`, or by its body and ghost alone."""
 

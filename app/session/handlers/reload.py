@@ -15,6 +15,7 @@ from ..state.saved_designs import read_saved_designs
 from ..state.tab_memory import TabMemory, read_memory
 from ..state.validate import check_number, check_pixels
 from . import sharing
+from .lesson_reload import note_lost_lessons, read_kept_lessons
 from .presenter import Presenter
 
 RECALL_TIMEOUT_S = 3.0  # s that a tab waits for the answer before it opens without
@@ -46,11 +47,13 @@ class MemoryRequest:
 
 
 def restore_memory(show: Presenter, text: str | None, token: str = "", known: bool = False, earlier: str | None = None,
-                   shelf: str | None = None, window: tuple[object, object, object] | None = None) -> None:
+                   shelf: str | None = None, window: tuple[object, object, object] | None = None, lessons: str | None = None) -> None:
     """Go on where this tab was, or keep what the person has done meanwhile and put what was kept beside
     it. A new tab goes on where the browser's last one was. A token in the address bar that this tab has not put there itself is
-    opened over it."""
-    if show.recalled:
+    opened over it. The tab's own .zip of lessons is read before that."""
+    if show.recalled or (show.state.own is not None and show.state.own.reading):
+        return
+    if lessons and read_kept_lessons(show, lessons, lambda: restore_memory(show, text, token, known, earlier, shelf, window)):
         return
     show.recalled = True
     show.state = replace(show.state, shelf=read_saved_designs(shelf, show.lessons))
@@ -58,17 +61,19 @@ def restore_memory(show: Presenter, text: str | None, token: str = "", known: bo
         across, up, night = window
         with suppress(KnobError):
             show.state = replace(show.state, window=(check_pixels(across), check_pixels(up)), night=bool(check_number(night)))
-    memory = read_memory(text, show.lessons)
+    memory = read_memory(text, show.lessons, show.lesson.id)
     if text or earlier or token:
         show.state = replace(show.state, newcomer=False)
     if memory is not None:
         _go_on(show, memory)
-    elif (before := read_memory(earlier, show.lessons)) is not None:
+    elif (before := read_memory(earlier, show.lessons, show.lesson.id)) is not None:
         _begin_from(show, before)
     if token and known and memory is not None:
         sharing.look_again(show, token)
     elif token:
         sharing.open_words(show, token)
+    if memory is not None and memory.own[0]:
+        note_lost_lessons(show, *memory.own)
     if show.shown is not None:
         show.remember()
 

@@ -9,6 +9,7 @@ from ...text import text
 from ..state.saved_designs import MAX_SAVED_BYTES, MAX_SAVED_DESIGNS, SavedDesign
 from ..state.saved_state import SavedState, read_state, write_state
 from ..state.validate import check_name
+from .lesson_reload import drop_own_lessons
 from .presenter import Presenter
 
 TOO_MANY_SAVED = text("{most} designs are kept already; remove one first.", most=MAX_SAVED_DESIGNS)
@@ -58,6 +59,7 @@ def _found(show: Presenter, name: object) -> SavedDesign:
 def clear_browser(show: Presenter) -> None:
     """The browser forgets everything, and so does this tab: whoever sits here next finds a page as on the first day."""
     show.view.clear_storage()
+    drop_own_lessons(show)
     show.lesson = show.lessons[show.lesson.id]
     show.lesson_states.forget()
     show.lesson_states.reset_lesson(show.lesson.id, show.lesson.start())

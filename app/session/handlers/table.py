@@ -79,6 +79,8 @@ HANDLERS: Mapping[type[Command], Callable[..., object]] = MappingProxyType({
     commands.OpenLesson: page.open_lesson,
     commands.TurnPage: page.turn_page,
     files.LessonsChanged: lesson_reload.take_changed_lessons,
+    files.UploadLessons: lesson_reload.upload_lessons,
+    files.LessonsRead: lesson_reload.take_read_lessons,
     files.LinesCame: page.show_lines,
     commands.SetLanguage: page.set_language,
     commands.ToggleLecture: lambda show: show.rebuild(replace(show.state, lecture=not show.state.lecture)),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 
 from ...course.course_map import Progress
 from ...course.knobs import KnobError
@@ -51,6 +51,13 @@ class LessonStates:
     def reset_lesson(self, lesson: str, start: Design) -> None:
         """Begin the state of a lesson anew."""
         self._used[lesson] = LessonState(History(start))
+
+    def judge_anew(self, lessons: Iterable[str]) -> None:
+        """Read the states of these lessons again when they are opened: their lessons are others now, or gone."""
+        for lesson in lessons:
+            used = self._used.pop(lesson, None)
+            if used is not None and used.text:
+                self._kept[lesson] = used.text
 
     def forget(self) -> None:
         """Forget the states of all lessons."""

@@ -52,6 +52,7 @@ class TabMemory:
     stop: int = 0
     hand_ins: Mapping[str, str] = field(default_factory=dict)
     lesson_states: Mapping[str, object] = field(default_factory=dict)
+    own: tuple[str, tuple[str, ...]] = "", ()  # the .zip of lessons that was open, and their ids
 
 
 def write_lesson_state(lesson: Lesson, kept: LessonState, state: State) -> str:
@@ -89,6 +90,8 @@ def write_memory(lesson: str, state: State, lesson_states: Iterable[tuple[str, s
         head["talk"] = [write_lecture(state.talk), state.stop]
     if state.hand_ins:
         head["hand_ins"] = dict(state.hand_ins)
+    if state.own is not None and state.own.file:
+        head["own"] = [state.own.file, [*state.own.ids, *state.own.lost]]
     if state.plant:
         head["yours"] = json.loads(state.plant)
     start = json.dumps(head, ensure_ascii=False)[:-1] + ', "desks": {'
@@ -102,8 +105,11 @@ def write_memory(lesson: str, state: State, lesson_states: Iterable[tuple[str, s
     return start + ", ".join(parts) + "}}"
 
 
-def read_memory(written: str | None, lessons: Mapping[str, Lesson]) -> TabMemory | None:
-    """The tab that `write_memory` wrote, None if there is none that can be read."""
+def read_memory(written: str | None, lessons: Mapping[str, Lesson], otherwise: str = "") -> TabMemory | None:
+    """The tab that `write_memory` wrote, None if there is none that can be read.
+
+    Where its lessons came from a file that is not open any more, their states are kept, and the tab opens on the lesson `otherwise`.
+    """
     try:
         data = read_outside_json(written) if written and _size(written) <= MAX_MEMORY_BYTES else None
     except ValueError:
@@ -111,6 +117,8 @@ def read_memory(written: str | None, lessons: Mapping[str, Lesson]) -> TabMemory
     if not isinstance(data, dict) or data.get("version") != VERSION:
         return None
     lesson, language, kept = data.get("lesson"), data.get("language"), data.get("desks")
+    own = _own(data.get("own"))
+    lesson = otherwise if own[0] and lesson not in lessons else lesson
     if not isinstance(lesson, str) or lesson not in lessons or not isinstance(kept, dict):
         return None
     return TabMemory(lesson, language if language in languages() else "en", data.get("lecture") is True,
@@ -118,7 +126,15 @@ def read_memory(written: str | None, lessons: Mapping[str, Lesson]) -> TabMemory
                   _plant(data.get("yours")), _short(data.get("key")), _short(data.get("word")), _short(data.get("fresh")),
                   data.get("withheld") is True,
                   mode if (mode := data.get("mode")) in MODES else None, *_talk(data.get("talk"), lessons), _hand_ins(data.get("hand_ins")),
-                  {name: each for name, each in kept.items() if name in lessons})
+                  {name: each for name, each in kept.items() if name in lessons or name in own[1]}, own)
+
+
+def _own(data: object) -> tuple[str, tuple[str, ...]]:
+    """The .zip of lessons that was open, and their ids; neither where there was none."""
+    match data:
+        case [str(file), list(ids)]:
+            return _short(file), tuple(id for id in ids if isinstance(id, str))
+    return "", ()
 
 
 def _talk(data: object, lessons: Mapping[str, Lesson]) -> tuple[Lecture | None, int]:

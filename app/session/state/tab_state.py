@@ -12,6 +12,7 @@ from ...course.handin.served_course import ServedCourse
 from ...course.lectures import Lecture, Stop
 from ...course.pinned_designs import Pin
 from ...course.scenes import Mode, Scene
+from .own_lessons import OwnLessons
 from .record_file import RecordFile
 from .saved_designs import SavedDesign
 from .tab_records import USUAL, ExamState, ManySeeds, Performance, ReplayLoop, TaskState
@@ -77,6 +78,7 @@ class State:
     recorded: tuple[Stop, ...] = ()  # stops that were noted for a lecture of one's own
     frozen: bool = False  # whether the presenter has paused the pages of the class
     goes_on: bool = False  # whether a run was playing then
+    own: OwnLessons | None = field(default=None, repr=False)  # the lessons that the person brought, None where the server takes none
 
     @property
     def is_dark(self) -> bool:

@@ -284,5 +284,8 @@ class View(Protocol):
     def save_design(self, name: str, words: str) -> None:
         """Keep words in the browser under a name, or nothing any more for ""."""
 
+    def keep_lessons(self, words: str) -> None:
+        """Keep the person's .zip of lessons in the browser's tab alone, or none any more for ""."""
+
     def clear_storage(self) -> None:
         """Let the browser forget all that it keeps."""
