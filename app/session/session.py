@@ -131,8 +131,10 @@ class Session:
             if self._mailbox.closed:  # whoever asked has left, and what waits would be done for nobody
                 return
             self._show.answered = number
-            if not isinstance(edits, Notice):
+            hand = not isinstance(edits, Notice)
+            if hand:
                 self._show.touched, self._show.last_hand = True, self._show.clock()
+                sharing.note_look(self._show)
             try:
                 if self._show.state.frozen and not isinstance(edits, Notice):
                     raise KnobError(room.PAUSED)
@@ -152,6 +154,8 @@ class Session:
             except BaseException as problem:  # a lesson that asks the process to exit is a lesson that failed
                 log.exception("%s failed", "a change of knobs" if isinstance(edits, list) else type(edits).__name__)
                 self._show.report_refusal(problem, command=not isinstance(edits, list))
+            if hand:  # what it asked for may have taken a while
+                self._show.last_hand = self._show.clock()
         self._complete_hidden_figures()
         now = self._show.clock()
         if not self._show.resting and now - self._show.last_edit >= FINAL_PICTURE_DELAY_S:
@@ -178,16 +182,16 @@ class Session:
         if self._state:
             sharing.open_words(self._show, self._state)
         self._recall.ask()
-        early: list[Edit] = []
+        early: list[tuple[Edit, bool]] = []
         end = time.monotonic() + RECALL_TIMEOUT_S
         while not self._show.recalled and not self._mailbox.closed and (left := end - time.monotonic()) > 0:
-            for _, edit in self._mailbox.take(left):
+            for number, edit in self._mailbox.take(left):
                 if isinstance(edit, (MemoryRecalled, LessonsRead)):
                     run_command(self._show, edit)
                 else:
-                    early.append(edit)
-        for edit in early:
-            self._mailbox.post(edit)
+                    early.append((edit, self._mailbox.was_mirrored(number)))
+        for edit, mirrored in early:
+            self._mailbox.post(edit, mirrored)
         if not self._mailbox.closed:  # a page for a tab that has left would cost as much as any
             with SCHEDULER.turn(hand=True), WATCHDOG.step(self._left, self._end_from_outside):
                 self.open()

@@ -21,7 +21,8 @@ from observer_lab.page.screen.server import LabServer
 from observer_lab.page.words import phrases
 
 SLIDER = "stiffness error in the model [%]"
-PREDICT = next(k for k, scene in enumerate(LESSONS["separation"].path) if scene.id == "predict")
+PATH = LESSONS["separation"].path
+PREDICT = next(k for k, scene in enumerate(PATH) if scene.id == "predict")
 NOTICED_S = 10.0  # s in which a dead network is said
 COLUMN = "document.querySelector('.ol-question').closest('[data-ol-view]')"
 UNFOCUSED = "document.hasFocus = () => false"
@@ -137,6 +138,33 @@ def test_a_row_of_the_table_of_outages_loses_nothing_and_does_nothing_twice() ->
     done = subprocess.run([sys.executable, "outages.py", "--lengths", "9", "--kinds", "swallow"], cwd=here, capture_output=True, text=True,
                           env={**os.environ, "PYTHONPATH": str(here.parent)}, timeout=400)
     assert done.returncode == 0 and done.stdout.count("done twice 0") == 4, done.stdout + done.stderr[-2000:]
+
+
+def test_no_key_is_lost_while_a_page_is_laid_out_anew_or_has_just_come_back(context: BrowserContext, serve: Serve) -> None:
+    with serve(0, "--view", "present", "--lesson", "separation") as address, Cable(address) as cable:
+        page = context.new_page()
+        page.goto(cable.address)
+        page.wait_for_selector(".ol-present")
+
+        def stands_at(scene: int) -> None:
+            expect(page.locator(".ol-card")).to_have_attribute("data-scene", PATH[scene].id)
+        stands_at(0)
+        cable.delay = 0.4
+        page.evaluate("document.querySelector('[data-value=theme]').click()")
+        for _ in range(3):  # on the page of before: some come to the server when it has laid out another one
+            page.wait_for_timeout(300)
+            page.keyboard.press("ArrowRight")
+        stands_at(3)
+        cable.delay = 0.0
+        cable.become("cut")
+        expect(page.locator(".ol-lost")).to_be_visible()
+        page.keyboard.press("ArrowRight")
+        cable.become("whole")
+        expect(page.locator(".ol-lost")).to_be_hidden()
+        page.keyboard.press("ArrowRight")
+        stands_at(5)
+        page.wait_for_timeout(2000)
+        stands_at(5)  # and none is done twice
 
 
 def test_after_a_restart_with_another_token_the_page_says_what_to_do(context: BrowserContext, serve: Serve) -> None:

@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 from client import CALLED, WireTab
 
+from observer_lab.lessons import LESSONS
 from observer_lab.page.screen.server import LabServer
 
 STIFFNESS, UNDO = "stiffness error in the model [%]", "undo"
@@ -21,6 +22,12 @@ def kept(tab: WireTab) -> list[dict[str, Any]]:
     """What the page was given to keep, in order, each with the number of the last press in it."""
     calls = [CALLED.fullmatch(message["source"]) for message in tab.messages if message["type"] == "RunJavascriptMessage"]
     return [json.loads(call[2]) for call in calls if call is not None and call[1] == "remember"]
+
+
+def missed(tab: WireTab) -> list[str]:
+    """The widgets of which the page was told that they had gone."""
+    calls = [CALLED.fullmatch(message["source"]) for message in tab.messages if message["type"] == "RunJavascriptMessage"]
+    return [json.loads(call[2])["widget"] for call in calls if call is not None and call[1] == "missed"]
 
 
 def shown(tab: WireTab) -> tuple[Any, ...]:
@@ -59,3 +66,19 @@ def test_whatever_a_page_keeps_when_it_is_cut_a_press_is_done_once(server: LabSe
         back.settle()
         assert shown(back) == wanted, f"kept with {answered} presses"
         back.close()
+
+
+def test_a_page_hears_of_a_press_that_came_too_late_for_its_widget(enter: Enter) -> None:
+    """Laid out anew, as for another lesson, a page has other widgets; what comes for those of before is not passed over in silence."""
+    tab = enter()
+    before = [uuid for uuid, widget in tab.widgets.items() if widget["type"] == "GuiButtonGroupMessage"]
+    tab.update("lesson", value=LESSONS["duality"].words["en"].title)
+    tab.until(lambda: not set(before) & set(tab.widgets), "the page of the other lesson")
+    tab.settle()
+    for uuid in before:
+        tab.send("GuiUpdateMessage", uuid=uuid, updates={"value": ""})
+    tab.settle()
+    assert missed(tab) == before
+    tab.send("GuiUpdateMessage", uuid="x" * 999, updates={"value": ""})
+    tab.settle()
+    assert missed(tab) == before, "no page of ours has such a widget"

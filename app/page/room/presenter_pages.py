@@ -15,6 +15,7 @@ import viser
 
 from ...classroom.kept_room import KeptPages, KeptRoom
 from ...session.commands.commands import Edit, Play, RunOnTabThread
+from ...session.commands.guide import TurnedTo, TurnScene
 from ...session.commands.room import LeadShown, PerformAnswer, Reveal
 from ...session.commands.written import MIRRORED, read_edit, write_edit
 from ...session.session import Session
@@ -24,7 +25,7 @@ from .presenter_view import PresenterScreen
 
 POLL_S = 0.03  # s between two looks at what hands have done at other workers
 LOOK_S = 0.25  # s between two questions to the store: which page leads, and what it shows
-AGAIN_S = 1.5  # s after which the lead is shown once more: a page under a hand does not follow at once
+AGAIN_S = 1.5  # s after which the lead is shown again: a page under a hand does not follow at once
 LEAD_S = 3.0  # s for which a worker leads without saying so again
 
 log = logging.getLogger(__name__)
@@ -111,11 +112,13 @@ class PresenterPages:
     # --- commands --------------------------------------------------------------------------------------------------
     def _mirror(self, one: Session, edit: Edit) -> None:
         """Let the other pages of the presenter do what a hand has done on one."""
+        mine = one.picture
         if isinstance(edit, Reveal):  # the vote itself is in the store
             edit = PerformAnswer()
+        if isinstance(edit, TurnScene) and mine is not None:  # a page that lags behind is not turned from where it happens to be
+            edit = TurnedTo(mine.place[0])
         if not isinstance(edit, MIRRORED):
             return
-        mine = one.picture
         playing = mine is not None and mine.state.playing
         self._post(edit, playing, one)
         try:
@@ -169,14 +172,12 @@ class PresenterPages:
                 self._pages.keep_lead(LEAD_S)
             elif not self._pages.is_led():  # the page that led has left, or its worker has ended
                 self._lead()
-            else:
-                self._follow_elsewhere(self._room.state)
+            self._follow_again(self._room.state)
         return leads
 
-    def _follow_elsewhere(self, state: str) -> None:
-        """Show what the lead at another worker shows, when it changes and once more a little later."""
+    def _follow_again(self, state: str) -> None:
+        """Show what the lead shows, when it changes and then from time to time: a page was under a hand, or has come meanwhile."""
         now = time.monotonic()
-        if state != self._state or 0.0 < self._again <= now:
-            self._again = now + AGAIN_S if state != self._state else 0.0
-            self._state = state
+        if state and (state != self._state or self._again <= now):
+            self._again, self._state = now + AGAIN_S, state
             self._follow(state)

@@ -6,6 +6,7 @@ import re
 from typing import Any
 
 ASKED = re.compile(r"beat:(\d{0,15})", re.ASCII)  # with the number of the last edit that was not answered yet
+NAME = re.compile(r"[\w-]{1,64}", re.ASCII)  # of a widget
 PRESSED = re.compile(r"press:(\d{1,15})", re.ASCII)  # before a press, which must not be done twice
 
 

@@ -20,7 +20,7 @@ from ..access.handshake import MAX_MESSAGE_BYTES, AdmissionControl, PackedPage, 
 from ..web.html_page import APP_NAME, app_page
 from .adapter import LabViser
 from .browser_storage import check_browser_memory
-from .heartbeat import beat, press
+from .heartbeat import NAME, beat, press
 from .message_transport import pack
 from .stage_frames import Frame, viser_value
 
@@ -81,21 +81,30 @@ def accept_values_only(client: viser.ClientHandle, refused: Callable[[], object]
     """Let a browser set the `value` of its widgets and nothing else.
 
     viser sets whatever attribute of a widget a message names, without a check; a value of the wrong kind raises
-    before any callback of ours. Both end here: `refused` is called, and nothing was changed.
+    before any callback of ours. Both end here: `refused` is called, and nothing was changed. What comes too late for its widget,
+    while the page is being laid out anew, is dropped by viser; the page is told, and does it again.
     """
-    connection, inner = client._websock_connection, client.gui._handle_gui_updates
+    connection, inner, last = client._websock_connection, client.gui._handle_gui_updates, 0  # the number of the last press
     connection.unregister_handler(_messages.GuiUpdateMessage, inner)
 
     async def guarded(client_id: Any, message: _messages.GuiUpdateMessage) -> None:
         if not isinstance(message.updates, dict) or set(message.updates) != {"value"}:
             refused()
             return
+        widget = client.gui._gui_input_handle_from_uuid.get(message.uuid)
+        if (widget is None or widget._impl.removed) and NAME.fullmatch(message.uuid):
+            run_script(client, "missed", widget=message.uuid, press=last)
+            client.flush()
         try:
             await inner(client_id, message)
         except (TypeError, ValueError, AssertionError, OverflowError):
             refused()
 
+    def numbered(_: Any, message: _messages.LocalStorageGetItemResponseMessage) -> None:
+        nonlocal last
+        last = press(message) or last
     connection.register_handler(_messages.GuiUpdateMessage, guarded)
+    connection.register_handler(_messages.LocalStorageGetItemResponseMessage, numbered)
 
 
 def hang_up(server: viser.ViserServer, client_id: int, reason: str = "") -> None:

@@ -23,6 +23,12 @@ class TurnScene(Command, frozen=True):
     steps: int
 
 
+class TurnedTo(Command, frozen=True):
+    """A turn on another page of the presenter has led to the scene of this number."""
+
+    index: int
+
+
 class ChooseOption(Command, frozen=True):
     """Choose an option of the scene's question; −1 skips it."""
 

@@ -17,7 +17,7 @@ from .commands import Edit, Play, SetKnobs
 MIRRORED = (SetKnobs, commands.DrawByHand, Play, commands.Kick, commands.Rewind, commands.Seek, commands.ChangeSpeed, commands.Undo,
             commands.Redo, commands.Reset, commands.ChoosePlant, commands.PickPoint, commands.Predict, commands.PredictAgain,
             commands.ShowAgain, commands.ShowSolution, commands.Reveal, commands.OpenLesson, commands.TurnPage, guide.SetMode,
-            guide.GoToScene, guide.TurnScene, guide.ChooseOption, guide.AnswerByHand, guide.RestartScene, guide.ShowKeptRun,
+            guide.GoToScene, guide.TurnedTo, guide.ChooseOption, guide.AnswerByHand, guide.RestartScene, guide.ShowKeptRun,
             guide.OpenLecture, guide.EndLecture, room.PerformAnswer)
 _KINDS = MappingProxyType({kind.__name__: kind for kind in MIRRORED})
 

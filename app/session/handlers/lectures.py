@@ -24,6 +24,12 @@ def turn_scene(show: Presenter, steps: int) -> None:
         guide.enter_scene(show, show.state.scene + steps)
 
 
+def turn_to(show: Presenter, index: object) -> None:
+    """Open what a turn on another page of the presenter has led to, unless it stands here already. Raises KnobError."""
+    if show.picture.place[0] != index:
+        go_to_scene(show, index)
+
+
 def go_to_scene(show: Presenter, index: object) -> None:
     """Open a stop of the lecture, or a scene of the path. Raises KnobError."""
     (guide.enter_scene if show.state.talk is None else _go_to)(show, int(check_number(index)))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+from collections import deque
 from collections.abc import Callable, Hashable, Mapping
 from dataclasses import replace
 
@@ -20,6 +21,7 @@ from ..state.tab_memory import write_lesson_state, write_memory
 from ..state.token import write_token
 from ..state.view import Picture, State, View
 
+LEFT_BEHIND = 40  # looks of a page that a lead may still have, which lags behind
 log = logging.getLogger(__name__)
 
 
@@ -51,6 +53,7 @@ class Presenter:
         self._unsaid: list[tuple[Text, bool]] = []  # sentences that wait for the page
         self._torn = False  # whether laying the page out has failed half-way
         self.shown: Picture | None = None  # the last good picture, None before the first
+        self.left_behind: deque[Hashable] = deque(maxlen=LEFT_BEHIND)  # how a presenter's page looked before each of its last edits
         self.unfinished: tuple[tuple[tuple[Design, ...], int], Picture | None] | None = None  # the last whole picture, and its history
 
     @property

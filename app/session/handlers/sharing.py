@@ -16,7 +16,7 @@ from ..state.token import is_token, read_token, write_token
 from .guide import entry_design, perform_reading
 from .presenter import Presenter
 
-LEAD_S = 1.0  # s after its last edit or command in which a page keeps what a hand has made there
+LEAD_S, STALE_S = 1.0, 10.0  # s after its last edit in which a page keeps what a hand has made there; in which a lead may be behind it
 log = logging.getLogger(__name__)
 
 
@@ -49,12 +49,31 @@ def take(show: Presenter, words: object) -> None:
 
 
 def follow_lead(show: Presenter, token: str) -> None:
-    """Show what the leading page of the same presenter shows, where a hand has not just been here: language, print and camera stay."""
+    """Show what the leading page of the same presenter shows: language, print and camera stay.
+
+    Not where a hand has just been here, nor what this page itself showed before its last edits: the lead has not done them yet.
+    """
     mine, lead = show.saved(), _read(show, token)
     lead = replace(lead, language=mine.language, lecture=mine.lecture, camera=mine.camera, tab=mine.tab, step=mine.step, notes=())
-    same = (lead.design, lead.scene, lead.answered, lead.mode) == (mine.design, mine.scene, mine.answered, mine.mode)
-    if not same and show.resting and show.clock() - max(show.last_edit, show.last_hand) > LEAD_S:
+    quiet = show.clock() - max(show.last_edit, show.last_hand)
+    if looks(lead) != looks(mine) and show.resting and quiet > LEAD_S and (quiet > STALE_S or looks(lead) not in show.left_behind):
         _take(show, lead)
+        show.left_behind.clear()
+        talk = show.state.talk
+        places = [k for k, stop in enumerate(talk.stops if talk else ()) if (stop.lesson, stop.scene) == (lead.design.lesson, lead.scene)]
+        if places:
+            show.change(replace(show.state, stop=min(places, key=lambda k: abs(k - show.state.stop))))
+
+
+def note_look(show: Presenter) -> None:
+    """Note how a presenter's page looks before an edit: a lead that looks so has not done it yet."""
+    if show.vote_desk is not None and show.shown is not None:
+        show.left_behind.append(looks(show.saved()))
+
+
+def looks(saved: SavedState) -> tuple[Design, str, int | None, str]:
+    """What two pages of a presenter have in common when they show the same."""
+    return saved.design, saved.scene, saved.answered, saved.mode
 
 
 def _take(show: Presenter, saved: SavedState) -> None:

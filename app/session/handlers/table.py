@@ -98,6 +98,7 @@ HANDLERS: Mapping[type[Command], Callable[..., object]] = MappingProxyType({
     guide.SetMode: path.set_mode,
     guide.GoToScene: lectures.go_to_scene,
     guide.TurnScene: lectures.turn_scene,
+    guide.TurnedTo: lectures.turn_to,
     guide.ChooseOption: path.choose_option,
     guide.AnswerByHand: path.answer_by_hand,
     guide.RestartScene: path.restart_scene,

@@ -12,6 +12,10 @@
     viser.tell(lab.hand, `turn:${by}`);
   };
   const typing = target => target?.closest?.('input,textarea,select,button,summary,a,[role],[tabindex]');
+  const presents = () => {  // a page that is being laid out is what it was
+    if (document.querySelector('.ol-head')) lab.presents = !!document.querySelector('.ol-present');
+    return lab.presents;
+  };
   lab.write = () => {
     const there = !!lab.view && !lab.view.closed, root = document.documentElement;
     root.classList.toggle('ol-speaks', there);
@@ -56,7 +60,7 @@
     lab.listens = true;
     document.addEventListener('click', event => { if (event.target?.closest?.('.ol-notes')) lab.open(); });
     document.addEventListener('keydown', event => {  // of a clicker: an arrow on a widget is the widget's
-      if (event.key !== ' ' && document.querySelector('.ol-present') && !typing(event.target)) turn(event);
+      if (event.key !== ' ' && presents() && !typing(event.target)) turn(event);
     });
   }
   lab.write();

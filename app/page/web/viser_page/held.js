@@ -5,11 +5,17 @@
   const lesson = () => history.state?.observerLab ?? '';
   const CHANGE = 'GuiUpdateMessage', DRAG = 'SceneNodeDragMessage', COMMAND = 'CommandTriggerMessage', WAIT = 60, LONGEST = 40000;  // ms
   const PRESSES = ['GuiButtonGroupMessage', 'GuiButtonMessage', COMMAND];  // which do something each time; all else sets a value
-  const named = new Map();  // uuid → what the widget is
+  const named = new Map(), gone = new Map(), GONE = 2000;  // uuid → what the widget is, or was before the page was laid out anew; how many
   const store = list => { try { sessionStorage.setItem(kept, JSON.stringify(list)); } catch (error) { console.warn('not kept', error); } };
   const stored = () => { try { return JSON.parse(sessionStorage.getItem(kept) ?? '[]'); } catch (error) { return []; } };
+  const sent = new Map(), SENT = 50;  // number → a press on its way, or done; how many
   let held = stored(), count = held.length, owner = '', returns = false;
   held.forEach((each, k) => { each.count = k + 1; });
+  const layAside = uuid => {
+    if (named.has(uuid)) gone.set(uuid, named.get(uuid));
+    named.delete(uuid);
+    if (gone.size > GONE) gone.delete(gone.keys().next().value);
+  };
 
   line.unanswered = () => (held.length && !returns ? held.at(-1).count : null);
   line.answered = number => {
@@ -19,7 +25,7 @@
   };
   line.take = messages => {
     for (const message of messages) {
-      if (message.type === 'GuiRemoveMessage') named.delete(message.uuid);
+      if (message.type === 'GuiRemoveMessage') layAside(message.uuid);
       else if (message.uuid && message.props && !named.has(message.uuid)) {
         const kind = message.type === 'RegisterCommandMessage' ? COMMAND : message.type, like = `${kind}|${message.props.label ?? ''}|`;
         const place = [...named.values()].filter(each => each.like === like).length;
@@ -31,17 +37,20 @@
   const number = count => viser.send({type: 'LocalStorageGetItemResponseMessage', value: null, error: null, request_uuid: `press:${count}`});
   const alike = (one, other) => one.key === other.key && one.part === other.part;
   viser.onSend = message => {  // whether it goes to the server now
-    const widget = named.get(message.uuid), press = widget && PRESSES.includes(widget.kind);
+    const late = !named.has(message.uuid) && gone.has(message.uuid), widget = (late ? gone : named).get(message.uuid);
+    const press = widget && PRESSES.includes(widget.kind);
     const counts = message.type === DRAG || message.type === COMMAND || (message.type === CHANGE && 'value' in (message.updates ?? {}));
     const hand = counts && (message.type === DRAG || !!widget && (press || !widget.hidden));
+    const goes = !line.lost && !(hand && (returns || late));
     if (hand) {
       const key = widget?.key ?? message.name, part = message.type === DRAG ? message.phase : press ? `press ${count}` : '';
-      const entry = {count: count += 1, key, part, press, message, at: address(), lesson: lesson()};
+      const entry = {count: count += 1, key, part, press, message, at: address(), lesson: lesson(), unsent: !goes};
       if (part === 'start') held = held.filter(each => each.key !== key);
       held = [...held.filter(each => !alike(each, entry)), entry];
       store(held);
+      if (press && goes) sent.set(count, entry).delete(count - SENT);
+      if (late && !line.lost && !returns) redo(each => each === entry);
     }
-    const goes = !line.lost && !(hand && returns);
     if (goes && hand && press) number(count);
     return goes;
   };
@@ -58,23 +67,35 @@
     if (entry.lesson && entry.lesson !== lesson()) return null;  // a page that was cut off early was not yet told its lesson
     if (message.type === DRAG) return viser.node(message.name) ? {...message, owner} : null;
     if (!widget) return null;
-    const [uuid, {kind, hidden}] = widget, done = entry.press && entry.at !== address();  // its answer was kept, though not seen
+    const [uuid, {kind, hidden}] = widget, done = entry.press && !entry.unsent && entry.at !== address();  // its answer was kept, though not seen
     return done || (hidden && kind === PRESSES[0] && !isAsked(String(message.updates.value))) ? null : {...message, uuid};
   };
-  line.onReturn = async () => {
-    named.clear();
-    owner = '';
-    if (!held.length) return;
-    returns = true;
+  const redo = async chosen => {  // once the page stands; what a hand does until then comes behind
     const end = performance.now() + LONGEST;
-    while (!stands() && !line.lost && performance.now() < end) await new Promise(done => { setTimeout(done, WAIT); });
+    returns = true;
+    do await new Promise(done => { setTimeout(done, WAIT); }); while (!stands() && !line.lost && performance.now() < end);
     returns = false;
     if (line.lost || !stands()) return;
-    const entries = held.map(entry => [entry, again(entry)]).filter(([, message]) => message);
-    for (const [{press, count}, message] of entries) {
+    const entries = held.filter(each => each.unsent || chosen(each)).map(entry => [entry, again(entry)]).filter(([, message]) => message);
+    for (const [entry, message] of entries) {
       if (message.type === CHANGE && !PRESSES.includes(named.get(message.uuid)?.kind)) viser.show([message]);  // the slider as well
-      if (press) number(count);
+      if (entry.press) number(entry.count);
+      entry.unsent = false;
       viser.send(message);
     }
+  };
+  line.onReturn = () => {
+    [...named.keys()].forEach(layAside);
+    sent.clear();
+    owner = '';
+    redo(() => true);
+  };
+  line.missed = (uuid, last) => {  // the widget had gone, since the page was being laid out anew
+    const entry = [sent.get(last), ...held].find(each => each && !each.unsent && each.message.uuid === uuid);
+    if (!entry) return;
+    const turns = /^turn/.test(entry.message.updates?.value);  // from wherever the page is
+    Object.assign(entry, {count: count += 1, unsent: true, lesson: turns ? '' : entry.lesson});
+    held = [...held.filter(each => each !== entry), entry];
+    if (!returns) redo(() => false);
   };
 }

@@ -5,7 +5,7 @@
   const TICK = 1000, QUIET = 3, DEAD = 5;  // ms; ticks of silence after which the server is asked, and until it must have answered
   const FIRST = 300, LONGEST = 8000, PATIENCE = 6000, OPENING = 12000, CAMERA = 60, ATTEMPTS = 3, BETWEEN_RELOADS = 30000;  // ms, and attempts
   const viser = window.observerLabViser, ask = {type: 'LocalStorageGetItemResponseMessage', value: null, error: null};
-  const line = window.observerLabLine = {lost: true, onLost: () => {}, onAnswer: () => {}, onRest: () => {}, onBack: () => {}, onReturn: () => {}, onReload: () => {}, take: () => {}, unanswered: () => null};
+  const line = window.observerLabLine = {lost: true, onLost: () => {}, onAnswer: () => {}, onRest: () => {}, onBack: () => {}, onReturn: () => {}, onReload: () => {}, take: () => {}, missed: () => {}, unanswered: () => null};
   let quiet = 0, asked = 0, opened = null, woken = null, comes = false;
 
   const beat = () => {
