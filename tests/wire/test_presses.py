@@ -72,6 +72,7 @@ def test_a_page_hears_of_a_press_that_came_too_late_for_its_widget(enter: Enter)
     """Laid out anew, as for another lesson, a page has other widgets; what comes for those of before is not passed over in silence."""
     tab = enter()
     before = [uuid for uuid, widget in tab.widgets.items() if widget["type"] == "GuiButtonGroupMessage"]
+    commands = list(tab.commands.values())
     tab.update("lesson", value=LESSONS["duality"].words["en"].title)
     tab.until(lambda: not set(before) & set(tab.widgets), "the page of the other lesson")
     tab.settle()
@@ -79,6 +80,9 @@ def test_a_page_hears_of_a_press_that_came_too_late_for_its_widget(enter: Enter)
         tab.send("GuiUpdateMessage", uuid=uuid, updates={"value": ""})
     tab.settle()
     assert missed(tab) == before
+    tab.send("CommandTriggerMessage", uuid=commands[0])
+    tab.settle()
+    assert missed(tab) == [*before, commands[0]]
     tab.send("GuiUpdateMessage", uuid="x" * 999, updates={"value": ""})
     tab.settle()
-    assert missed(tab) == before, "no page of ours has such a widget"
+    assert missed(tab) == [*before, commands[0]], "no page of ours has such a widget"

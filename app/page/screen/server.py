@@ -201,6 +201,7 @@ class LabServer:
                           insists=self._insists, sealed=self._sealed, mode=self._mode, talk=self._talk, course=self._course,
                           desk=desk, learner=learner, read_lessons=self._read_lessons if desk is None else None)
         screen.attach(session.post)
+        viser_internals.tell_what_came_too_late(client)
         viser_internals.accept_values_only(client, lambda: session.post(Refuse(phrases.NONSENSE)))
         viser_internals.accept_small_files_only(client, MOST_BYTES, lambda: session.post(Refuse(phrases.TOO_LARGE)))
         viser_internals.hear_beats(client, lambda edit: session.post(RunOnTabThread(partial(screen.acknowledge, edit))),

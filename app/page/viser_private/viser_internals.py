@@ -81,29 +81,45 @@ def accept_values_only(client: viser.ClientHandle, refused: Callable[[], object]
     """Let a browser set the `value` of its widgets and nothing else.
 
     viser sets whatever attribute of a widget a message names, without a check; a value of the wrong kind raises
-    before any callback of ours. Both end here: `refused` is called, and nothing was changed. What comes too late for its widget,
-    while the page is being laid out anew, is dropped by viser; the page is told, and does it again.
+    before any callback of ours. Both end here: `refused` is called, and nothing was changed.
     """
-    connection, inner, last = client._websock_connection, client.gui._handle_gui_updates, 0  # the number of the last press
+    connection, inner = client._websock_connection, client.gui._handle_gui_updates
     connection.unregister_handler(_messages.GuiUpdateMessage, inner)
 
     async def guarded(client_id: Any, message: _messages.GuiUpdateMessage) -> None:
         if not isinstance(message.updates, dict) or set(message.updates) != {"value"}:
             refused()
             return
-        widget = client.gui._gui_input_handle_from_uuid.get(message.uuid)
-        if (widget is None or widget._impl.removed) and NAME.fullmatch(message.uuid):
-            run_script(client, "missed", widget=message.uuid, press=last)
-            client.flush()
         try:
             await inner(client_id, message)
         except (TypeError, ValueError, AssertionError, OverflowError):
             refused()
 
+    connection.register_handler(_messages.GuiUpdateMessage, guarded)
+
+
+def tell_what_came_too_late(client: viser.ClientHandle) -> None:
+    """Tell the page what came when its widget had gone, since the page was being laid out anew: viser drops it, and the page does it again.
+
+    Handlers are called in order, and viser's own come later than these.
+    """
+    connection, gui, last = client._websock_connection, client.gui, 0  # the number of the last press
+    inner = {_messages.GuiUpdateMessage: (gui._handle_gui_updates, gui._gui_input_handle_from_uuid),
+             _messages.CommandTriggerMessage: (gui._handle_command_trigger, gui._command_handle_from_uuid)}
+
     def numbered(_: Any, message: _messages.LocalStorageGetItemResponseMessage) -> None:
         nonlocal last
         last = press(message) or last
-    connection.register_handler(_messages.GuiUpdateMessage, guarded)
+
+    def looked_up(_: Any, message: Any) -> None:
+        widget: Any = inner[type(message)][1].get(message.uuid)
+        if (widget is None or widget._impl.removed) and NAME.fullmatch(message.uuid):
+            run_script(client, "missed", widget=message.uuid, press=last)
+            client.flush()
+    for kind, (takes, _) in inner.items():
+        connection.unregister_handler(kind, takes)
+        connection.register_handler(kind, looked_up)
+        connection.register_handler(kind, takes)
     connection.register_handler(_messages.LocalStorageGetItemResponseMessage, numbered)
 
 

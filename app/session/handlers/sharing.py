@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from ...course.figures.records import tab_names
 from ...course.knobs import KnobError
+from ...course.lesson import Design
 from ...course.scenes import Choose, Read
 from ...engine import EngineError
 from ...text import error_words, joined
@@ -71,7 +72,7 @@ def note_look(show: Presenter) -> None:
         show.left_behind.append(looks(show.saved()))
 
 
-def looks(saved: SavedState) -> tuple[Design, str, int | None, str]:
+def looks(saved: SavedState) -> tuple[Design, str, int | None, str | None]:
     """What two pages of a presenter have in common when they show the same."""
     return saved.design, saved.scene, saved.answered, saved.mode
 

@@ -66,7 +66,7 @@
     const {message, key} = entry, widget = [...named].find(([, each]) => each.key === key);
     if (entry.lesson && entry.lesson !== lesson()) return null;  // a page that was cut off early was not yet told its lesson
     if (message.type === DRAG) return viser.node(message.name) ? {...message, owner} : null;
-    if (!widget) return null;
+    if (!widget || widget[0] === entry.missed) return null;
     const [uuid, {kind, hidden}] = widget, done = entry.press && !entry.unsent && entry.at !== address();  // its answer was kept, though not seen
     return done || (hidden && kind === PRESSES[0] && !isAsked(String(message.updates.value))) ? null : {...message, uuid};
   };
@@ -94,7 +94,7 @@
     const entry = [sent.get(last), ...held].find(each => each && !each.unsent && each.message.uuid === uuid);
     if (!entry) return;
     const turns = /^turn/.test(entry.message.updates?.value);  // from wherever the page is
-    Object.assign(entry, {count: count += 1, unsent: true, lesson: turns ? '' : entry.lesson});
+    Object.assign(entry, {count: count += 1, unsent: true, missed: uuid, lesson: turns ? '' : entry.lesson});
     held = [...held.filter(each => each !== entry), entry];
     if (!returns) redo(() => false);
   };
