@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-from collections import deque
 from collections.abc import Callable, Hashable, Mapping
 from dataclasses import replace
 
@@ -21,7 +20,6 @@ from ..state.tab_memory import write_lesson_state, write_memory
 from ..state.token import write_token
 from ..state.view import Picture, State, View
 
-LEFT_BEHIND = 40  # looks of a page that a lead may still have, which lags behind
 log = logging.getLogger(__name__)
 
 
@@ -38,7 +36,7 @@ class Presenter:
         self.vote_desk = vote_desk  # where the class votes, None in a tab that presents to nobody
         self.run_seeds: Callable[[], object] = lambda: None  # begins the runs of many seeds, or cancels them
         self.resting = True
-        self.answered = 0  # the number of the edit that is being worked on, or was last
+        self.answered = self.asked = 0  # the edit that is being worked on, or was last; the last state opened from the address bar
         self.last_edit = self.last_tick = self.last_hand = clock()
         self.alone = 0.0  # s from the last tick on in which the view goes on with the run by itself
         self.late, self.said_late = 0, float("-inf")  # how many poses in a row have waited for other tabs; when that was said
@@ -47,13 +45,12 @@ class Presenter:
         self.touched = False  # whether the person has done anything yet
         self.recalled = False  # whether it is known what the browser's tab kept
         self.insists = False  # whether the server names the lesson or the state that a new tab opens with
-        self.asked = 0  # the number of the last state that was opened from the address bar
         self._drafts = OutcomeCache()
         self._pinning, self._scenes = PinOutcomes(self._drafts, self.lessons), SceneOutcomes(self._drafts)
         self._unsaid: list[tuple[Text, bool]] = []  # sentences that wait for the page
         self._torn = False  # whether laying the page out has failed half-way
         self.shown: Picture | None = None  # the last good picture, None before the first
-        self.left_behind: deque[Hashable] = deque(maxlen=LEFT_BEHIND)  # how a presenter's page looked before each of its last edits
+        self.left_behind: list[Hashable] = []  # how a presenter's page looked before each of its last edits
         self.unfinished: tuple[tuple[tuple[Design, ...], int], Picture | None] | None = None  # the last whole picture, and its history
 
     @property

@@ -18,6 +18,7 @@ from .guide import entry_design, perform_reading
 from .presenter import Presenter
 
 LEAD_S, STALE_S = 1.0, 10.0  # s after its last edit in which a page keeps what a hand has made there; in which a lead may be behind it
+LEFT_BEHIND = 40  # looks of a page that a lead may still have
 log = logging.getLogger(__name__)
 
 
@@ -69,7 +70,7 @@ def follow_lead(show: Presenter, token: str) -> None:
 def note_look(show: Presenter) -> None:
     """Note how a presenter's page looks before an edit: a lead that looks so has not done it yet."""
     if show.vote_desk is not None and show.shown is not None:
-        show.left_behind.append(looks(show.saved()))
+        show.left_behind = [*show.left_behind[-LEFT_BEHIND:], looks(show.saved())]
 
 
 def looks(saved: SavedState) -> tuple[Design, str, int | None, str | None]:
