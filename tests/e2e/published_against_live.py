@@ -2,8 +2,8 @@
 
 It tries every scene of the lessons on entry, every option of its question, its kick, each knob in sight at each of its points, and
 one pole at one place, in the languages and themes of the folder. A line for each state that differs, a table at the end; the status
-is 1 where one differs, where a page reported an error, or where a request left the folder. `--looks en-light,zh-dark-phone` and
-`--kinds entry,option` choose among them; without `--whole` each lesson is compared in one look after another, in turn.
+is 1 where one differs, where a page reported an error, or where a request left the folder. `--looks en-light,zh-dark-phone`,
+`--kinds entry,option` and `--most 2` choose among them; without `--whole` each lesson is compared in one look after another, in turn.
 """
 
 from __future__ import annotations
@@ -25,6 +25,7 @@ from observer_lab.course.guiding.predictions import prediction_of
 from observer_lab.course.knobs import Choice, Knob, Number, Poles, Switch
 from observer_lab.course.lesson import Lesson
 from observer_lab.course.scenes import Choose, Move, Press, Scene, entry_values
+from observer_lab.engine.kernels import prepare_kernels
 from observer_lab.lessons import LESSONS
 from observer_lab.page.column.knob_widgets import label_of
 from observer_lab.page.record.recorded_screen import WINDOWS
@@ -171,7 +172,7 @@ class Tally:
 
 
 def states(pair: Pair, lesson: Lesson, points: Points, kinds: tuple[str, ...] = KINDS,
-           scenes: tuple[Scene, ...] = ()) -> Iterator[tuple[str, str, list[str]]]:
+           scenes: tuple[Scene, ...] = (), most: int = 0) -> Iterator[tuple[str, str, list[str]]]:
     """Kind and name of each state of a lesson, or of some scenes of it, and in what the two pages differ there."""
     for scene in scenes or lesson.path:
         name = f"{lesson.id}/{scene.id}"
@@ -179,7 +180,7 @@ def states(pair: Pair, lesson: Lesson, points: Points, kinds: tuple[str, ...] = 
         if "entry" in kinds:
             yield "entry", name, pair.differences()
         if "knob" in kinds:
-            yield from _knobs(pair, lesson, scene, points)
+            yield from _knobs(pair, lesson, scene, points, most)
         if "pole" in kinds:
             yield from _pole(pair, lesson, scene, points)
         if isinstance(scene.do, Choose) and "option" in kinds:
@@ -207,19 +208,19 @@ def _done(page: Page, scene: Scene) -> None:
     eventually(page.locator(".ol-way .ol-next").count, bool, f"the end of {scene.id}")
 
 
-def _knobs(pair: Pair, lesson: Lesson, scene: Scene, points: Points) -> Iterator[tuple[str, str, list[str]]]:
-    """Each knob in sight at each of its points, the others as on entry."""
+def _knobs(pair: Pair, lesson: Lesson, scene: Scene, points: Points, most: int) -> Iterator[tuple[str, str, list[str]]]:
+    """Each knob in sight at each of its points, or at its last `most` where that is not 0, the others as on entry."""
     entry = _entry(lesson, scene)
     for knob in (lesson.knob(name) for name in dict.fromkeys((*scene.knobs, *(scene.do.knobs if isinstance(scene.do, Move) else ())))):
         widgets = [_widget(page, knob, pair.language) for page in pair.pages]
         if isinstance(knob, Poles) or not all(widget.count() and widget.last.is_visible() for widget in widgets):
             continue
-        for k, value in enumerate(values_of(knob, entry[knob.name], points)):
+        for k, value in enumerate(values_of(knob, entry[knob.name], points)[-most:]):
             if k and isinstance(scene.do, Move):  # the first move that does what was asked keeps its run
                 pair.open(lesson, scene)
                 widgets = [_widget(page, knob, pair.language) for page in pair.pages]
             for widget in widgets:
-                _set(widget, knob, value, pair.language)
+                _set(widget, knob, value)
             yield "knob", f"{lesson.id}/{scene.id}/{knob.name} = {value}", pair.differences()
         pair.open(lesson, scene)
 
@@ -228,7 +229,7 @@ def _widget(page: Page, knob: Knob, language: str) -> Locator:
     return page.locator(".mantine-Flex-root", has=page.get_by_text(label_of(knob, language), exact=True))
 
 
-def _set(widget: Locator, knob: Knob, value: Any, language: str) -> None:
+def _set(widget: Locator, knob: Knob, value: Any) -> None:
     row = widget.last
     if isinstance(knob, Number):
         field = row.locator("input").last
@@ -239,7 +240,7 @@ def _set(widget: Locator, knob: Knob, value: Any, language: str) -> None:
             row.locator("input").last.click(force=True)
     elif isinstance(knob, Choice):
         row.locator("input").first.click()
-        row.page.locator(f'[role=option]:text-is("{dict(knob.options)[value](language)}")').last.click(force=True)
+        row.page.locator("[role=listbox]:visible [role=option]").nth([name for name, _ in knob.options].index(value)).click(force=True)
 
 
 def _pole(pair: Pair, lesson: Lesson, scene: Scene, points: Points) -> Iterator[tuple[str, str, list[str]]]:
@@ -329,10 +330,12 @@ def main() -> int:
     parser.add_argument("--kinds", default=",".join(KINDS))
     parser.add_argument("--scenes", default="", help="these scenes alone")
     parser.add_argument("--points", type=int, default=7)
+    parser.add_argument("--most", type=int, default=0, help="values of a knob that are tried, its ends first (default: all)")
     parser.add_argument("--whole", action="store_true", help="each lesson in every look")
     asked = parser.parse_args()
     there = [path.name for path in sorted((asked.folder / "data").iterdir()) if path.is_dir() and path.name in LESSONS]
     tally, bad = Tally(), 0
+    prepare_kernels().join()  # a server that still compiles them computes in the plain ways, which differ by rounding
     with sync_playwright() as playwright, serving(0, "--view", "guide") as served:
         browser = playwright.chromium.launch(args=FLAGS, executable_path=chromium())
         for number, id in enumerate(asked.lessons or there):
@@ -341,7 +344,8 @@ def main() -> int:
                 complaints: list[str] = []
                 pair = pair_of(browser, served, asked.folder, look, complaints)
                 scenes = tuple(scene for scene in LESSONS[id].path if scene.id in asked.scenes.split(","))
-                for kind, state, found in states(pair, LESSONS[id], Points(asked.points), tuple(asked.kinds.split(",")), scenes):
+                kinds = tuple(asked.kinds.split(","))
+                for kind, state, found in states(pair, LESSONS[id], Points(asked.points), kinds, scenes, asked.most):
                     tally.add(kind, f"{look} {state}", found)
                 for page in pair.pages:
                     page.context.close()
