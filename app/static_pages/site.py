@@ -64,15 +64,16 @@ def write_lesson(lessons: Mapping[str, Lesson], lesson: str, looks: Sequence[Loo
                        "states": [[state.name, state.done] for state in scene.states]})
         _write_scene(lesson, scene, looks, bases, write)
         advance()
-    tables = {look.language: Tables() for look in looks}
+    tables, dialogs = ({look.language: Tables() for look in looks} for _ in range(2))
     for k, look in enumerate(looks):
-        table = tables[look.language]
-        content = {"base": table.difference({}, bases[k]), "scenes": scenes,
-                   "overlays": {name: table.difference(bases[k], standing[k]) for name, standing in overlays.items()},
+        content = {"base": tables[look.language].difference({}, bases[k]), "scenes": scenes,
                    "commands": {each.label(look.language): ACTS[each.command] for each in SHORTCUTS if each.command in ACTS}}
+        shown = {name: dialogs[look.language].difference(bases[k], standing[k]) for name, standing in overlays.items()}
         write(f"{look.name}.js", data_file(f"{lesson}/{look.name}", content))
-    for language, table in tables.items():
-        write(f"{language}.js", data_file(f"{lesson}/{language}", table.content, table.arrays.kept))
+        write(f"{look.name}-dialogs.js", data_file(f"{lesson}/{look.name}-dialogs", {"overlays": shown}))
+    for suffix, found in (("", tables), ("-dialogs", dialogs)):  # pictures of all lessons are in a dialog, which few open
+        for language, table in found.items():
+            write(f"{language}{suffix}.js", data_file(f"{lesson}/{language}{suffix}", table.content, table.arrays.kept))
 
 
 def _write_scene(lesson: str, scene: RecordedScene, looks: Sequence[Look], bases: Sequence[Values], write: Write) -> None:

@@ -237,16 +237,17 @@
   };
 
   // --- what a hand does ----------------------------------------------------------------------------------------------------------
-  const dialog = name => {  // is shown instead of the one that stands; the same again, or none: nothing is
-    const own = from => [...from ?? []].filter(([key]) => total(key) === undefined), next = base.overlays[name];
+  const dialogs = () => Promise.all([look, language].map(file => load(`${lesson}/${file}-dialogs`))).then(([mine, spoken]) => base.overlays ??=
+    Object.fromEntries(Object.entries(mine.overlays).map(([name, pairs]) => [name, read(spoken)(pairs)])));
+  const dialog = async name => {  // is shown instead of the one that stands; the same again, or none: nothing is
+    const next = name ? (await dialogs())[name] : null, own = from => [...from ?? []].filter(([key]) => total(key) === undefined);
     const entities = own(overlay).map(([key]) => key).filter(key => key.endsWith('\n')).map(key => key.slice(0, -1));
     give([...entities.filter(each => each.startsWith('modal:')), ...entities.filter(each => !each.startsWith('modal:'))].map(remove));
     overlay = next === overlay ? null : next;
     const shown = new Map(own(overlay));
     give(messages(shown.keys(), shown));
   };
-  const close = () => dialog('');
-  const other = (all, here) => all[(all.indexOf(here) + 1) % all.length];
+  const close = () => dialog(''), other = (all, here) => all[(all.indexOf(here) + 1) % all.length];
   const toLesson = name => (lessons.includes(name) && name !== lesson ? leave({lesson: name, scene: ''}) : close());
   const acts = {
     turn: by => follow(Number(by)), scene: k => enter(Number(k)), option: k => reach(`option:${k}`), sketch, lesson: toLesson, close,
@@ -282,7 +283,6 @@
     base = mine;
     ground = patch(base.base);
     props = byEntity(ground.keys());
-    base.overlays = Object.fromEntries(Object.entries(base.overlays).map(([name, pairs]) => [name, patch(pairs)]));
     connected();
     give([...messages(ground.keys(), new Map()), viser.moved('', '/WorldAxes', 'visible', false)]);
     await enter(Math.max(base.scenes.findIndex(each => each.id === asked.get('scene')), 0), false);
