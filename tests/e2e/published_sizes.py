@@ -1,7 +1,8 @@
 """Print what a published folder takes: `python tests/e2e/published_sizes.py FOLDER`.
 
 For each lesson its files in all looks, those that one reader loads who sees every scene in one look, and its largest scene, in MB as
-they lie in the folder. The status is 1 where a lesson or the folder is larger than asked.
+they lie in the folder. What a dialog takes, as the page of lessons, is loaded where it is opened, and counts among all looks.
+The status is 1 where a lesson or the folder is larger than asked.
 """
 
 from __future__ import annotations

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator
 from itertools import pairwise
 from pathlib import Path
@@ -13,10 +14,12 @@ from published_walk import PLACES, served, walked
 from tab import HARMLESS, eventually
 
 from observer_lab.cli.entry import main
+from observer_lab.course.knobs import Number
 from observer_lab.course.lectures import Lecture, Stop
 from observer_lab.lessons import LESSONS
+from observer_lab.page.column.knob_widgets import label_of
 from observer_lab.page.record.recorded_screen import WINDOWS, Look
-from observer_lab.static_pages.points import Points
+from observer_lab.static_pages.points import Points, values_of
 from observer_lab.static_pages.site import write_folder
 
 LESSON = "separation"
@@ -107,6 +110,40 @@ def test_a_kick_plays_where_calm_is_asked_for_as_on_the_live_page(page: Page, fo
     page.get_by_role("button", name="kick").click()
     before = eventually(lambda: page.evaluate(CLOCK), lambda share: share > 0, "the run in motion")
     eventually(lambda: page.evaluate(CLOCK), lambda share: share > before, "the run farther on")
+
+
+def test_a_typed_number_snaps_to_a_computed_value(page: Page, folder: Path) -> None:
+    """The slider shows the value whose picture is shown, not the one that was typed."""
+    knob = LESSONS[LESSON].knob("command")
+    assert isinstance(knob, Number)
+    page.goto((folder / "index.html").as_uri() + "?scene=command")
+    at_scene(page, "command")
+    row = page.locator(".mantine-Flex-root", has=page.get_by_text(label_of(knob, "en"), exact=True)).last
+    stands = eventually(lambda: float(row.locator("[role=slider]").get_attribute("aria-valuenow") or "nan"), math.isfinite, "the slider")
+    computed = [stands, *values_of(knob, stands, GRID)]
+    for share in (0.13, 0.62, 0.87):
+        typed = knob.low + share * (knob.high - knob.low)
+        row.locator("input").last.fill(f"{typed:.10g}")
+        row.locator("input").last.press("Enter")
+        near = min(computed, key=lambda value: abs(value - typed))
+        assert near != pytest.approx(typed)
+        eventually(lambda: float(row.locator("[role=slider]").get_attribute("aria-valuenow") or "nan"),
+                   lambda at, near=near: at == pytest.approx(near), f"the slider at {near}")
+
+
+def test_a_dialog_is_loaded_when_it_is_opened(page: Page, folder: Path) -> None:
+    """Its pictures are larger than the rest of a lesson, and most readers go from scene to scene."""
+    asked = list[str]()
+    page.on("request", lambda request: asked.append(request.url))
+    page.goto((folder / "index.html").as_uri())
+    at_scene(page, PATH[0].id)
+    assert not [url for url in asked if "-dialogs" in url] and any("/data/" in url for url in asked)
+    for key, inside in (("o", "All lessons"), ("i", "Glossary"), ("h", "Keyboard commands")):
+        page.keyboard.press(key)
+        eventually(page.locator(".mantine-Modal-content", has_text=inside).count, bool, f"the dialog {inside}")
+        page.keyboard.press(key)
+        eventually(page.locator(".mantine-Modal-content").count, lambda count: count == 0, f"no dialog of {key}")
+    assert len({url for url in asked if "-dialogs" in url}) == 2
 
 
 def test_a_pole_is_dragged_to_a_computed_place(page: Page, folder: Path) -> None:

@@ -39,9 +39,9 @@
     const theirs = row?.querySelector(`input${viser.parts.numberInput}:not(.ol-value)`);
     return theirs && {theirs, thumb: slider.querySelector('[role=slider]'), own: row.querySelector('input.ol-value')};
   };
-  const give = (id, value) => {  // to the server, and to the slider as if it had come from there; what is no number gets one sentence
+  const give = (id, value) => {  // to the slider as if it had come from the server, then to it: a published page answers at once
+    if (Number.isFinite(value)) viser.show([viser.changed(id, {value})]);  // what is no number gets one sentence
     viser.tell(id, value);
-    if (Number.isFinite(value)) viser.show([viser.changed(id, {value})]);
   };
   const shown = (id, thumb) => {
     const at = Number(thumb.getAttribute('aria-valuenow'));
