@@ -23,13 +23,14 @@ from .exams import read_exams
 from .figures import draw_all, figure_ids, read_figures
 from .outside_words import check_markdown, check_strings, plain_markdown
 from .plant_source import read_plant
+from .seeds import read_seeds
 from .setup import read_setup
 from .study import compute, derived
 from .tasks import check_tasks, read_tasks
 
 TOML, MARKDOWN = "lesson.toml", "lesson.md"
 TOP_KEYS = (*DATA_KEYS, "plant", "parameters", "knobs", "model", "observer", "controller", "run", "figures", "tasks", "scenes",
-            "exams")
+            "exams", "cloud")
 MAX_FILE_BYTES = 1_000_000
 NOT_READ = text("This lesson cannot be read")
 
@@ -51,7 +52,7 @@ def read_lesson(folder: Path, number: int, trusted: bool, uploaded: bool = False
     data = read_data(top, top, knobs, [task.id for task in tasks], words["en"], MARKDOWN)
     data["answering"] = top.one_of("figure", ids, ids[0])
     lesson = Lesson(folder.name, number, knobs, partial(compute, setup), partial(draw_all, draws), tasks=tasks, source=words["en"].source,
-                    words=words, derived=derived, **data)
+                    words=words, derived=derived, seeds=read_seeds(top, setup), **data)
     _try_out(top, lesson, ids)
     exams = [read_exams(top, lesson, prose.exams) for prose in words.values()]
     return replace(lesson, exams=exams[0])

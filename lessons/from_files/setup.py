@@ -35,6 +35,7 @@ class Setup:
     run: Mapping[str, Entries]
     horizon: float
     step: float
+    assumed: Callable[[Plant, Values], tuple[np.ndarray, np.ndarray]] | None = None  # W and V of `[observer]`, None where it has none
 
     def belief(self, values: Values) -> dict[str, float]:
         """The parameters that observer and controller assume."""
@@ -71,7 +72,7 @@ def read_setup(top: Table, source: PlantSource, parameters: Parameters) -> Setup
     entries = {key: read_entries(run, key, parameters, given) if key in run.data or given is not None else Entries(run, key, None)
                for key, given in defaults.items()}
     return Setup(source, parameters, believed, _feedback(controller, parameters, source), _injection(observer, parameters, source),
-                 _knob_of(observer, parameters), _knob_of(controller, parameters), entries, horizon, step)
+                 _knob_of(observer, parameters), _knob_of(controller, parameters), entries, horizon, step, _assumed(observer, parameters))
 
 
 def _knob_of(table: Table, parameters: Parameters) -> str:
@@ -100,10 +101,18 @@ def _injection(table: Table, parameters: Parameters, source: PlantSource) -> Gai
         return _tried(table, "poles", lambda d, p, v: observer_gain(p.A, p.C, poles(d)).gain)
     if "L" in table.data:
         return _given(table, "L", parameters, (plant.n, plant.p))
-    if "W" in table.data or "V" in table.data:
-        W, V = (read_entries(table, key, parameters, 1.0) for key in "WV")
-        return lambda d, p, v: lqe(p.A, p.B, p.C, _weight(W, v, p.m), _weight(V, v, p.p)).gain
+    assumed = _assumed(table, parameters)
+    if assumed is not None:
+        return lambda d, p, v: lqe(p.A, p.B, p.C, *assumed(p, v)).gain
     return lambda d, p, v: np.zeros((p.n, p.p))
+
+
+def _assumed(table: Table, parameters: Parameters) -> Callable[[Plant, Values], tuple[np.ndarray, np.ndarray]] | None:
+    """The noise intensities that the observer assumes, W (m×m) and V (p×p); None where its gain is chosen otherwise."""
+    if {"poles", "L"} & table.data.keys() or not {"W", "V"} & table.data.keys():
+        return None
+    W, V = (read_entries(table, key, parameters, 1.0) for key in "WV")
+    return lambda p, v: (_weight(W, v, p.m), _weight(V, v, p.p))
 
 
 def _feedback(table: Table, parameters: Parameters, source: PlantSource) -> Gain:

@@ -51,7 +51,7 @@ def compute(setup: Setup, design: Design) -> Outcome[Study]:
     K, L = setup.K(design, model, believed), setup.L(design, model, believed)
     run = _run(setup, design, truth, model, K, L)
     if setup.source.python is not None:
-        run = _nonlinear(setup, design, run, believed)
+        run = nonlinear_run(setup, design, run)
     poles = {"observer": np.sort_complex(np.linalg.eigvals(model.A - L @ model.C))}
     poles |= {"controller": np.sort_complex(np.linalg.eigvals(model.A - model.B @ K))} if np.any(K) else {}
     formulas = (Formula("L", gain_words("L", L)), *([Formula("K", gain_words("K", K))] if np.any(K) else []))
@@ -78,11 +78,12 @@ def _on_grid(time: float, step: float) -> float:
     return float(step * np.ceil(time / step - 1e-9))
 
 
-def _nonlinear(setup: Setup, design: Design, linear: Run, believed: Mapping[str, float]) -> Run:
-    """The run of the equations themselves, with gains, grid and noise of the linear one."""
+def nonlinear_run(setup: Setup, design: Design, linear: Run) -> Run:
+    """The run of the equations themselves, with gains, grid, seed and noise of the linear one."""
     s, values, python = linear.scenario, setup.parameters.values(design), setup.source.python
     assert python is not None
-    noise = setup.number("noise", values) * np.random.default_rng(s.seed).standard_normal((s.n_t, s.plant.p))
+    believed = setup.belief(values)
+    noise = (0.0 if s.V is None else setup.number("noise", values)) * np.random.default_rng(s.seed).standard_normal((s.n_t, s.plant.p))
     kick = (design["kick"], setup.vector("kick", values, s.plant.n))
     found = simulate_loop(python, values, believed, LoopGiven(s.K, s.L, s.x0, s.xhat0, setup.vector("input", values, s.plant.m),
                                                               setup.number("limit", values), noise, kick, s.dt))

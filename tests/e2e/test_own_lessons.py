@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from contextlib import AbstractContextManager
 from pathlib import Path
@@ -10,6 +11,7 @@ from own_lessons import first_files, whole_files, zipped
 from playwright.sync_api import Page, expect
 from tab import ANSWERED, eventually
 
+from observer_lab.classroom.room_store import RoomStore
 from observer_lab.page.words import phrases
 
 PATIENCE = 60_000  # ms: a busy machine is slow
@@ -59,3 +61,27 @@ def test_a_tab_opens_its_own_lessons_and_walks_a_scene(still_page: Callable[...,
         open_course(other, newcomer=True)
         assert "Leaky-tank" not in other.content() and page.evaluate("window.hacked") is None
     assert not complaints
+
+
+def test_a_class_sees_a_run_each_of_a_lesson_from_a_zip(still_page: Callable[..., Page], tmp_path: Path,
+                                                        serve: Callable[..., AbstractContextManager[str]]) -> None:
+    files, file = whole_files("leaky-tank"), tmp_path / "mine.zip"
+    noisy = files["lesson.toml"].replace("[run]\n", "[run]\nnoise = 0.002\ndisturbance = 1e-6\n")
+    file.write_bytes(zipped({"leaky-tank": {**files, "lesson.toml": noisy}}))
+    options = ("--view", "guide", "--lessons", str(file), "--lesson", "leaky-tank", "--room", "--data-dir", str(tmp_path))
+    with serve(0, *options) as address:
+        secret = RoomStore(tmp_path).secret
+        presenter, laptop, phone = still_page(), still_page(), still_page(390, 844, has_touch=True)
+        for page, at in ((presenter, f"{address}/?present={secret}"), (laptop, address), (phone, address)):
+            page.goto(at)
+            expect(page.locator(".ol-card[data-scene=meet]")).to_be_visible(timeout=PATIENCE)
+        expect(presenter.locator(".ol-seeds")).to_contain_text(phrases.SEED_EACH("en"), timeout=PATIENCE)
+        presenter.locator(".ol-seeds button").click(timeout=PATIENCE)
+        for page in (laptop, phone):
+            expect(page.locator(".ol-own-run")).to_contain_text("Your run", timeout=PATIENCE)
+            expect(page.locator(".ol-own-run")).to_contain_text("position", timeout=PATIENCE)
+        expect(presenter.locator(".ol-seeds .ol-verdict")).to_be_visible(timeout=PATIENCE)
+        assert laptop.locator(".ol-own-run svg").inner_html() != phone.locator(".ol-own-run svg").inner_html()
+        if keep := os.environ.get("OBSERVER_LAB_PICTURES"):
+            for name, page in {"presenter": presenter, "laptop": laptop, "phone": phone}.items():
+                page.screenshot(path=f"{keep}/own-cloud-{name}.png")
