@@ -18,13 +18,14 @@ from observer_lab.course.lesson import Lesson
 from observer_lab.text import Text, text
 
 from .folder import LessonFolder
+from .picture import KINDS
 
 
 class PackError(KnobError):
     """A .zip of lessons that cannot be opened or written; `text` is one sentence in every language."""
 
 
-SUFFIXES = (".toml", ".md", ".json", ".mat")  # of files that hold no code
+SUFFIXES = (".toml", ".md", ".json", ".mat", *KINDS)  # of files that hold no code
 NAME = re.compile(r"[\w.-]{1,80}")
 MAX_FILES, MAX_FILE_BYTES, MAX_BYTES = 400, 1_000_000, 20_000_000  # of a zip, unpacked
 MAX_UPLOADED_LESSONS = 24  # of a zip that a page sends

@@ -22,6 +22,7 @@ from ..toolkit.knobs import run_knobs
 from .exams import read_exams
 from .figures import draw_all, figure_ids, read_figures
 from .outside_words import check_markdown, check_strings, plain_markdown
+from .picture import read_picture
 from .plant_source import read_plant
 from .seeds import read_seeds
 from .setup import read_setup
@@ -30,7 +31,7 @@ from .tasks import check_tasks, read_tasks
 
 TOML, MARKDOWN = "lesson.toml", "lesson.md"
 TOP_KEYS = (*DATA_KEYS, "plant", "parameters", "knobs", "model", "observer", "controller", "run", "figures", "tasks", "scenes",
-            "exams", "cloud")
+            "exams", "cloud", "picture")
 MAX_FILE_BYTES = 1_000_000
 NOT_READ = text("This lesson cannot be read")
 
@@ -44,7 +45,7 @@ def read_lesson(folder: Path, number: int, trusted: bool, uploaded: bool = False
     if uploaded:
         check_strings(top)
     source, parameters = read_plant(top, folder, trusted)
-    setup = read_setup(top, source, parameters)
+    setup = read_setup(top, source, parameters, read_picture(top, folder))
     knobs = (*parameters.knobs, *run_knobs(setup.horizon))
     draws, ids, tasks, words = read_figures(top, source), figure_ids(top), read_tasks(top, knobs), _words(folder, uploaded)
     for prose in words.values():

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from observer_lab.course.figures.scene import StagePicture
 from observer_lab.course.lesson import Design
 from observer_lab.course.reading.toml_table import Table
 from observer_lab.engine import EngineError, Plant, lqe, lqr, observer_gain, place
@@ -35,6 +36,7 @@ class Setup:
     run: Mapping[str, Entries]
     horizon: float
     step: float
+    picture: StagePicture | None = None
     assumed: Callable[[Plant, Values], tuple[np.ndarray, np.ndarray]] | None = None  # W and V of `[observer]`, None where it has none
 
     def belief(self, values: Values) -> dict[str, float]:
@@ -50,8 +52,8 @@ class Setup:
         return float(np.max(self.run[name].at(values))) if self.run[name].given is not None else np.inf
 
 
-def read_setup(top: Table, source: PlantSource, parameters: Parameters) -> Setup:
-    """`[model]`, `[observer]`, `[controller]` and `[run]`. Raises LessonFileError."""
+def read_setup(top: Table, source: PlantSource, parameters: Parameters, picture: StagePicture | None) -> Setup:
+    """`[model]`, `[observer]`, `[controller]` and `[run]`, with the picture of the stage. Raises LessonFileError."""
     model_table = top.table("model")
     for name in model_table.data:
         if name not in parameters.names:
@@ -72,7 +74,8 @@ def read_setup(top: Table, source: PlantSource, parameters: Parameters) -> Setup
     entries = {key: read_entries(run, key, parameters, given) if key in run.data or given is not None else Entries(run, key, None)
                for key, given in defaults.items()}
     return Setup(source, parameters, believed, _feedback(controller, parameters, source), _injection(observer, parameters, source),
-                 _knob_of(observer, parameters), _knob_of(controller, parameters), entries, horizon, step, _assumed(observer, parameters))
+                 _knob_of(observer, parameters), _knob_of(controller, parameters), entries, horizon, step, picture,
+                 _assumed(observer, parameters))
 
 
 def _knob_of(table: Table, parameters: Parameters) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 import numpy as np
@@ -57,7 +57,7 @@ def compute(setup: Setup, design: Design) -> Outcome[Study]:
     formulas = (Formula("L", gain_words("L", L)), *([Formula("K", gain_words("K", K))] if np.any(K) else []))
     metrics = _metrics(run, L, poles)
     return Outcome(design, {"K": K, "L": L}, poles, metrics, (), run if setup.source.python is None else None,
-                   _boards(setup, poles, model.A - L @ model.C), stage(setup.source.model, run, design),
+                   _boards(setup, poles, model.A - L @ model.C), replace(stage(setup.source.model, run, design), picture=setup.picture),
                    formulas, _live(metrics, setup.horizon),
                    Study(run))
 

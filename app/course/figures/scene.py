@@ -50,6 +50,28 @@ class Board:
         return tuple(map(self.hold, self.poles))
 
 
+PICTURE_DEPTH, PICTURE_WIDTH, PICTURE_HEIGHT, PICTURE_FOOT = 1.5, 4.4, 2.0, 0.1  # of its place below the boards, in stage units
+
+
+@dataclass(frozen=True, eq=False)
+class StagePicture:
+    """A picture of pixels (rows, columns, 3), upright behind the plant and as large as fits there."""
+
+    image: np.ndarray
+
+    @property
+    def size(self) -> tuple[float, float]:
+        """How wide and how high it stands, in stage units."""
+        rows, columns, _ = self.image.shape
+        scale = min(PICTURE_WIDTH / columns, PICTURE_HEIGHT / rows)
+        return scale * columns, scale * rows
+
+    @property
+    def place(self) -> tuple[float, float, float]:
+        """Where its middle is, in stage units."""
+        return 0.0, PICTURE_DEPTH, PICTURE_FOOT + self.size[1] / 2
+
+
 @dataclass(frozen=True, eq=False)
 class Stage:
     """What the 3-D stage plays: a body along the true trajectory and, as a ghost, along its estimate.
@@ -70,6 +92,7 @@ class Stage:
     spread: np.ndarray | None = None
     note: tuple[Text, ...] = ()
     held: tuple[tuple[Grip, tuple[tuple[float, float], ...]], ...] = ()
+    picture: StagePicture | None = None  # that a lesson brings, the same in all its runs
 
     def __post_init__(self) -> None:
         if len(self.t) < 2:

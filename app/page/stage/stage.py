@@ -32,6 +32,7 @@ FACTORS = 10.0  # letters: a line with what is exaggerated is no longer
 FACTORS_AT = (2.9, -0.6, 0.02), (2.9, -0.6, 0.5)  # where the end of its last line stands, and where a map lies in front
 MIN_ARROW_LENGTH = 0.05  # stage units: shorter arrows are not drawn
 LARGEST_CLOUD = 0.9  # stage units
+UPRIGHT = (math.sqrt(0.5), math.sqrt(0.5), 0.0, 0.0)  # pictures lie flat until they are turned, then the last row is above
 INSIDE = 0.985  # the ghost is drawn this much smaller: where it agrees, it vanishes into the body
 Place = tuple[int, tuple[int, ...]]  # the sample of the run that is shown, and of each pin's run
 BELOW: Vector = (0.0, 0.0, -9.0)
@@ -70,6 +71,7 @@ class StageView:
         self._letters = SceneLabels(self._scene, 1.0)
         self._pins, self._part_names = PinGhosts(self._scene, self._letters), PartNames(self._scene, self._letters)
         self._errors: ErrorLines | None = None
+        self._picture: viser.ImageHandle | None = None
         self._stage: Stage | None = None
         self._frame: Frame = {}  # where everything was sent to last
         self._posed: tuple[Place, Stage | None] | None = None
@@ -99,13 +101,16 @@ class StageView:
         self.built = object()
         self._solid, self._ghost = self._parts()
         self._clouds, self._names, self._note, self._called = [], [], [], []
-        self._hand = None
+        self._hand = self._picture = None
         self._stage, self._body = stage, stage.body if stage is not None else None
         self._letters = SceneLabels(self._scene, em)
         self._pins, self._part_names = PinGhosts(self._scene, self._letters), PartNames(self._scene, self._letters)
         if stage is None:
             return
         body = stage.body
+        self._picture = None if stage.picture is None else self._scene.add_image(
+            "/picture", stage.picture.image[::-1], *stage.picture.size, format="jpeg", cast_shadow=False, receive_shadow=False,
+            position=stage.picture.place, wxyz=UPRIGHT)
         for part in body.parts:
             if not part.unseen:
                 self._solid.add(part, part.colour, part.opacity)
@@ -154,7 +159,7 @@ class StageView:
     def show(self, stage: Stage | None, language: str, em: float) -> None:
         """Take a new run; another plant is put on the stage in place of the last one."""
         if (stage.body if stage is not None else None) is not self._body:
-            for part in (self._solid, self._ghost, *self._clouds, *self._names, *self._note, *filter(None, (self._hand,))):
+            for part in (self._solid, self._ghost, *self._clouds, *self._names, *self._note, *filter(None, (self._hand, self._picture))):
                 part.remove()
             self._pins.clear()
             self._part_names.clear()

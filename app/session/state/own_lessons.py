@@ -12,7 +12,7 @@ from ...course.lesson import Lesson
 from ...text import read_outside_json
 
 MAX_ZIP_BYTES = 1_000_000
-MAX_KEPT_ZIP_BYTES = 150_000  # bytes of a file that the browser's tab keeps through a reload; they come back in one message
+MAX_KEPT_ZIP_BYTES = 250_000  # bytes of a file that the browser's tab keeps through a reload; they come back in one message
 MAX_NAME_CHARACTERS = 80
 ReadLessons = Callable[[str, bytes, tuple[str, ...]], Iterator[Lesson]]  # name of a .zip, its bytes, ids that are taken
 
