@@ -19,7 +19,7 @@ from test_own_records import AtOnce
 from observer_lab.lessons.from_files.packed import MAX_FILES, MAX_UPLOADED_LESSONS, uploaded_lessons
 from observer_lab.session.commands.commands import Command, OpenLesson, SetKnobs
 from observer_lab.session.commands.files import ClearBrowser, LessonsChanged, UploadLessons
-from observer_lab.session.handlers.lesson_reload import LOST, NOT_KEPT, NOT_TAKEN, TOO_LARGE
+from observer_lab.session.handlers.lesson_reload import BEING_READ, LOST, NOT_KEPT, NOT_TAKEN, TOO_LARGE
 from observer_lab.session.runtime import watchdog
 from observer_lab.session.session import Session
 from observer_lab.session.state.own_lessons import MAX_KEPT_ZIP_BYTES, MAX_ZIP_BYTES, ReadLessons, read_zip, write_zip
@@ -117,6 +117,21 @@ def test_a_file_that_cannot_be_read_leaves_what_was_open() -> None:
     tab.upload(zipped(TWO))
     tab.upload(b"PK no zip")
     assert tab.lesson == "big-tank" and tab.catalogue[2:] == ["big-tank", "leaky-tank"] and "cannot be opened" in tab.scolded
+
+
+class Later(AtOnce):
+    """Background jobs that are never done."""
+
+    def send(self, job: Callable[[], object]) -> bool:
+        return True
+
+
+def test_a_second_file_waits_until_the_first_is_read(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("observer_lab.session.session.BackgroundJobs", Later)
+    tab = OwnTab()
+    tab.upload(zipped(TWO))
+    tab.upload(zipped(TWO))
+    assert tab.view.scolded() == [BEING_READ] and tab.catalogue == ["toy", "kalman"]
 
 
 # --- reloads -------------------------------------------------------------------------------------------------------

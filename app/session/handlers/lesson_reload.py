@@ -21,6 +21,7 @@ from .presenter import Presenter
 log = logging.getLogger(__name__)
 RELOADED = text("The files of this lesson have changed; the page shows the new lesson.")
 NOT_TAKEN = text("This server opens no lessons from a page; whoever runs it can start it with --allow-lessons.")
+BEING_READ = text("Another .zip of lessons is being read; wait until it is open.")
 TOO_LARGE = text("A .zip of lessons may have at most {most:g} MB.", most=MAX_ZIP_BYTES / 1e6)
 OPENED = text("{file} is open in this tab alone; lessons: {count}.")
 ONE_BROKEN = text("{id} in {file} cannot be read. {why}")
@@ -84,6 +85,8 @@ def upload_lessons(show: Presenter, name: object, data: object) -> None:
     if len(data) > MAX_ZIP_BYTES:
         raise KnobError(TOO_LARGE)
     file = name[:MAX_NAME_CHARACTERS]
+    if show.state.own.reading:
+        raise KnobError(BEING_READ)
     if not _send(show, show.state.own, file, data, lambda read: read and _open_own(show, file, data)):
         raise KnobError(TOO_MANY)
 
