@@ -14,8 +14,8 @@ COUNTED = re.compile(r"\{(?P<name>\w+)(?::(?P<spec>[^{}]*))?\} (?P<noun>[a-z]+s)
 IRREGULAR = MappingProxyType({"axes": "axis", "entries": "entry", "frequencies": "frequency"})
 NOUNS = frozenset((
     "changes", "channels", "characters", "columns", "counts", "decimals", "designs", "dimensions", "directions", "gains",
-    "inputs", "lessons", "members", "names", "numbers", "outputs", "perturbations", "pixels", "places", "points", "poles", "predictions", "readings",
-    "rows", "runs", "samples", "scenes", "seconds", "seeds", "starts", "states", "steps", "stops", "votes",
+    "inputs", "lessons", "members", "names", "numbers", "outputs", "perturbations", "pixels", "places", "points", "poles", "predictions",
+    "readings", "rows", "runs", "samples", "scenes", "seconds", "seeds", "starts", "states", "steps", "stops", "votes",
     "windows", "years", "zeros"))
 
 
