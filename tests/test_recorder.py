@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import pytest
 
 from observer_lab.course.knobs import Number, Poles
@@ -48,6 +50,19 @@ def test_every_grid_has_a_value_that_the_scene_asks_for(lesson: str) -> None:
             assert goal.value in values, scene.id
         elif goal.least is not None and goal.most is not None and isinstance(knob, Number):
             assert any(goal.least <= value <= goal.most for value in values), scene.id
+
+
+@pytest.mark.parametrize("lesson", LESSONS)
+def test_a_slider_and_its_field_show_each_value_of_its_grid(lesson: str) -> None:
+    """In the digits that they have: three of a number, and three decimals of a power of ten."""
+    for knob in LESSONS[lesson].knobs:
+        if not isinstance(knob, Number):
+            continue
+        for points in (FEW, Points(), Points(slider=12)):
+            for value in values_of(knob, None, points):
+                shown = 10.0 ** round(math.log10(value), 3) if knob.scale == "log" else round(value, 9)
+                assert f"{shown:.3g}" == f"{value:.3g}", (knob.name, value)
+                assert value in (knob.low, knob.high) or float(f"{value:.10g}") == value, (knob.name, value)
 
 
 @pytest.mark.parametrize("pairs", [1, 2, 3, 5, 8])

@@ -59,11 +59,11 @@ def _numbers(knob: Number, count: int) -> list[float]:
 
 
 def _on_scale(knob: Number, value: float) -> float:
-    """The nearest value that a slider shows."""
+    """The nearest value that a slider shows: one that moves in decades shows three decimals of them."""
     if knob.scale == "log":
-        return float(f"{value:.3g}")
+        return float(f"{10.0 ** round(math.log10(value), 3):.10g}")
     step = 1.0 if knob.scale == "integer" else knob.step or 10.0 ** math.floor(math.log10((knob.high - knob.low) / 100))
-    return min(max(knob.low + step * round((value - knob.low) / step), knob.low), knob.high)
+    return float(f"{min(max(knob.low + step * round((value - knob.low) / step), knob.low), knob.high):.10g}")  # 0.35, not 0.35 + 6e-17
 
 
 def _places(knob: Poles, now: tuple[complex, ...], points: Points) -> list[tuple[complex, ...]]:

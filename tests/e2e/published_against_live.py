@@ -39,7 +39,7 @@ SEEN = """() => ({
   figures: [...document.querySelectorAll('.ol-figure')].filter(each => each.checkVisibility()).map(each => each.innerText),
   captions: [...document.querySelectorAll('.ol-caption')].filter(each => each.checkVisibility()).map(each => each.innerText),
   knobs: [...document.querySelectorAll('[role=slider], input[type=checkbox]')].filter(each => each.checkVisibility())
-    .map(each => each.getAttribute('aria-valuenow') ?? String(each.checked)),
+    .map(each => (each.ariaValueNow === null ? String(each.checked) : Number(each.ariaValueNow).toPrecision(8))),
   boards: Object.entries(window.__viserMutable?.nodeRefFromName ?? {})  // viser keeps the names of what has gone
     .filter(([name, node]) => node && name.startsWith('/board/')).map(([name]) => name).sort(),
 })"""
