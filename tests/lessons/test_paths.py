@@ -325,3 +325,6 @@ def test_the_scene_that_says_why_shows_its_algebra_in_lines_that_move(lesson: Le
     gone = re.findall(r"\\color\{gone\}\{(.*?)\}\}", "".join(lines))
     assert len(gone) != 1 and len(set(gone)) <= 1, "what cancels stands in two lines alike"
     assert "gone" not in lines[-1]
+    *terms, sum_of_them = re.findall(r"\\color\{gather\}\{(.*?)\}\}", "".join(lines)) or [""]
+    assert sum_of_them == (f"({' - '.join(terms)})" if terms else ""), "terms are gathered into what they become"
+    assert bool(terms) == bool(gone), "where the subtraction cancels one term, it gathers the others"

@@ -1,7 +1,8 @@
-"""Write lines of algebra that come one after another: terms light up, cancel, and a matrix turns over.
+"""Write lines of algebra that come one by one: terms light up, cancel or gather, a matrix turns over.
 
-In a line `\\color{gone}{…}` is struck out once all lines that hold such a term have come, `\\color{lit}{…}` lights up, and
-`\\color{turn}{…}` turns over its diagonal, as a transpose does. Where motion is unwanted the style sheet shows the last picture.
+In a line `\\color{gone}{…}` is struck out once all lines that hold such a term have come, and `\\color{lit}{…}` lights up. A bracket grows
+under `\\color{gather}{…}`: under terms that share a factor, then under what they become. `\\color{turn}{…}` turns over its diagonal, as a
+transpose does. Where motion is unwanted the style sheet shows the last picture.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ from collections.abc import Sequence
 
 from ..words.prose import mathml
 
-MARKS = ("gone", "lit", "turn")
+MARKS = ("gone", "lit", "gather", "turn")
 
 
 def moving_lines(lines: Sequence[str]) -> str:
