@@ -24,7 +24,7 @@ from tab import ANSWERED, CURVES, FLAGS, HARMLESS, UNDRAWN, eventually
 from observer_lab.course.guiding.predictions import prediction_of
 from observer_lab.course.knobs import Choice, Knob, Number, Poles, Switch
 from observer_lab.course.lesson import Lesson
-from observer_lab.course.scenes import Choose, Move, Press, Scene, entry_values
+from observer_lab.course.scenes import Choose, Move, Press, Scene, Solve, entry_values
 from observer_lab.engine.kernels import prepare_kernels
 from observer_lab.lessons import LESSONS
 from observer_lab.page.column.knob_widgets import label_of
@@ -216,7 +216,7 @@ def _knobs(pair: Pair, lesson: Lesson, scene: Scene, points: Points, most: int) 
         if isinstance(knob, Poles) or not all(widget.count() and widget.last.is_visible() for widget in widgets):
             continue
         for k, value in enumerate(values_of(knob, entry[knob.name], points)[-most:]):
-            if k and isinstance(scene.do, Move):  # the first move that does what was asked keeps its run
+            if k and isinstance(scene.do, (Move, Solve)):  # the first move that does what was asked keeps its run
                 pair.open(lesson, scene)
                 widgets = [_widget(page, knob, pair.language) for page in pair.pages]
             for widget in widgets:
