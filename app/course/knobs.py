@@ -81,7 +81,7 @@ class Number(Knob):
             raise self._refuse(value, text("it must be a finite number."))
         if not self.low <= number <= self.high:
             for end in (self.low, self.high):
-                if number == float(f"{end:g}"):  # an end as it is shown is that end
+                if math.isclose(number, float(f"{end:g}"), rel_tol=1e-12):  # an end as it is shown, or by its logarithm, is that end
                     return float(end)
             bounds = f"{self.low:g} … {self.high:g}" + (f" {self.unit}" if self.unit else "")
             raise self._refuse(f"{number:g}", text("choose a value within {bounds}.", bounds=bounds))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterator
 from functools import partial
@@ -20,7 +21,7 @@ from observer_lab.course.knobs import Choice, Knob, KnobError, Number, Poles, Sw
 from observer_lab.course.lesson import KEYS, Design, Lesson
 from observer_lab.engine import EngineError
 from observer_lab.lessons import LESSONS
-from observer_lab.page.column.knob_widgets import label_of
+from observer_lab.page.column.knob_widgets import label_of, slider_place, slider_value
 from observer_lab.plants.examples import example
 from observer_lab.text import languages
 
@@ -52,6 +53,17 @@ def moves_something(lesson: Lesson, knob: Knob) -> None:
 @every_lesson
 def test_every_knob_changes_what_is_seen(lesson: Lesson) -> None:
     holds_for_all([knob for knob in lesson.knobs if not knob.hidden], partial(moves_something, lesson), lambda knob: knob.name)
+
+
+@every_lesson
+def test_a_slider_at_its_end_and_an_end_that_is_typed_give_the_end(lesson: Lesson) -> None:
+    """A field beside a slider that moves in decades sends the logarithm of what is typed."""
+    for knob in lesson.knobs:
+        if isinstance(knob, Number):
+            for end in (knob.low, knob.high):
+                typed = math.log10(end) if knob.scale == "log" else end
+                assert knob.check(slider_value(knob, slider_place(knob, end))) == end, (knob.name, end)
+                assert knob.check(slider_value(knob, typed)) == pytest.approx(end, rel=1e-12), (knob.name, end)
 
 
 @every_lesson

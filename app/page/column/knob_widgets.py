@@ -45,25 +45,31 @@ def marks(knob: Number, language: str) -> tuple[float | tuple[float, str], ...]:
     return (low, format_number(knob.low, ".3g", language)), *inside, (high, format_number(knob.high, ".3g", language))
 
 
+def slider_place(knob: Number, value: float) -> float:
+    """Where a value stands on the knob's slider; one that moves in decades holds the logarithm to three decimals."""
+    return round(math.log10(value), 3) if knob.scale == "log" else float(value)
+
+
+def slider_value(knob: Number, place: float) -> float:
+    """The value at a place of the knob's slider; its ends are those of the knob, which three decimals of a logarithm may miss."""
+    if knob.scale != "log":
+        return place
+    return {slider_place(knob, end): end for end in (knob.low, knob.high)}.get(place, 10.0 ** place)
+
+
 class NumberWidget:
     """A slider with its number field; one that moves in decades holds the logarithm, its field shows the value (`fields.js`)."""
 
     def __init__(self, gui: viser.GuiApi, knob: Number, language: str, post: Post) -> None:
         self._knob = knob
         self._log = knob.scale == "log"
-        low, high = self._to(knob.low), self._to(knob.high)
+        low, high = slider_place(knob, knob.low), slider_place(knob, knob.high)
         step = 1.0 if knob.scale == "integer" else knob.step or 10 ** math.floor(math.log10((high - low) / 100))
         label = label_of(knob, language)
-        self._handle = gui.add_slider(label, low, high, float(step), self._to(knob.default),
+        self._handle = gui.add_slider(label, low, high, float(step), slider_place(knob, knob.default),
                                       hint=knob.hint(language) or None, marks=marks(knob, language))
         self.field = {viser_internals.node_id(self._handle): {"log": self._log, "unit": knob.unit, "step": float(step), "name": label}}
-        self._back = ReadBack(self._handle, lambda value: post(knob.name, self._from(value)))
-
-    def _to(self, value: float) -> float:
-        return round(math.log10(value), 3) if self._log else float(value)
-
-    def _from(self, value: float) -> float:
-        return 10.0 ** value if self._log else value
+        self._back = ReadBack(self._handle, lambda value: post(knob.name, slider_value(knob, value)))
 
     @property
     def node(self) -> str:
@@ -72,7 +78,7 @@ class NumberWidget:
     def show(self, value: Any, visible: bool, picture: Picture) -> None:
         if self._handle.visible != visible:
             self._handle.visible = visible
-        self._back.show(self._to(value), picture)
+        self._back.show(slider_place(self._knob, value), picture)
 
 
 class ChoiceWidget:
