@@ -73,16 +73,18 @@
   const redo = async chosen => {  // once the page stands; what a hand does until then comes behind
     const end = performance.now() + LONGEST;
     returns = true;
-    do await new Promise(done => { setTimeout(done, WAIT); }); while (!stands() && !line.lost && performance.now() < end);
+    while (!stands() && !line.lost && performance.now() < end) await new Promise(done => { setTimeout(done, WAIT); });
     returns = false;
     if (line.lost || !stands()) return;
     const entries = held.filter(each => each.unsent || chosen(each)).map(entry => [entry, again(entry)]).filter(([, message]) => message);
     for (const [entry, message] of entries) {
       if (message.type === CHANGE && !PRESSES.includes(named.get(message.uuid)?.kind)) viser.show([message]);  // the slider as well
       if (entry.press) number(entry.count);
-      entry.unsent = false;
+      Object.assign(entry, {unsent: false, message});
+      if (entry.press) sent.set(entry.count, entry);
       viser.send(message);
     }
+    store(held);
   };
   line.onReturn = () => {
     [...named.keys()].forEach(layAside);
