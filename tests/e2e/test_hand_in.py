@@ -52,6 +52,7 @@ def test_an_answer_is_handed_in_copied_and_saved_and_outlives_a_reload(serve: Ca
         assert saved.value.suggested_filename == "separation-exam-offset.hand-in.txt"
         tab.press("中文")
         tab.page.reload()
+        tab.page.get_by_text(phrases.EXAM("zh"), exact=True).first.wait_for()  # what was pressed last is done again after the reload
         tab.settle()
         tab.unfold()
         assert eventually(field.input_value, bool, "the hand-in after a reload") == token
