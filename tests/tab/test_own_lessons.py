@@ -1,4 +1,4 @@
-"""A person's own .zip of lessons in a tab: it opens there alone, comes back after a reload, and a hostile one costs a sentence."""
+"""A person's own .zip of lessons: it opens in its tab alone and comes back after a reload; a hostile one is refused."""
 
 from __future__ import annotations
 

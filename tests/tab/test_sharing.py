@@ -223,7 +223,7 @@ def by_link(lesson: str, scene: int) -> str:
 
 
 def after(tab: Tab) -> tuple[object, ...]:
-    """What a scene shows once its performance is over."""
+    """The picture of a scene at the end of its performance."""
     for _ in range(STEPS + 2):
         tab.clock.advance(STEP_S + 0.01)
         tab.session.step(0.0)

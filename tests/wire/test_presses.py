@@ -25,7 +25,7 @@ def kept(tab: WireTab) -> list[dict[str, Any]]:
 
 
 def missed(tab: WireTab) -> list[str]:
-    """The widgets of which the page was told that they had gone."""
+    """The names of the widgets that came too late, as the page was told."""
     calls = [CALLED.fullmatch(message["source"]) for message in tab.messages if message["type"] == "RunJavascriptMessage"]
     return [json.loads(call[2])["widget"] for call in calls if call is not None and call[1] == "missed"]
 

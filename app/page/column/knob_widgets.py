@@ -46,7 +46,7 @@ def marks(knob: Number, language: str) -> tuple[float | tuple[float, str], ...]:
 
 
 def slider_place(knob: Number, value: float) -> float:
-    """Where a value stands on the knob's slider; one that moves in decades holds the logarithm to three decimals."""
+    """The place of a value on the knob's slider. A slider that moves in decades holds the logarithm to three decimals."""
     return round(math.log10(value), 3) if knob.scale == "log" else float(value)
 
 

@@ -99,7 +99,7 @@ def accept_values_only(client: viser.ClientHandle, refused: Callable[[], object]
 
 
 def tell_what_came_too_late(client: viser.ClientHandle) -> None:
-    """Tell the page what came when its widget had gone, since the page was being laid out anew: viser drops it, and the page does it again.
+    """Tell the page what came too late for its widget, while the page was being laid out anew. viser drops it; the page does it again.
 
     Handlers are called in order, and viser's own come later than these.
     """

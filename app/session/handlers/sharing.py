@@ -74,7 +74,7 @@ def note_look(show: Presenter) -> None:
 
 
 def looks(saved: SavedState) -> tuple[Design, str, int | None, str | None]:
-    """What two pages of a presenter have in common when they show the same."""
+    """The part of a state that is equal on two pages of a presenter that show the same."""
     return saved.design, saved.scene, saved.answered, saved.mode
 
 
