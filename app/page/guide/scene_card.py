@@ -72,6 +72,7 @@ def mode_row(picture: Picture, hand: str) -> str:
     more = "".join(f'<button type="button" class="ol-item" data-to="{hand}" data-value="{value}">{html.escape(words)}</button>'
                    for value, words in items)
     more += f'<button type="button" class="ol-item ol-search">{html.escape(phrases.SEARCH(lang))}</button>'
+    more += f'<button type="button" class="ol-item ol-light">{html.escape(phrases.SHADOWS(lang))}</button>'
     more += f'<button type="button" class="ol-item ol-notes">{html.escape(phrases.NOTES(lang))}</button>'
     title = f"{picture.lesson.number} · {picture.lesson.words[lang].title}"
     whole = title if talk is None else f"{words_in(talk.title, lang)} · {title}"

@@ -19,6 +19,7 @@ from ..replay.playback import Player
 from ..replay.transport import CLOCK_PLACEHOLDERS, PlaybackControls
 from ..screen.page_setup import stage_name
 from ..screen.screen import Screen
+from ..stage.lighting import cast_shadows
 from ..stage.viewpoint import letters
 from ..viser_private import page_scripts, viser_internals
 from ..viser_private.shared_page import SharedPage
@@ -124,6 +125,7 @@ class AudienceScreen(Screen):
         self._stage.furnish(False)
         self._stage.build(picture.outcome.stage, self._language, letters(self._client.camera, False))
         self._player = EveryPagePlayer(self._client, self._stage, self._transport)
+        cast_shadows(self._client)
         for name in SCRIPTS:
             viser_internals.run_script(self._client, name)
         self._viewpoint.look(picture.state.camera)

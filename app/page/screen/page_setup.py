@@ -10,6 +10,7 @@ from ...session.commands.commands import Edit, PageSeen
 from ...session.commands.shortcuts import SHORTCUTS
 from ...session.state.view import Picture
 from ..stage.drag_handles import FAINT, GRIPS, OBSERVER_BOARD
+from ..stage.lighting import cast_shadows
 from ..viser_private import page_scripts, viser_internals
 
 PAGE_SCRIPTS = (
@@ -42,6 +43,7 @@ def run_page_scripts(client: viser.ClientHandle) -> None:
     """Run every script that a page keeps until it is closed."""
     for name in PAGE_SCRIPTS:
         viser_internals.run_script(client, name)
+    cast_shadows(client)
     page_scripts.pulse_once(client, GRIPS, OBSERVER_BOARD, FAINT)
 
 

@@ -28,6 +28,8 @@ def fill_palette(client: viser.ClientHandle, picture: Picture, post: Post, open_
         others = " · ".join(dict.fromkeys(name(code) for code in languages() if code != language))
         handle = client.gui.add_command(f"{kind(language)}: {name(language)}", description=others or None)
         _bind(handle, edits, post)
+    turn = RunOnTabThread(partial(page_scripts.turn_light, client))
+    _bind(client.gui.add_command(phrases.SHADOWS(language), description=phrases.SHADOWS_SAY(language)), (turn,), post)
     scenes = {(lesson.id, scene.id) for lesson in picture.catalogue for scene in lesson.path}
     for question in questions()[language].entries:
         if (question.lesson, question.scene) in scenes:

@@ -12,6 +12,12 @@ def floor_lines(half: int = 8) -> np.ndarray:
     return np.array(lines, dtype=np.float32)
 
 
+def floor_ground(half: float = 9.0) -> tuple[np.ndarray, np.ndarray]:
+    """Vertices (4, 3) and faces (2, 3) of the square on which a shadow is cast."""
+    corners = [(-half, -half, 0.0), (half, -half, 0.0), (half, half, 0.0), (-half, half, 0.0)]
+    return np.array(corners, np.float32), np.array([(0, 1, 2), (0, 2, 3)], np.uint32)
+
+
 def floor_shadow() -> np.ndarray:
     """A soft shadow to lay under the plant: a picture costs a slow machine far less than cast shadows."""
     y, x = np.mgrid[-1:1:96j, -1:1:128j]

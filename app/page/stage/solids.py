@@ -27,7 +27,8 @@ class Solids:
         self._nodes[part.name] = self._node(f"{self._root}/{part.name}", part.shape, colour, opacity)
 
     def _node(self, name: str, shape: Shape, colour: str, opacity: float | None) -> viser.SceneNodeHandle:
-        scene, look = self._scene, {"color": rgb(colour), "opacity": opacity, "cast_shadow": False, "receive_shadow": False}
+        scene, opaque = self._scene, opacity is None  # these cast a shadow wherever the light does, see `light.js`
+        look = {"color": rgb(colour), "opacity": opacity, "cast_shadow": opaque, "receive_shadow": opaque}
         if isinstance(shape, Ball):
             return scene.add_icosphere(name, shape.radius, **look)
         return scene.add_mesh_simple(name, *_mesh(shape), **look)

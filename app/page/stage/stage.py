@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 import viser
 
-from ...colours import COLOURS, palette, rgb
+from ...colours import COLOURS, rgb
 from ...course.error_window import sample_at
 from ...course.lesson import Stage
 from ...course.pinned_designs import Ghost
@@ -19,7 +19,7 @@ from ..viser_private import viser_internals
 from ..viser_private.stage_frames import Frame, Value, changed_values, flatten_segments
 from ..words import phrases
 from .body_extent import reach
-from .floor import floor_lines, floor_shadow
+from .lighting import PLANT, light_up
 from .part_names import PartNames
 from .pinned_ghosts import PinGhosts
 from .pulling_hand import Pulled, PullingHand
@@ -83,17 +83,7 @@ class StageView:
         scene, self._dark = self._scene, dark
         colour_labels(self._client, dark)
         scene.set_up_direction("+z")
-        scene.configure_default_lights(False)
-        scene.configure_environment_map(None)
-        scene.add_light_hemisphere("/light/sky", sky_color=rgb(COLOURS["light-above"]),
-                                   ground_color=rgb(COLOURS["light-below"]), intensity=2.1)
-        scene.add_light_directional("/light/key", color=rgb(COLOURS["light-key"]), intensity=2.3, position=(-4.0, -6.0, 9.0),
-                                    cast_shadow=False)
-        scene.add_light_directional("/light/fill", color=rgb(COLOURS["light-fill"]), intensity=0.5, position=(6.0, -5.0, 4.0),
-                                    cast_shadow=False)
-        scene.add_line_segments("/floor", floor_lines(), rgb(palette(dark)["floor"]), thickness=0.012)
-        scene.add_image("/shadow", floor_shadow(), 5.6, 3.4, format="png", cast_shadow=False, receive_shadow=False,
-                        position=(0.0, 0.1, 0.002))
+        light_up(scene, dark)
 
     def build(self, stage: Stage | None, language: str, em: float) -> None:
         """Put a plant on the stage, instead of the last one."""
@@ -154,7 +144,7 @@ class StageView:
 
     def _parts(self) -> tuple[Solids, Solids]:
         """The plant's parts and its ghost's, none yet."""
-        return Solids(self._scene, "/plant"), Solids(self._scene, "/ghost", INSIDE, coloured=False)
+        return Solids(self._scene, PLANT), Solids(self._scene, "/ghost", INSIDE, coloured=False)
 
     def show(self, stage: Stage | None, language: str, em: float) -> None:
         """Take a new run; another plant is put on the stage in place of the last one."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import viser
@@ -35,6 +35,16 @@ def open_tab(client: viser.ClientHandle, title: str, figure: str) -> None:
 def find_knob(client: viser.ClientHandle, label: str, folder: str) -> None:
     """Put the focus on the widget beside these words, in a folder with this head if it is not in sight."""
     run_script(client, "find", label=label, folder=folder)
+
+
+def light_stage(client: viser.ClientHandle, nodes: Mapping[str, str], metals: Sequence[tuple[int, int, int]]) -> None:
+    """Cast shadows and let metal reflect where a graphics card draws. `nodes` names lamp, ground, picture, and how all solids begin."""
+    run_script(client, "light", **nodes, metals=[(red << 16) | (green << 8) | blue for red, green, blue in metals])
+
+
+def turn_light(client: viser.ClientHandle) -> None:
+    """Cast shadows, or no longer."""
+    run_script(client, "turn_light")
 
 
 def pulse_once(client: viser.ClientHandle, ending: str, best: str, faint: float, full: float = 0.6, seconds: float = 2.4) -> None:

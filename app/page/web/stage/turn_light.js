@@ -1,0 +1,2 @@
+// Casts shadows, or no longer, and keeps that for the next time.
+() => window.observerLabLight?.turn()
