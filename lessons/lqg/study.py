@@ -23,9 +23,6 @@ from .knobs import PROCESS_RULE, RECURSIVE, SENSOR_RULE, SPLIT_RULE
 from .loops import Cost, Setting, Trace, cost, estimator, gains, loop, sensor_input, setting_of, trace
 from .robustness import Robustness, ideal, real, within
 
-STILL = 0.05  # of the plant's motion: a ghost that moves less hardly moves
-GHOST_HARDLY_MOVES, SLOW_CORRECTION = text("the ghost hardly moves:"), text("a steady gain corrects a wrong start only slowly")
-
 
 @dataclass(frozen=True, eq=False)
 class Trials:
@@ -141,24 +138,8 @@ def compute_for(cases: tuple[Case, ...], design: Design) -> Outcome[Study]:
     metrics, poles = LazyMap(lambda: _metrics(study, reg, est)), {"regulator": reg.poles, "filter": est.poles}
     return Outcome(design, {"K": reg.gain, "L": est.gain}, LazyMap(lambda: {**poles, "loop": study.loop.poles}, poles), metrics,
                    LazySequence(lambda: _checks(study, metrics)), None, _boards(case, reg, est),
-                   Stage(case.model.body, study.trace.t, study.trace.x, study.trace.xhat, study.trace.u, note=_note(study, design)),
+                   Stage(case.model.body, study.trace.t, study.trace.x, study.trace.xhat, study.trace.u),
                    LazySequence(lambda: _formulas(study, setting)), LazyValue(lambda: _live(study)), study)
-
-
-def moved(run: Trace) -> float:
-    """How far the estimate moves, in the state in which it moves most, as a share of the plant's motion."""
-    return float(np.max(np.ptp(run.xhat, axis=0) / np.maximum(np.ptp(run.x, axis=0), 1e-300)))
-
-
-def _note(study: Study, design: Design) -> tuple[Text, ...]:
-    """That the ghost hardly moves, where it does not, and what the same filter does where nobody controls: how far it would go; if
-    no farther, the steady gain is made for what comes, not for a wrong start."""
-    if design["filter"] == RECURSIVE or moved(study.trace) > STILL:
-        return ()
-    alone = moved(trace(study.case, study.setting, design["kick"], False, held=False))
-    return GHOST_HARDLY_MOVES, SLOW_CORRECTION if alone <= STILL else text(
-        "without control it would move {share:.3g} % as far as the plant", share=100 * alone
-    )
 
 
 def peak_reductions(case: Case, true: float, density: np.ndarray) -> tuple[np.ndarray | None, np.ndarray]:

@@ -182,21 +182,6 @@ def test_the_recursive_filter_finds_the_state_long_before_the_steady_one() -> No
     assert size[0][-1] == pytest.approx(0.23 * size[0][0], rel=0.05)
 
 
-@pytest.mark.parametrize("values", [{}, {"beta_r": 1e12}, {"beta_r": 1e12, "beta_q": 1e-3}], ids=str)
-def test_a_ghost_that_hardly_moves_is_said_to_go_as_far_as_the_same_filter_does_without_control(values: dict) -> None:
-    outcome = at(**values)
-    first, why = outcome.stage.note
-    z = outcome.study
-    assert "hardly moves" in first("en") and np.all(np.ptp(z.trace.xhat, axis=0) < 0.05 * np.ptp(z.trace.x, axis=0))
-    alone = trace(z.case, z.setting, -1.0, False, held=False)
-    assert alone.u.max() == alone.u.min() == 0.0
-    share = np.max(np.ptp(alone.xhat, axis=0) / np.ptp(alone.x, axis=0))
-    if share > 0.05:
-        assert f"{100 * share:.3g} %" in why("en"), "however slow the filter, the sentence says what it does alone"
-    else:
-        assert "slowly" in why("en")
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("values", [{}, {"filter": "recursive"}, {"case": "doyle"}, {"case": "doyle", "filter": "recursive"},
                                     {"beta_r": 1e8, "sensor": 1e9, "seed": 5}])

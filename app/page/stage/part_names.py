@@ -11,13 +11,11 @@ from ...colours import palette, rgb
 from ...plants.bodies.body import Body, PartName, Pose, Vector
 from ...text import label_in_language
 from ..viser_private.stage_frames import Frame, flatten_segments
-from .scene_labels import SceneLabels
+from .scene_labels import SceneLabels, beside_plant
 from .trails import HIDDEN_SEGMENT, Pair
 
 LINES = "/named/lines"
 THIN = 0.012  # stage units
-NEAR = 0.75  # of the size of letters at the boards: a plant whose parts have names is seen from near
-LARGE_LETTERS = 0.16  # stage units: larger ones are those of a hall or of a phone, and stay as large as they are
 
 
 class PartNames:
@@ -37,7 +35,7 @@ class PartNames:
         self.clear()
         self._shown = wanted
         self._labels = [self._letters.write(f"/named/{i}", label_in_language(name.words, language), (0.0, 0.0, 0.0), _anchor(name.away),
-                                             lambda em: min(scale, 1.0) * (NEAR if em < LARGE_LETTERS else 1.0))
+                                             beside_plant(scale))
                         for i, name in enumerate(wanted)]
         self._lines = self._scene.add_line_segments(LINES, np.array([HIDDEN_SEGMENT], np.float32), rgb(palette(dark)["label"]),
                                                     thickness=THIN)

@@ -23,7 +23,7 @@ from .lighting import PLANT, light_up
 from .part_names import PartNames
 from .pinned_ghosts import PinGhosts
 from .pulling_hand import Pulled, PullingHand
-from .scene_labels import SceneLabels, colour_labels, stagger_names
+from .scene_labels import SceneLabels, beside_plant, colour_labels, stagger_names
 from .solids import Solids
 from .trails import ErrorLines
 from .viewpoint import body_scale
@@ -119,10 +119,11 @@ class StageView:
                                       receive_shadow=False)
             for i, _ in enumerate(body.anchors(stage.xhat[0].tolist(), body.gain))]
         said = factors(body, language)
-        self._letters.write("/factor", said, factors_at(stage, self.charted), "bottom-right", visible=bool(said))
+        size = beside_plant(body_scale(reach(stage)))
+        self._letters.write("/factor", said, factors_at(stage, self.charted), "bottom-right", size, visible=bool(said))
         self._say(stage, language)
         self._called = [(label_in_language(words, language), place) for words, place in body.labels]
-        self._names = [self._letters.write(f"/name/{i}", *name, "top-center") for i, name in enumerate(stagger_names(self._called, em))]
+        self._names = [self._letters.write(f"/name/{i}", *name, "top-center", size) for i, name in enumerate(self._staggered(em))]
 
     def needs_resize(self, em: float) -> bool:
         """Whether `fit` has something to do; asked from the server's loop."""
@@ -131,8 +132,13 @@ class StageView:
     def fit(self, em: float) -> None:
         """Write in letters as large as the window asks for."""
         if self._letters.resize(em):
-            for label, (_, place) in zip(self._names, stagger_names(self._called, em), strict=True):
+            for label, (_, place) in zip(self._names, self._staggered(em), strict=True):
                 label.position = place
+
+    def _staggered(self, em: float) -> tuple[tuple[str, Vector], ...]:
+        """The names that hang from the plant, in letters of a size at the boards."""
+        scale = 1.0 if self._stage is None else body_scale(reach(self._stage))
+        return stagger_names(self._called, em * beside_plant(scale)(em))
 
     def _say(self, stage: Stage, language: str) -> None:
         """What would surprise in this run, in lines in front of the plant."""
