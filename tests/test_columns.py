@@ -31,13 +31,17 @@ def test_a_column_whose_width_was_forgotten_is_told_again_and_one_that_a_hand_mo
     right, main, columns = Panel(), Panel(), Columns()
     columns.add(right, 395.0)  # type: ignore[arg-type]
     columns.add(main, 345.0)  # type: ignore[arg-type]
-    columns.watch(client, lambda edit: done.append(edit) or len(done))
+    columns.watch(client, lambda edit: done.append(edit) or len(done), 519.0)
     assert (right.told, main.told) == ([395.0], [345.0])
     for seen, times in ((395, 1), (520, 1), (304, 2), (300, 3)):
         asyncio.run(heard[0](SimpleNamespace(target=SimpleNamespace(value=seen))))
         while done:  # the tab's own thread tells the page
             done.pop().do()
         assert right.told == [395.0] * times and main.told == [345.0]
+    for seen, width in ((-2, 519.0), (304, 519.0), (-3, 395.0)):  # wide, forgotten by the browser, as before
+        asyncio.run(heard[0](SimpleNamespace(target=SimpleNamespace(value=seen))))
+        done.pop().do()
+        assert right.told[-1] == width
     right.gone = True
     asyncio.run(heard[0](SimpleNamespace(target=SimpleNamespace(value=304))))
     done.pop().do()

@@ -226,7 +226,9 @@ class Tab:
         return self.page.locator(f'xpath=//button[normalize-space(.)="{words}"]').locator("visible=true")
 
     def press(self, words: str, rests: bool = True) -> None:
-        """Click a button; `rests=False` where it starts a long job that is to be seen at work."""
+        """Click a button, also one of the menu; `rests=False` where it starts a long job that is to be seen at work."""
+        if not self.button(words).count() and self.page.locator(".ol-item", has_text=re.compile(f"^{re.escape(words)}$")).count():
+            self.page.locator(".ol-more summary").first.click()
         self.button(words).first.click()
         self.answered(rests)
 

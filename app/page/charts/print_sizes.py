@@ -26,6 +26,7 @@ ASIDE = 0.54  # of the window's width that the sheet takes beside the stage, whe
 NARROWEST = 250.0, 270.0  # px of the columns in a window that just has room for them
 LEGIBLE = 10.0  # px of the words in a drawing
 BAR = 12.0  # px between the panel of the run and the columns
+WIDE_SHARE = 0.38  # of the window's width: the figures, where somebody wants them large
 GUIDE_SHARE = 0.32  # of the window's width: the guide's column
 FRAME_PX = 36.0  # px of a column of figures beside its charts and drawings
 QUESTION_HEIGHT = 300.0  # of a question's figure, whose width is `axes.W`
@@ -78,6 +79,11 @@ class Sizes:
         return min(RIGHT_COLUMN_PX, max(NARROWEST[1], RIGHT_COLUMN_PX * self.state.window[0] / USUAL[0]))
 
     @property
+    def widened(self) -> float:
+        """px of the column with the figures after a double click on its head."""
+        return max(WIDE_SHARE * self.state.window[0], self.right)
+
+    @property
     def run(self) -> float:
         """px of the panel of the run: all the stage has in large print and in the guide, so that it stands in one row."""
         stage = self.state.window[0] - self.left - self.right - 2 * BAR
@@ -87,7 +93,7 @@ class Sizes:
 
     @property
     def lists_keys(self) -> bool:
-        """Whether a button opens the list of keys: in a hall a key does, and its row is full; a phone has no keys."""
+        """Whether the menu of the lab has the list of keys: in a hall a key opens it; a phone has no keys."""
         return not self.state.lecture and self.state.window[0] >= PHONE and self.state.window[1] >= HELD_ACROSS
 
     @property

@@ -10,6 +10,7 @@ import viser
 from ...session.commands.commands import Edit, RunOnTabThread
 from ..viser_private import viser_internals
 
+DOUBLE_CLICKS = -2.0  # what the page says for the first one, and one less for each that follows
 FORGOTTEN = (296.0, 312.0)  # px: as wide as viser makes a column of which it knows no width
 
 
@@ -35,8 +36,8 @@ class Columns:
                 self._held[k] = panel, width
                 panel.set_width(width)
 
-    def watch(self, client: viser.ClientHandle, post: Callable[[Edit], int]) -> None:
-        """Hear how wide the column on the right stands, the first of these panels."""
+    def watch(self, client: viser.ClientHandle, post: Callable[[Edit], int], wide: float) -> None:
+        """Hear how wide the column on the right stands, the first of these panels; a double click on its head turns `wide` on and off."""
         if len(self._held) < 2:
             return
         told = client.gui.add_number("", -1.0, visible=False)
@@ -46,8 +47,17 @@ class Columns:
             with suppress(RuntimeError):  # the page has been laid out anew meanwhile
                 panel.set_width(width)
 
+        other = [wide]
+
+        def turn() -> None:
+            panel, width = self._held[0]
+            self._held[0], other[0] = (panel, other[0]), width
+            tell_again()
+
         @told.on_update
         async def _(event: viser.GuiEvent) -> None:
-            if FORGOTTEN[0] <= event.target.value <= FORGOTTEN[1]:
+            if event.target.value <= DOUBLE_CLICKS:
+                post(RunOnTabThread(turn))
+            elif FORGOTTEN[0] <= event.target.value <= FORGOTTEN[1]:
                 post(RunOnTabThread(tell_again))
         viser_internals.run_script(client, "columns", widget=viser_internals.node_id(told))

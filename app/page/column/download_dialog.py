@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 import viser
 
 from ...course.figures.records import tab_names
-from ...session.commands.commands import Edit, OpenState, PlaceOpened, SaveState, ToggleDownloads
+from ...session.commands.commands import Edit, OpenState, PlaceOpened, SaveState
 from ...session.commands.files import DownloadFile
 from ...session.state.saved_state import MAX_STATE_CHARACTERS
 from ...session.state.token import LONGEST_LINK, LONGEST_TOKEN
@@ -25,22 +25,17 @@ FIGURE_KINDS = ("PNG", "SVG", "PDF", "CSV", "JSON")  # of a figure
 
 
 class DownloadDialog(Dialog):
-    """The button that opens the dialog, the dialog, and the hidden widget by which the page says what was opened in it."""
+    """The dialog, and the hidden widget by which the page says what was opened in it."""
 
     def __init__(self, client: viser.ClientHandle, picture: Picture, post: Callable[[Edit], int], home: str) -> None:
         super().__init__(client, post)
         self._home, self._lang, self._picture = home, picture.state.language, picture
         gui, state = client.gui, picture.state
-        button = gui.add_button(phrases.TAKE(self._lang), color="gray", visible=not picture.guided)  # the guide has it in its menu
         said = gui.add_text("", "", visible=False)
         names = tab_names(picture.seen)
         page_scripts.tell_places(client, said, [name(self._lang) for name in names],
                            [heading for heading, _ in picture.lesson.words[self._lang].steps],
                            next((name(self._lang) for name in names if name("en") == state.tab), None))
-
-        @button.on_click
-        async def _(_: viser.GuiEvent) -> None:
-            post(ToggleDownloads())
 
         @said.on_update
         async def _(event: viser.GuiEvent) -> None:

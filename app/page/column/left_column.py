@@ -10,16 +10,17 @@ from typing import Any
 
 import viser
 
-from ...session.commands.commands import CheckTask, Edit, OpenLesson, SetLanguage, ShowHint, ShowSolution, ToggleLecture, ToggleTheme
+from ...session.commands.commands import CheckTask, Edit, OpenLesson, ShowHint, ShowSolution
 from ...session.commands.guide import SetMode
 from ...session.state.view import Picture, TaskState
-from ...text import languages, name_of
+from ..charts.print_sizes import Sizes
 from ..replay.pull_sliders import PullSliders
 from ..viser_private import viser_internals
 from ..viser_private.hidden_input import hidden_input
 from ..viser_private.widget_values import ReadBack
 from ..votes.room_panel import RoomPanel, room_command
 from ..words import phrases
+from ..words.menu import menu_edit, menu_html
 from ..words.mode_switch import mode_switch
 from ..words.prose import explained_html, formula_html, judged_html, render_markdown, with_minus
 from .compare_panel import ComparePanel
@@ -85,38 +86,26 @@ class Panel:
     # --- building --------------------------------------------------------------------------------------------------
     def _head(self, picture: Picture) -> None:
         gui, lang = self._gui, self._lang
-        tongues = {name_of(code): code for code in languages()}
         titles = {lesson.id: lesson.words[lang].title for lesson in picture.catalogue}
-        theme = phrases.LIGHT if picture.state.is_dark else phrases.DARK_THEME
-        pages: dict[str, Edit] = {phrases.LECTURE(lang): ToggleLecture(), theme(lang): ToggleTheme()}
         keys = {title: lesson_id for lesson_id, title in titles.items()}
         question = f'<div class="ol-question">{self._words.question}</div>'
         if picture.state.lecture:
             gui.add_html(question)
-        if self._lesson.path:
-            gui.add_html(f'<div class="ol-head">{mode_switch("lab", lang, self._hand)}'
-                         f'<button type="button" class="ol-do ol-search">{html.escape(phrases.SEARCH(lang))}</button></div>')
+        modes = mode_switch("lab", lang, self._hand) if self._lesson.path else ""
+        menu = menu_html(picture, self._hand, keys=Sizes(picture.state).lists_keys)
+        gui.add_html(f'<div class="ol-head">{modes}<span class="ol-lesson"></span>{menu}</div>')
         self._choice = gui.add_dropdown(phrases.LESSON(lang), tuple(titles.values()),
                                         initial_value=titles[self._lesson.id])
-        self._tongue = gui.add_button_group("", (*tongues, *pages))
         self._guide = CourseGuide(gui, picture, self._post)
         if not picture.state.lecture:
             gui.add_html(question)
         self._introduce(picture.state.lecture)
         self._catalogue = ReadBack(self._choice, lambda title: self._post(OpenLesson(keys.get(title, ""))))
 
-        @self._tongue.on_click
-        async def _(event: viser.GuiEvent) -> None:
-            word = event.target.value
-            if word in tongues:
-                self._post(SetLanguage(tongues[word]))
-            elif word in pages:
-                self._post(pages[word])
-
     def _heard(self, said: str) -> None:
         """What a button of the head or of the room asks for."""
         kind, _, value = said.partition(":")
-        edit = SetMode(value) if kind == "mode" else room_command(kind, value)
+        edit = SetMode(value) if kind == "mode" else menu_edit(kind, value) or room_command(kind, value)
         if edit is not None:
             self._post(edit)
 

@@ -13,11 +13,7 @@ from ...session.commands.commands import (
     Edit,
     OpenLesson,
     SetKnobs,
-    SetLanguage,
     ToggleCourse,
-    ToggleDownloads,
-    ToggleHelp,
-    ToggleTheme,
 )
 from ...session.commands.guide import (
     AnswerByHand,
@@ -29,7 +25,6 @@ from ...session.commands.guide import (
     SaveLecture,
     SetMode,
     ShowKeptRun,
-    ToggleGlossary,
     TurnScene,
 )
 from ...session.commands.room import RunSeeds
@@ -44,6 +39,7 @@ from ..viser_private.hidden_input import hidden_input
 from ..viser_private.write_once import write_content
 from ..votes.room_panel import RoomPanel, room_command
 from ..words import phrases
+from ..words.menu import menu_edit
 from .pointing_hand import hand_target
 from .scene_card import card_html, formulas_html, mode_row, question_html, verdict_html
 
@@ -89,12 +85,11 @@ class GuidePanel:
         kind, _, value = said.partition(":")
         edits: dict[str, Callable[[], Edit]] = {
             "mode": lambda: SetMode(value), "scene": lambda: GoToScene(_whole(value)), "turn": lambda: TurnScene(_whole(value)),
-            "option": lambda: ChooseOption(_whole(value)), "course": ToggleCourse, "language": SetLanguage, "theme": ToggleTheme,
-            "take": ToggleDownloads, "help": ToggleHelp, "terms": ToggleGlossary, "reset": RestartScene,
+            "option": lambda: ChooseOption(_whole(value)), "course": ToggleCourse, "reset": RestartScene,
             "sketch": lambda: AnswerByHand(value), "kept": ShowKeptRun,
             "end": EndLecture, "record": RecordStop, "save": SaveLecture, "lesson": lambda: OpenLesson(value),
             RUN_SEEDS: RunSeeds}
-        edit = edits[kind]() if kind in edits else room_command(kind, value)
+        edit = edits[kind]() if kind in edits else menu_edit(kind, value) or room_command(kind, value)
         if edit is not None:
             self._post(edit)
 

@@ -16,12 +16,13 @@ from ...course.lectures import words_in
 from ...course.lesson import Outcome
 from ...course.scenes import Choose, Move, Scene, Solve, fill_numbers
 from ...session.state.view import Picture
-from ...text import format_number, languages, name_of
+from ...text import format_number
 from ..charts.print_sizes import Sizes
 from ..charts.sketch_frame import sketch_frame
 from ..charts.svg import draw
 from ..votes.class_drawings import drawings_html
 from ..words import phrases, prediction
+from ..words.menu import menu_html
 from ..words.mode_switch import mode_switch
 from ..words.prediction import options_html
 from ..words.prose import explained_html, formula_html, render_markdown, with_minus
@@ -61,19 +62,11 @@ def _emphasised(words: str) -> str:
 def mode_row(picture: Picture, hand: str) -> str:
     """The switch between guide, lab and present, and the button of the page of lessons."""
     lang, now = picture.state.language, picture.state.mode
-    theme = phrases.LIGHT if picture.state.is_dark else phrases.DARK_THEME
     talk = picture.state.talk
     items = [("end", phrases.END_LECTURE(lang))] if talk is not None else []
     items += [("record", phrases.RECORD_STOP(lang))]
     if picture.state.recorded:
         items += [("save", phrases.SAVE_LECTURE.format(count=len(picture.state.recorded))(lang))]
-    items += [("language", " / ".join(name_of(code) for code in languages())), ("theme", theme(lang)), ("take", phrases.TAKE(lang)),
-             ("terms", phrases.GLOSSARY(lang)), ("help", phrases.HELP(lang)), ("reset", phrases.RESET(lang))]
-    more = "".join(f'<button type="button" class="ol-item" data-to="{hand}" data-value="{value}">{html.escape(words)}</button>'
-                   for value, words in items)
-    more += f'<button type="button" class="ol-item ol-search">{html.escape(phrases.SEARCH(lang))}</button>'
-    more += f'<button type="button" class="ol-item ol-light">{html.escape(phrases.SHADOWS(lang))}</button>'
-    more += f'<button type="button" class="ol-item ol-notes">{html.escape(phrases.NOTES(lang))}</button>'
     title = f"{picture.lesson.number} · {picture.lesson.words[lang].title}"
     whole = title if talk is None else f"{words_in(talk.title, lang)} · {title}"
     hall = " ol-present" if now == "present" else ""
@@ -81,8 +74,7 @@ def mode_row(picture: Picture, hand: str) -> str:
             f'aria-label="{html.escape(phrases.COURSE(lang), quote=True)}">☰</button>'
             f'<span class="ol-lesson" title="{html.escape(whole, quote=True)}">{html.escape(title)}</span>'
             f"{mode_switch(now, lang, hand)}"
-            f'<details class="ol-more"><summary aria-label="{html.escape(phrases.MORE(lang), quote=True)}">⋯</summary>'
-            f"<div>{more}</div></details></div>")
+            f"{menu_html(picture, hand, items, [('reset', phrases.RESET(lang))])}</div>")
 
 
 def card_html(picture: Picture, hand: str) -> str:

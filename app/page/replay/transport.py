@@ -9,7 +9,7 @@ from typing import Any
 
 import viser
 
-from ...session.commands.commands import ChangeSpeed, Command, Edit, Kick, LookFrom, Play, Redo, Reset, Rewind, Seek, ToggleHelp, Undo
+from ...session.commands.commands import ChangeSpeed, Command, Edit, Kick, Play, Redo, Reset, Rewind, Seek, Undo
 from ...session.state.view import Picture
 from ..charts.print_sizes import BAR, Sizes
 from ..charts.style_sheet import clock, clock_decimals
@@ -66,8 +66,7 @@ class PlaybackControls:
                 phrases.PLAY(lang): Play(), phrases.PAUSE(lang): Play(), phrases.KICK(lang): Kick(),
                 phrases.REWIND(lang): Rewind(), phrases.SLOWER(lang): ChangeSpeed(-1),
                 phrases.FASTER(lang): ChangeSpeed(+1), phrases.UNDO(lang): Undo(), phrases.REDO(lang): Redo(),
-                phrases.RESET(lang): Reset(), phrases.VIEW(lang): LookFrom("all"),
-                phrases.HELP(lang): ToggleHelp()}
+                phrases.RESET(lang): Reset()}
             gui.add_html(_parts(picture))
             self._row = gui.add_button_group("", self._options(picture))
             self._time = gui.add_slider(phrases.TIME(lang), 0.0, self._horizon, step_of(self._horizon), 0.0)
@@ -91,9 +90,7 @@ class PlaybackControls:
             words += [phrases.REWIND, phrases.SLOWER, phrases.FASTER]
         if picture.guided:
             return tuple(w(self._lang) for w in words)
-        words += [phrases.UNDO, phrases.REDO, phrases.RESET, phrases.VIEW]
-        if Sizes(picture.state).lists_keys:
-            words.append(phrases.HELP)
+        words += [phrases.UNDO, phrases.REDO, phrases.RESET]
         return tuple(w(self._lang) for w in words)
 
     def _listen(self, commands: dict[str, Command], post: Callable[[Edit], int]) -> None:

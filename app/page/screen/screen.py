@@ -93,7 +93,7 @@ class Screen(Browser):
             self._dialogs = Dialogs(self._client, picture, self._post, self._home)
             (gui.main_panel.dock_right if picture.guided else gui.main_panel.dock_left)()
             self._columns.add(gui.main_panel, sizes.right if picture.guided else sizes.left)
-            self._columns.watch(self._client, self._post)
+            self._columns.watch(self._client, self._post, sizes.widened)
             bind_shortcuts(self._client, self._post, language)
             fill_palette(self._client, picture, self._post, self.open_figure)
             self._stage.charted = map_of(picture) is not None
