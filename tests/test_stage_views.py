@@ -68,12 +68,17 @@ class OnStage(NamedTuple):
 
 def looked_at(case: OnStage, size: tuple[int, int]) -> Any:
     """The camera of a scene in a canvas of a size."""
+    return seen_from(case, size)[0]
+
+
+def seen_from(case: OnStage, size: tuple[int, int]) -> tuple[Any, Viewpoint]:
+    """The same, with the viewpoint that has put it there."""
     camera, (boards, body) = Camera(size), opened(case.lesson.id)
     client: Any = SimpleNamespace(camera=camera, atomic=nullcontext)
     view, charted = Viewpoint(client), case.map is not None
     view.compose(boards or charted, charted, False, body=body)
     view.camera(case.scene.view)
-    return camera
+    return camera, view
 
 
 def board_corners(side: str, em: float) -> np.ndarray:
@@ -154,6 +159,15 @@ def test_letters_on_a_board_are_more_than_eleven_pixels_of_a_laptop_in_guide_and
         Viewpoint(client).camera("all")
         unit = seen(camera, np.array([[0.0, 1.5, BOARD_FOOT], [1.0, 1.5, BOARD_FOOT]]))
         assert letters(camera, False) * (unit[1, 0] - unit[0, 0]) / 2 >= LEAST_LETTER, size
+
+
+def test_letters_beside_the_plant_are_as_large_as_those_of_the_boards_wherever_a_scene_looks_from() -> None:
+    def law(case: OnStage, canvas: str) -> None:
+        camera, view = seen_from(case, CANVASES[canvas])
+        letter = letters(camera, False) * view.nearness * np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]]) + (0.0, 0.0, 0.3)
+        across = seen(camera, letter)[:, 0]
+        assert 0.9 * LEAST_LETTER <= (across[1] - across[0]) / 2 <= 1.35 * LEAST_LETTER
+    holds_for_all(itertools.product(scenes_on_stage(), CANVASES), law, name)
 
 
 def test_what_is_unseen_is_sent_as_the_estimate_alone() -> None:

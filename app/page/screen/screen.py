@@ -48,7 +48,8 @@ class Screen(Browser):
     def __init__(self, client: viser.ClientHandle) -> None:
         super().__init__(client)
         self._post: Post = lambda edit: 0
-        self._stage = StageView(client, trails=True, pulled=lambda knob, hand, grip: self._post(SetKnobs({knob: hand}, grip)))
+        self._stage = StageView(client, trails=True, pulled=lambda knob, hand, grip: self._post(SetKnobs({knob: hand}, grip)),
+                                nearness=lambda: self._viewpoint.nearness)
         self._boards: dict[str, BoardView] = {}
         self._charts: dict[str, Chart] = {}
         self._map: MapBoard | None = None
@@ -105,6 +106,7 @@ class Screen(Browser):
                 run_page_scripts(self._client)
                 if picture.state.camera is None and picture.scene is not None:
                     self._viewpoint.camera(picture.scene.view)
+                    self._stage.fit(letters(self._client.camera, picture.state.lecture))
                 else:
                     self._viewpoint.look(picture.state.camera)
                 follow_camera(self._client, self._post, self._viewpoint.heard, self._em, self._fitted)
@@ -143,6 +145,11 @@ class Screen(Browser):
             if self._mark is not None:
                 self._mark.show(picture)
         self._client.flush()
+
+    def camera(self, preset: str) -> None:
+        """Look from a named place, and write as large as is read from there."""
+        super().camera(preset)
+        self._stage.fit(self._em())
 
     def _compose(self, picture: Picture, anew: bool = False) -> None:
         charted, stage = map_of(picture) is not None, picture.outcome.stage if anew else None

@@ -11,7 +11,7 @@ from ...colours import palette, rgb
 from ...plants.bodies.body import Body, PartName, Pose, Vector
 from ...text import label_in_language
 from ..viser_private.stage_frames import Frame, flatten_segments
-from .scene_labels import SceneLabels, beside_plant
+from .scene_labels import SceneLabels
 from .trails import HIDDEN_SEGMENT, Pair
 
 LINES = "/named/lines"
@@ -27,15 +27,14 @@ class PartNames:
         self._labels: list[viser.LabelHandle] = []
         self._lines: viser.LineSegmentsHandle | None = None
 
-    def show(self, body: Body | None, ghostly: bool, language: str, dark: bool, scale: float) -> bool:
-        """The names of a body of a scale, of its ghost's parts only where there is a ghost, none for None. Whether any came or went."""
+    def show(self, body: Body | None, ghostly: bool, language: str, dark: bool) -> bool:
+        """The names of a body, of its ghost's parts only where there is a ghost, none for None. Whether any came or went."""
         wanted = () if body is None else tuple(name for name in body.names if ghostly or not name.ghost)
         if wanted == self._shown:
             return False
         self.clear()
         self._shown = wanted
-        self._labels = [self._letters.write(f"/named/{i}", label_in_language(name.words, language), (0.0, 0.0, 0.0), _anchor(name.away),
-                                             beside_plant(scale))
+        self._labels = [self._letters.write(f"/named/{i}", label_in_language(name.words, language), (0.0, 0.0, 0.0), _anchor(name.away))
                         for i, name in enumerate(wanted)]
         self._lines = self._scene.add_line_segments(LINES, np.array([HIDDEN_SEGMENT], np.float32), rgb(palette(dark)["label"]),
                                                     thickness=THIN)

@@ -14,8 +14,6 @@ from ..viser_private import viser_internals
 
 Size = float | Callable[[float], float]
 ROW_HEIGHT_EM, NAME_GAP_EM = 1.3, 0.3  # letters: from one row of names to the next, and between two names of a row
-NEAR = 0.75  # of the size of letters at the boards: the plant stands before them, where they look larger
-LARGE_LETTERS = 0.16  # stage units: larger ones are those of a hall or of a phone, and stay as large as they are
 INVISIBLE_CHANGE = 0.03  # of the size of letters: a change that nobody sees
 
 
@@ -23,11 +21,6 @@ def colour_labels(client: viser.ClientHandle, dark: bool) -> None:
     """Write all labels of the scene in the theme's ink on the theme's ground."""
     colours = palette(dark)
     viser_internals.run_script(client, "labels", ink=colours["label"], ground=colours["page"])
-
-
-def beside_plant(scale: float) -> Callable[[float], float]:
-    """The size of letters beside a plant so many times as large as usual, as large on the screen as those of the boards."""
-    return lambda em: min(scale, 1.0) * (NEAR if em < LARGE_LETTERS else 1.0)
 
 
 class SceneLabels:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import viser
@@ -23,7 +23,7 @@ from .lighting import PLANT, light_up
 from .part_names import PartNames
 from .pinned_ghosts import PinGhosts
 from .pulling_hand import Pulled, PullingHand
-from .scene_labels import SceneLabels, beside_plant, colour_labels, stagger_names
+from .scene_labels import SceneLabels, colour_labels, stagger_names
 from .solids import Solids
 from .trails import ErrorLines
 from .viewpoint import body_scale
@@ -57,8 +57,12 @@ def factors_at(stage: Stage, charted: bool) -> Vector:
 class StageView:
     """One tab's stage. Sends only what changed since the last pose. With `trails` its ghost leaves some while the tab is not `calm`."""
 
-    def __init__(self, client: viser.ClientHandle, trails: bool = False, pulled: Pulled | None = None) -> None:
-        """`pulled` hears of a hand that pulls the plant; without it none can."""
+    def __init__(self, client: viser.ClientHandle, trails: bool = False, pulled: Pulled | None = None,
+                 nearness: Callable[[], float] = lambda: 1.0) -> None:
+        """`pulled` hears of a hand that pulls the plant; without it none can. `nearness` is the distance from the eye to the plant over
+        that to the boards in the usual view: the letters of both are as large on the screen.
+        """
+        self.nearness = nearness
         self._client, self._trails, self._pulled = client, trails, pulled
         self._hand: PullingHand | None = None
         self._calm, self._dark = False, False
@@ -93,6 +97,7 @@ class StageView:
         self._clouds, self._names, self._note, self._called = [], [], [], []
         self._hand = self._picture = None
         self._stage, self._body = stage, stage.body if stage is not None else None
+        em *= self.nearness()
         self._letters = SceneLabels(self._scene, em)
         self._pins, self._part_names = PinGhosts(self._scene, self._letters), PartNames(self._scene, self._letters)
         if stage is None:
@@ -119,26 +124,21 @@ class StageView:
                                       receive_shadow=False)
             for i, _ in enumerate(body.anchors(stage.xhat[0].tolist(), body.gain))]
         said = factors(body, language)
-        size = beside_plant(body_scale(reach(stage)))
-        self._letters.write("/factor", said, factors_at(stage, self.charted), "bottom-right", size, visible=bool(said))
+        self._letters.write("/factor", said, factors_at(stage, self.charted), "bottom-right", visible=bool(said))
         self._say(stage, language)
         self._called = [(label_in_language(words, language), place) for words, place in body.labels]
-        self._names = [self._letters.write(f"/name/{i}", *name, "top-center", size) for i, name in enumerate(self._staggered(em))]
+        self._names = [self._letters.write(f"/name/{i}", *name, "top-center") for i, name in enumerate(stagger_names(self._called, em))]
 
     def needs_resize(self, em: float) -> bool:
         """Whether `fit` has something to do; asked from the server's loop."""
-        return self._letters.misfit(em)
+        return self._letters.misfit(em * self.nearness())
 
     def fit(self, em: float) -> None:
         """Write in letters as large as the window asks for."""
+        em *= self.nearness()
         if self._letters.resize(em):
-            for label, (_, place) in zip(self._names, self._staggered(em), strict=True):
+            for label, (_, place) in zip(self._names, stagger_names(self._called, em), strict=True):
                 label.position = place
-
-    def _staggered(self, em: float) -> tuple[tuple[str, Vector], ...]:
-        """The names that hang from the plant, in letters of a size at the boards."""
-        scale = 1.0 if self._stage is None else body_scale(reach(self._stage))
-        return stagger_names(self._called, em * beside_plant(scale)(em))
 
     def _say(self, stage: Stage, language: str) -> None:
         """What would surprise in this run, in lines in front of the plant."""
@@ -184,8 +184,7 @@ class StageView:
     def name_parts(self, named: bool, language: str) -> None:
         """Whether the plant's parts have their names beside them."""
         stage = self._stage
-        if self._part_names.show(self._body if named else None, stage is not None and stage.xhat is not None, language, self._dark,
-                                 1.0 if stage is None or not named else body_scale(reach(stage))):
+        if self._part_names.show(self._body if named else None, stage is not None and stage.xhat is not None, language, self._dark):
             self.built = object()
             self.forget()
 

@@ -124,6 +124,13 @@ class Viewpoint:
         target = np.array(camera.look_at) + lift
         return np.concatenate([target + (np.array(camera.position) + lift - target) / back, target])
 
+    @property
+    def nearness(self) -> float:
+        """How far the plant is from where the stage is seen, over how far the boards are in the composed view."""
+        (back, _), whole = self._fit(self._seen_from), away(CAMERAS["all"]) * retreat(self._aspect) + BOARDS_BEHIND
+        eye, target = map(np.asarray, self._seen_from)
+        return back * float(np.linalg.norm(eye - target)) / whole
+
     def _fit(self, place: tuple[Sequence[float], Sequence[float]]) -> tuple[float, float]:
         """How many times farther off a narrow window looks from, and how far below the target it aims: what lies over it is below."""
         narrow = NARROW_PLANT if place == self._plant else NARROW * away(CAMERAS["all"]) / away(place)
