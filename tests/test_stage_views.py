@@ -164,7 +164,7 @@ def test_letters_on_a_board_are_more_than_eleven_pixels_of_a_laptop_in_guide_and
 def test_letters_beside_the_plant_are_as_large_as_those_of_the_boards_wherever_a_scene_looks_from() -> None:
     def law(case: OnStage, canvas: str) -> None:
         camera, view = seen_from(case, CANVASES[canvas])
-        letter = letters(camera, False) * view.nearness * np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]]) + (0.0, 0.0, 0.3)
+        letter = letters(camera, False) * view.nearness() * np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]]) + (0.0, 0.0, 0.3)
         across = seen(camera, letter)[:, 0]
         assert 0.9 * LEAST_LETTER <= (across[1] - across[0]) / 2 <= 1.35 * LEAST_LETTER
     holds_for_all(itertools.product(scenes_on_stage(), CANVASES), law, name)

@@ -17,11 +17,11 @@ from ..charts.style_sheet import clock, clock_decimals, sheet_of
 from ..column.column_widths import Columns
 from ..replay.playback import Player
 from ..replay.transport import CLOCK_PLACEHOLDERS, PlaybackControls
-from ..screen.page_setup import stage_name
+from ..screen.page_setup import speak
 from ..screen.screen import Screen
 from ..stage.lighting import cast_shadows
 from ..stage.viewpoint import letters
-from ..viser_private import page_scripts, viser_internals
+from ..viser_private import viser_internals
 from ..viser_private.shared_page import SharedPage
 from ..viser_private.write_once import write_content
 from ..web.html_page import APP_NAME
@@ -121,7 +121,7 @@ class AudienceScreen(Screen):
         self._transport = cast(PlaybackControls, AudienceClock(gui, picture))
         gui.main_panel.dock_right()
         self._columns.add(gui.main_panel, Sizes(picture.state).right)
-        self._compose(picture)
+        self._compose(picture, anew=True)
         self._stage.furnish(False)
         self._stage.build(picture.outcome.stage, self._language, letters(self._client.camera, False))
         self._player = EveryPagePlayer(self._client, self._stage, self._transport)
@@ -129,9 +129,8 @@ class AudienceScreen(Screen):
         for name in SCRIPTS:
             viser_internals.run_script(self._client, name)
         self._viewpoint.look(picture.state.camera)
-        page_scripts.name_page(self._client, f"{picture.lesson.words[self._language].title} · {APP_NAME}", self._language)
-        page_scripts.say_in(self._client, self._language)
-        viser_internals.run_script(self._client, "aria", stage=stage_name(picture))
+        self._stage.fit(letters(self._client.camera, False))
+        speak(self._client, picture, self._language)
         self._picture = None
 
     def show(self, picture: Picture) -> None:

@@ -33,12 +33,17 @@ class Browser:
     def camera(self, preset: str) -> None:
         """Look from a named place."""
         self._viewpoint.camera(preset)
+        self._looks_from_elsewhere()
         self._client.flush()
 
     def look(self, camera: tuple[float, ...] | None) -> None:
         """Look from a position at a target, from where everything is seen for None."""
         self._viewpoint.look(camera)
+        self._looks_from_elsewhere()
         self._client.flush()
+
+    def _looks_from_elsewhere(self) -> None:
+        """The camera has been put elsewhere: a screen with a stage writes in another size."""
 
     def eye(self) -> tuple[float, ...] | None:
         """Position and target of the camera, None where it stands as it was put."""

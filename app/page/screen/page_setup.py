@@ -12,6 +12,7 @@ from ...session.state.view import Picture
 from ..stage.drag_handles import FAINT, GRIPS, OBSERVER_BOARD
 from ..stage.lighting import cast_shadows
 from ..viser_private import page_scripts, viser_internals
+from ..web.html_page import APP_NAME
 
 PAGE_SCRIPTS = (
     # Draw each answer of the server in one frame; where frames come slowly, with fewer pixels while things move. viser takes
@@ -57,10 +58,17 @@ def watch_page_visibility(client: viser.ClientHandle, post: Callable[[Edit], obj
     page_scripts.ask_whether_seen(client, seen)
 
 
-def stage_name(picture: Picture) -> str:
+def stage_name(picture: Picture, language: str) -> str:
     """What a screen reader says of the stage: what stands on it."""
-    stage, language = picture.outcome.stage, picture.state.language
+    stage = picture.outcome.stage
     return stage.body.caption(language) if stage is not None else picture.lesson.words[language].title
+
+
+def speak(client: viser.ClientHandle, picture: Picture, language: str) -> None:
+    """Name the page, viser's own words and the stage in a language."""
+    page_scripts.name_page(client, f"{picture.lesson.words[language].title} · {APP_NAME}", language)
+    page_scripts.say_in(client, language)
+    viser_internals.run_script(client, "aria", stage=stage_name(picture, language))
 
 
 def bind_shortcuts(client: viser.ClientHandle, post: Callable[[Edit], object], language: str) -> None:

@@ -33,9 +33,8 @@ from ..stage.stage import StageView
 from ..stage.viewpoint import letters
 from ..viser_private import page_scripts, viser_internals
 from ..viser_private.write_once import write_content
-from ..web.html_page import APP_NAME
 from .browser import Browser
-from .page_setup import bind_shortcuts, run_page_scripts, stage_name, watch_page_visibility
+from .page_setup import bind_shortcuts, run_page_scripts, speak, watch_page_visibility
 from .palette import fill_palette
 
 Post = Callable[[Edit], int]
@@ -48,8 +47,7 @@ class Screen(Browser):
     def __init__(self, client: viser.ClientHandle) -> None:
         super().__init__(client)
         self._post: Post = lambda edit: 0
-        self._stage = StageView(client, trails=True, pulled=lambda knob, hand, grip: self._post(SetKnobs({knob: hand}, grip)),
-                                nearness=lambda: self._viewpoint.nearness)
+        self._stage = StageView(client, True, lambda knob, hand, grip: self._post(SetKnobs({knob: hand}, grip)), self._viewpoint.nearness)
         self._boards: dict[str, BoardView] = {}
         self._charts: dict[str, Chart] = {}
         self._map: MapBoard | None = None
@@ -104,18 +102,13 @@ class Screen(Browser):
             self._player = Player(self._client, self._stage, self._transport)
             if not self._looked:
                 run_page_scripts(self._client)
-                if picture.state.camera is None and picture.scene is not None:
-                    self._viewpoint.camera(picture.scene.view)
-                    self._stage.fit(letters(self._client.camera, picture.state.lecture))
-                else:
-                    self._viewpoint.look(picture.state.camera)
+                self._viewpoint.begin(picture.state.camera, None if picture.scene is None else picture.scene.view)
+                self._stage.fit(letters(self._client.camera, picture.state.lecture))
                 follow_camera(self._client, self._post, self._viewpoint.heard, self._em, self._fitted)
                 self._looked = True
             watch_page_visibility(self._client, self._post)
             listen_to_the_window(self._client, self._post)
-            page_scripts.name_page(self._client, f"{picture.lesson.words[language].title} · {APP_NAME}", language)
-            page_scripts.say_in(self._client, language)
-            viser_internals.run_script(self._client, "aria", stage=stage_name(picture))
+            speak(self._client, picture, language)
         self._picture = None
 
     def show(self, picture: Picture) -> None:
@@ -146,9 +139,8 @@ class Screen(Browser):
                 self._mark.show(picture)
         self._client.flush()
 
-    def camera(self, preset: str) -> None:
-        """Look from a named place, and write as large as is read from there."""
-        super().camera(preset)
+    def _looks_from_elsewhere(self) -> None:
+        """Words on the stage are as large as is read from there."""
         self._stage.fit(self._em())
 
     def _compose(self, picture: Picture, anew: bool = False) -> None:

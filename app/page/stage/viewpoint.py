@@ -85,9 +85,18 @@ class Viewpoint:
         self._seen_from = places.get(preset, self._whole)
         self._look()
 
+    def begin(self, camera: tuple[float, ...] | None, preset: str | None) -> None:
+        """Look from where a link asked for, else from a named place, else from where everything is seen."""
+        if camera is None and preset is not None:
+            self.camera(preset)
+        else:
+            self.look(camera)
+
     def look(self, camera: tuple[float, ...] | None) -> None:
         """Look from a position at a target, from where everything is seen for None."""
         self._seen_from = self._whole if camera is None else (camera[:3], camera[3:])
+        if np.allclose(np.ravel(self._seen_from), np.ravel(self._plant), atol=0.02):
+            self._seen_from = self._plant  # as in the tab that is followed: a narrow window adapts a named place in its own way
         self._look()
 
     def compose(self, boards: bool, charted: bool, lecture: bool, below: bool = False, body: tuple[float, float] | None = None) -> None:
@@ -124,7 +133,6 @@ class Viewpoint:
         target = np.array(camera.look_at) + lift
         return np.concatenate([target + (np.array(camera.position) + lift - target) / back, target])
 
-    @property
     def nearness(self) -> float:
         """How far the plant is from where the stage is seen, over how far the boards are in the composed view."""
         (back, _), whole = self._fit(self._seen_from), away(CAMERAS["all"]) * retreat(self._aspect) + BOARDS_BEHIND
