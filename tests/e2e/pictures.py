@@ -33,7 +33,8 @@ LESSON, SCENE, BOARD, MOMENT = "separation", "drag", "observer", "0.15"
 WINDOW, SIZE = (1366, 768), (860, 484)  # px of the page, and of the moving picture
 WAY = (-9 + 6j, -3 + 4.5j, -1.5 + 6j, -3 + 9j, -8 + 9j, -14 + 8j, -17 + 5j, -12 + 4.5j, -9 + 6j)  # of the pole
 BETWEEN, PAUSE = 4, 130  # pictures from one place of the way to the next, ms from one picture to the next
-QUALITY, MOST = 48, 400_000  # of the moving picture; bytes of either
+QUALITY, MOST = 40, 400_000  # of the moving picture; bytes of either
+SHADOWS = "localStorage.setItem('observer-lab-light', 'full')"  # as where a graphics card draws
 PATIENCE, LETTERED = 60_000, 5000  # ms; until the labels of the stage stand, which come after their boards
 POINTER = ((0, 0), (0, 17), (4, 13), (7, 20), (10, 19), (7, 12), (12, 12))
 
@@ -62,6 +63,7 @@ def guide(page: Page, address: str) -> Image.Image:
     page.goto(f"{address}#{write_token(lesson, SavedState(lesson.start(), 'en', False, mode='guide', scene=SCENE))}")
     page.wait_for_selector(f".ol-card[data-scene={SCENE}]", timeout=PATIENCE)
     page.wait_for_selector(".ol-hand:not([hidden])", state="attached", timeout=PATIENCE)
+    page.wait_for_function("window.observerLabViser.scene().environment !== null", timeout=PATIENCE)
     page.wait_for_timeout(LETTERED)
     page.evaluate(DRAWN)
     return Image.open(io.BytesIO(page.screenshot())).convert("RGB")
@@ -99,12 +101,15 @@ def main() -> None:
         browser = playwright.chromium.launch(executable_path=chromium(), headless=True, args=FLAGS)
         if only != "drag":
             page = browser.new_page(viewport={"width": 1366, "height": 768}, reduced_motion="reduce")
+            page.add_init_script(SHADOWS)
             path = ROOT / "assets" / "screenshot.png"
             guide(page, address).save(path, optimize=True)
             assert path.stat().st_size < MOST, f"{path.stat().st_size} bytes"
             page.close()
         if only != "screenshot":
-            tab = Tab(browser.new_page(viewport={"width": WINDOW[0], "height": WINDOW[1]}), address)
+            page = browser.new_page(viewport={"width": WINDOW[0], "height": WINDOW[1]})
+            page.add_init_script(SHADOWS)
+            tab = Tab(page, address)
             opened(tab)
             tab.page.locator("[data-dock-region=right] [data-dock-tab]").first.click()
             first, *others = drag(tab)
