@@ -122,7 +122,7 @@ def experiment_of(design: Design, runs: int, count: int, rng: np.random.Generato
     kicks = ((at, case.kick),) if design["kick"] >= 0 and at < count else ()
     return case, Experiment(some.f, plant.output, some.Q, some.R, starts(case, size, runs, rng),
                             Beliefs.alike(case.guess, np.diag((size * case.spread)**2), runs),
-                            inputs_of(case, count, design["force"]), filters, steering, kicks, plant)
+                            inputs_of(case, count, design["force"]), filters, steering, kicks)
 
 
 def draft(design: Design) -> Study:

@@ -118,7 +118,7 @@ def squares(outcome: Outcome, own: bool) -> dict[str, np.ndarray]:  # type: igno
     case, e = experiment_of(d, runs, len(s.t), rng)
     P, n = (d["size"] * np.diag(case.spread)) ** 2, len(case.guess)
     ways = {"kf": "kf", "ekf": "ekf", "ukf": "ukf" if d["redraw"] else "printed"}
-    filters = {name: Filter(way, e.plant.rhs, e.output, d["wind"] * case.Q, d["sensor"] ** 2 * case.R,
+    filters = {name: Filter(way, e.flow.rhs, e.output, d["wind"] * case.Q, d["sensor"] ** 2 * case.R,
                             np.repeat(case.guess[:, None], runs, axis=1), np.repeat(P[None], runs, axis=0), 1e-4 * case.spread,
                             case.step, case.parts, (d["alpha"], d["beta"], d["kappa"])) for name, way in ways.items()}
     found: dict[str, list[np.ndarray]] = {name: [] for name in filters}

@@ -1,7 +1,7 @@
 """Compile the kernels in the background, once for each machine and version, and cache them.
 
-A kernel is a plain function of arrays and numbers. Numba, where it is installed, compiles it for one signature (float64 or complex128,
-C-contiguous, writable) and keeps the result in the user's cache; until then, or without Numba, `compiled_kernel` says None and the
+A kernel is a plain function of arrays and numbers. Numba, where it is installed, compiles it for one signature (float64, C-contiguous,
+writable) and keeps the result in the user's cache; until then, or without Numba, `compiled_kernel` says None and the
 caller goes its plain way, which gives the same to rounding.
 """
 
@@ -11,6 +11,7 @@ import hashlib
 import importlib.util
 import logging
 import os
+import shutil
 import subprocess
 import sys
 import threading
@@ -18,54 +19,33 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
 from importlib.metadata import version
 from pathlib import Path
-from types import MappingProxyType
+from types import FunctionType, MappingProxyType
 from typing import Any
 
 import numpy as np
 
-from . import (
-    bounds,
-    clipped,
-    decoupling_search,
-    delayed,
-    filter_bank,
-    friction,
-    geared,
-    intermittent,
-    limit_crossings,
-    recursion,
-    sampled,
-    scan,
-    small_matrices,
-    spectra,
-    tape,
-)
+from . import clipped, friction, geared, limit_crossings, recursion, sampled, small_matrices
 
 __all__ = ["COMPILE_CACHE", "CompileCache", "as_kernel_array", "compiled_kernel", "kernels_off", "kernels_ready", "prepare_kernels",
            "user_cache"]
 
 log = logging.getLogger(__name__)
 Kernel = Callable[..., int]
-_1, _2, _3, _4, _5 = ("f8[" + ":," * d + "::1]" for d in range(5))
-_C3 = "c16[:,:,::1]"
+_1, _2, _3, _4 = ("f8[" + ":," * d + "::1]" for d in range(4))
 GROUPS: Mapping[type, str] = MappingProxyType(  # the types of the fields of each group of arguments
     {
-        tape.Tape: f"i8[:,::1],{_1},i8[::1]",
         recursion.Target: f"{_2},{_2},i8",
         recursion.Schedule: f"{_3},{_3},{_3},{_3}",
         geared.GearPath: f"{_2},i8[::1],{_2},{_2}",
         geared.Rounding: f"{_2},{_2},f8",
         geared.Clipping: f"{_2},{_2},{_1},{_1},{_1}",
         geared.Play: f"{_1},{_1},{_1},i8[::1],f8",
-        delayed.LateInput: f"{_2},{_2},f8,i8",
-        delayed.Reading: f"{_2},{_2},{_1},{_1}",
         friction.Actuators: f"{_2},{_2},{_2},f8",
         friction.Rubbing: f"{_2},{_2},{_2},f8,i8,f8",
     }
 )
 SIGNATURES: Mapping[Kernel, tuple[str | type, ...]] = MappingProxyType(  # the arguments in turn: types, or a group of them
     {
-        recursion.mean_steps: (f"{_2},{_2},{_3},{_1},{_2},{_2},{_2},{_2},{_2}",),
         recursion.joseph_steps: (f"{_2},{_2},{_2},{_2},{_2},b1[:,::1]", recursion.Target, recursion.Schedule),
         recursion.root_steps: (f"{_2},{_2},{_2},{_2},{_2},{_2},b1[:,::1]", recursion.Target, recursion.Schedule),
         clipped.march: (
@@ -73,57 +53,10 @@ SIGNATURES: Mapping[Kernel, tuple[str | type, ...]] = MappingProxyType(  # the a
         ),
         geared.contact_steps: (geared.GearPath, f"{_3},{_2}", geared.Rounding, geared.Clipping, geared.Play, "i8,f8,i8,i8"),
         sampled.sampled_steps: (f"{_2},{_3},{_2},{_2},f8,b1,{_3},{_1},i8,i8",),
-        delayed.delayed_steps: (_2, delayed.LateInput, f"{_2},{_2},{_2}", delayed.Reading, "f8,i8,i8"),
-        scan.scan_steps: (f"{_2},{_2},{_2}",),
         friction.friction_steps: (f"{_2},{_2},{_2},{_2}", friction.Actuators, friction.Rubbing, "f8"),
-        spectra.density_steps: (f"{_C3},{_C3},{_C3},{_2},{_2}",),
-        decoupling_search.decoupling_search_steps: (f"{_2},{_2},f8,{_2},f8,f8,i8",),
-        intermittent.lossy_covariance_steps: (f"{_2},{_2},{_2},{_2},{_2},{_1},{_3}",),
-        filter_bank.filter_bank_steps: (
-            tape.Tape,
-            tape.Tape,
-            f"{_1},{_2},{_2},{_1},{_2},{_2},{_1},{_1},{_3},{_3},{_2},{_2},{_1},{_2},{_2},{_3},{_3},{_2},{_3},i8[::1],f8",
-            f"{_3},{_4},{_3},{_5},{_4},b1[:,:,::1],{_3},{_3},{_3},{_4},{_3},{_5},{_4},{_3},{_5},{_3},{_5}",
-        ),
-        bounds.slope_steps: (tape.Tape, tape.Tape, f"f8,i8,{_2},{_2},{_3},{_3}"),
-        bounds.bound_steps: (f"{_2},{_3},{_2},{_3},{_3},{_3}",),
-        bounds.square_steps: (f"{_2},{_3},{_1}",),
     }
 )
-KERNELS = (
-    small_matrices.triangle,
-    small_matrices.times,
-    small_matrices.product,
-    small_matrices.put,
-    small_matrices.turn,
-    small_matrices.symmetrise,
-    small_matrices.factor,
-    small_matrices.solve_upper,
-    small_matrices.solve_both,
-    recursion.there,
-    recursion.stacked,
-    clipped.length2,
-    clipped.mode_at,
-    clipped.slack_of,
-    clipped.stays,
-    clipped.careful,
-    clipped.blurred,
-    limit_crossings.piece,
-    limit_crossings.first_exit,
-    geared.holds,
-    spectra.divided,
-    tape.run_lanes,
-    tape.flow_lanes,
-    filter_bank.straight,
-    filter_bank.drawn,
-    filter_bank.centre,
-    filter_bank.spread,
-    filter_bank.gained,
-    filter_bank.joseph_form,
-    filter_bank.told,
-    bounds.corrected,
-    decoupling_search.index_at,
-)
+MODULES = clipped, friction, geared, limit_crossings, recursion, sampled, small_matrices  # their other functions are parts of the kernels
 OPTIONS: Mapping[str, Any] = MappingProxyType({"nogil": True, "error_model": "numpy", "fastmath": {"contract"}})
 KERNELS_VARIABLE = "OBSERVER_LAB_KERNELS"  # "off" in the environment: the plain ways only
 DONE = "complete"  # a file in the cache that says that all kernels are in it
@@ -179,9 +112,9 @@ def kernels_ready() -> bool:
     return bool(COMPILE_CACHE.made)
 
 
-def as_kernel_array(array: np.ndarray, *, kind: type = float) -> np.ndarray:
-    """An array as the signatures want it: float64 (or complex128), C-contiguous, writable; itself if it is so, else a copy."""
-    return np.require(array, kind, ["C", "W"])
+def as_kernel_array(array: np.ndarray) -> np.ndarray:
+    """An array as the signatures want it: float64, C-contiguous, writable; itself if it is so, else a copy."""
+    return np.require(array, float, ["C", "W"])
 
 
 def prepare_kernels() -> threading.Thread:
@@ -237,14 +170,13 @@ def user_cache() -> Path:
 
 
 def cache_folder() -> Path | None:
-    """Where compiled kernels of these very files are kept, made if it is not there; None where nothing can be kept.
+    """Where compiled kernels of files with these contents are kept, made if it is not there; None where nothing can be kept.
 
-    Another copy of the lab, another Numba or a file written anew has a folder of its own: Numba takes nothing from the cache then.
+    Another copy of the lab with the same kernels shares it. Another Numba or a changed kernel has a folder of its own.
     """
-    here = Path(__file__).resolve().parent
-    mark = hashlib.sha256(os.fsencode(here) + version("numba").encode())
-    for source in sorted(here.glob("*.py")):
-        mark.update(os.fsencode(source.name) + str(source.stat().st_mtime_ns).encode() + source.read_bytes())
+    mark = hashlib.sha256(version("numba").encode())
+    for source in sorted(Path(__file__).parent.glob("*.py")):
+        mark.update(os.fsencode(source.name) + source.read_bytes())
     folder = user_cache() / f"kernels-{mark.hexdigest()[:16]}"
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -265,20 +197,34 @@ def _signature(arguments: tuple[str | type, ...]) -> Any:
     return types.int64(*found)
 
 
+def _at_home(function: Kernel, folder: Path | None) -> Kernel:
+    """The same function with a copy of its file in `folder` for its place: Numba keeps compiled code by the place of its file."""
+    if folder is None:
+        return function
+    assert isinstance(function, FunctionType)
+    source = Path(function.__code__.co_filename)
+    home = folder / source.name
+    if not home.exists():
+        shutil.copyfile(source, home)
+    return FunctionType(function.__code__.replace(co_filename=str(home)), function.__globals__, function.__name__)
+
+
 def _compiled() -> dict[Kernel, Kernel]:
     from numba import njit
     from numba.core import config as settings
     from numba.extending import register_jitable
 
     folder, made = cache_folder(), dict[Kernel, Kernel]()
-    for part in KERNELS:
-        register_jitable(**OPTIONS)(part)
+    for module in MODULES:
+        for part in vars(module).values():
+            if isinstance(part, FunctionType) and part.__module__ == module.__name__ and part not in SIGNATURES:
+                register_jitable(**OPTIONS)(part)
     set_at = settings.__dict__
     before, set_at["CACHE_DIR"] = set_at["CACHE_DIR"], "" if folder is None else str(folder)
     try:
         for function, signature in SIGNATURES.items():
             compiler: Any = njit(_signature(signature), cache=folder is not None, **OPTIONS)
-            made[function] = compiler(function)
+            made[function] = compiler(_at_home(function, folder))
     finally:
         set_at["CACHE_DIR"] = before
     if folder is not None:

@@ -97,13 +97,12 @@ def mean_bounds(A: object, C: object, Q: object, R: object, P0: object, loss: ob
     if not np.all((p >= 0) & (p <= 1)):
         raise EngineError("A loss is a probability: choose it within 0 … 1.")
     start = np.broadcast_to(as_checked(P0), (*p.shape, *A.shape))
-    lower, upper = np.empty((2, *p.shape, steps + 1, *A.shape))
+    lower = np.empty((*p.shape, steps + 1, *A.shape))
     lower[..., 0, :, :] = S = start
     for k in range(steps):
         lower[..., k + 1, :, :] = S = p[..., None, None] * (A @ S @ A.T) + Q
-    for at in np.ndindex(p.shape):
-        upper[at] = riccati_path(start[at], A, C, Q, R, np.full(steps, 1 - p[at]))
-    return lower, upper
+    upper = riccati_path(start, A, C, Q, R, np.broadcast_to(1 - p, (steps, *p.shape)))
+    return lower, np.moveaxis(upper, 0, -3)
 
 
 @takes(A=matrix("n n"), Q=covariance("n"), loss=SHARE)

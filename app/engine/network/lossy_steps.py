@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..kernels import as_kernel_array, compiled_kernel
-from ..kernels.intermittent import lossy_covariance_steps
 from ..systems.arrays import symmetric
 from ..systems.errors import EngineError
 from ..systems.gates.argument_checks import array, matrix, takes
@@ -42,12 +40,8 @@ def riccati_step(P: np.ndarray, A: np.ndarray, C: np.ndarray, Q: np.ndarray, R: 
 
 
 def riccati_path(P: np.ndarray, A: np.ndarray, C: np.ndarray, Q: np.ndarray, R: np.ndarray, heard: np.ndarray) -> np.ndarray:
-    """P (n×n) and what `riccati_step` makes of it, one step for each of `heard` (N,): (N + 1, n, n)."""
-    path, quick = np.empty((len(heard) + 1, *A.shape)), compiled_kernel(lossy_covariance_steps)
-    if quick is not None and len(A) and len(C):
-        fixed = [as_kernel_array(each) for each in (A, C, Q, R)]
-        if quick(*fixed, np.array(P, dtype=float, order="C"), as_kernel_array(heard), path) == len(heard):
-            return path
+    """P (…, n, n) and what `riccati_step` makes of it, one step for each of `heard` (N, …): (N + 1, …, n, n)."""
+    path = np.empty((len(heard) + 1, *np.shape(P)))
     path[0] = P
     for k, share in enumerate(heard):
         path[k + 1] = P = riccati_step(P, A, C, Q, R, share)

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..kernels import as_kernel_array, compiled_kernel
-from ..kernels.spectra import density_steps
 from ..systems.gates.argument_checks import SERIES, instance, takes
 from ..systems.records import record
 from ..systems.spectrum import frequency_response
@@ -44,7 +42,7 @@ def mechanics_response(loop: SampledLoop, frequency: object) -> MechanicsRespons
     force, ground = H[:, :, :m], H[:, :, 2 * m if waits else m:]
     if waits:
         force = force + H[:, :, m:2 * m] * back
-    return MechanicsResponse(f, as_kernel_array(force * back**whole, kind=complex), as_kernel_array(ground, kind=complex))
+    return MechanicsResponse(f, force * back**whole, ground)
 
 
 @takes(loop=instance(SampledLoop), mechanics=instance(MechanicsResponse))
@@ -62,9 +60,6 @@ def loop_density(loop: SampledLoop, mechanics: MechanicsResponse) -> np.ndarray:
     K = frequency_response(closed, enter, loop.U[last][:, own], loop.T[last], 2 * np.pi * f, dt=loop.dt) \
         if own.stop > own.start else np.broadcast_to(loop.T[last].astype(complex), (len(f), m, p))
     P, G = mechanics.force, mechanics.ground
-    found = _quick(loop, mechanics, K)
-    if found is not None:
-        return found
     S = np.linalg.solve(np.eye(m) - K @ P[:, :p], K)  # from readings' noise to u
     from_ground = S @ G[:, :p]
     outputs = np.concatenate([G[:, p:] + P[:, p:] @ from_ground, from_ground], axis=1)
@@ -82,16 +77,3 @@ def loop_density(loop: SampledLoop, mechanics: MechanicsResponse) -> np.ndarray:
 def _walked(loop: SampledLoop, f: np.ndarray) -> np.ndarray:
     """What a walking bias adds to the variance of each reading at each frequency (n_f,)."""
     return loop.hardware.walk**2 * loop.dt / np.abs(np.exp(2j * np.pi * f * loop.dt) - 1) ** 2
-
-
-def _quick(loop: SampledLoop, mechanics: MechanicsResponse, K: np.ndarray) -> np.ndarray | None:
-    """`loop_density` by its kernel; None where that is not ready, cannot be solved, or the readings' noises are not independent."""
-    quick, spread, f = compiled_kernel(density_steps), loop.reading, mechanics.frequency
-    if quick is None or np.any(spread - np.diag(np.diag(spread))):
-        return None
-    reading = np.tile(np.diag(spread), (len(f), 1))
-    if loop.hardware.walk > 0:
-        reading += _walked(loop, f)[:, None]
-    found = np.empty((len(f), len(loop.outputs) + len(loop.feedback)))
-    done = quick(*(as_kernel_array(each, kind=complex) for each in (K, mechanics.force, mechanics.ground)), reading, found)
-    return 2 * loop.dt * found if done == len(f) else None

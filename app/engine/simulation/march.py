@@ -7,8 +7,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..kernels import as_kernel_array, compiled_kernel
-from ..kernels.delayed import LateInput, Reading, delayed_steps
 from ..systems.recursions import affine_scan, held_scan, step_matrices
 from .disturbance import Disturbances
 from .loop import Loop, error_loop, ramped
@@ -127,26 +125,8 @@ def delayed(s: Scenario, loop: Loop, d: Disturbances, r: np.ndarray, bound: floa
     jumps = np.zeros((steps, N)) if d.jumps is None else d.jumps
     states = np.empty((steps + 1, N))
     states[0] = d.z0
-    quick = None if modal else compiled_kernel(delayed_steps)
-    k, kicked = 0, sorted({j - j % lag for j in d.kicks})
+    k = 0
     while k < steps:
-        if quick is not None and k not in kicked:
-            stop = min([j for j in kicked if j > k], default=steps)
-            got = quick(
-                states,
-                LateInput(begin, end, h, lag),
-                as_kernel_array(Phi[:N].T),
-                as_kernel_array(push[:, :N]),
-                as_kernel_array(jumps),
-                Reading(*map(as_kernel_array, (loop.F, r, s.u_min, s.u_max))),
-                bound,
-                k,
-                stop,
-            )
-            if got < stop:
-                return states[:got + 1], begin
-            k = stop
-            continue
         stop = min(k + lag, steps)
         ramp = np.hstack([begin[k:stop + 1], (end[k:stop + 1] - begin[k:stop + 1]) / h])
         left = np.hstack([end[k:stop], ramp[:-1, m:]])

@@ -10,8 +10,6 @@ from functools import cached_property
 import numpy as np
 from scipy.optimize import minimize
 
-from ..kernels import as_kernel_array, compiled_kernel
-from ..kernels.decoupling_search import decoupling_search_steps
 from ..systems.errors import EngineError, ShapeError
 from ..systems.gates.argument_checks import FINITE, INTEGER, array, count, pair, takes
 from ..systems.records import record
@@ -175,11 +173,7 @@ def best_mixing(response: object, *, channels: tuple[int, int] = (0, 1)) -> Mixi
     spread = max(0.05, *(abs(v) for v in start))
 
     def walk(x: np.ndarray, side: float, near: float, flat: float) -> np.ndarray:
-        corners, quick = np.array([x, (x[0] + side, x[1]), (x[0], x[1] + side)]), compiled_kernel(decoupling_search_steps)
-        if quick is not None:
-            with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-                quick(*map(as_kernel_array, J.quadratics), NEAR_SINGULAR, corners, near, flat, EVALUATIONS)
-            return corners[0]
+        corners = np.array([x, (x[0] + side, x[1]), (x[0], x[1] + side)])
         return minimize(lambda v: J(v[0], v[1]), x, method="Nelder-Mead", options={
             "initial_simplex": corners, "xatol": near, "fatol": flat, "maxfev": EVALUATIONS}).x
 

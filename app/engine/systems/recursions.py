@@ -8,8 +8,6 @@ import numpy as np
 from scipy.linalg import expm
 from scipy.linalg.lapack import dgebal  # pyright: ignore[reportAttributeAccessIssue]
 
-from ..kernels import as_kernel_array, compiled_kernel
-from ..kernels.scan import scan_steps
 from .balance import UNLIKE
 from .gates.argument_checks import FINITE, MOST_NUMBERS, array, count, matrix, optional, takes, vector
 
@@ -19,7 +17,6 @@ LARGE = 48  # states from which a step is made by doubling: one exponential of t
 SHORT_SCAN_STEPS = 24  # below this many steps a plain loop is faster
 BLOCK_STEPS = 16
 TAYLOR = np.array([[1 / factorial(k + 1) for k in range(first, first + 4)] for first in (0, 4, 8)])  # of Φ₁/h, in rows of four
-NARROW, SLIM = 48, 20  # states for which the kernel's steps are quicker than products of blocks, and than those of few inputs
 HELD_BLOCK_STEPS = 8  # steps a block where the forcing comes from few inputs
 
 
@@ -117,7 +114,7 @@ def held_scan(Phi: np.ndarray, Gamma: np.ndarray, inputs: np.ndarray, z0: np.nda
     """
     (steps, q), N = inputs.shape, len(Phi)
     with np.errstate(over="ignore", invalid="ignore"):
-        if steps < SHORT_SCAN_STEPS or 2 * q > N or (N <= SLIM and compiled_kernel(scan_steps) is not None):
+        if steps < SHORT_SCAN_STEPS or 2 * q > N:
             return affine_scan(Phi, inputs @ Gamma.T, z0, steps)
         count = -(-steps // HELD_BLOCK_STEPS)
         powers, answers = [Phi.T], [Gamma.T]
@@ -143,10 +140,6 @@ def held_scan(Phi: np.ndarray, Gamma: np.ndarray, inputs: np.ndarray, z0: np.nda
 def _one_by_one(Phi: np.ndarray, forcing: np.ndarray, z0: np.ndarray) -> np.ndarray:
     states = np.empty((len(forcing) + 1, len(z0)))
     states[0] = z = z0
-    quick = compiled_kernel(scan_steps) if len(z0) <= NARROW else None
-    if quick is not None:
-        quick(as_kernel_array(Phi.T), as_kernel_array(forcing), states)
-        return states
     for k, push in enumerate(forcing):
         states[k + 1] = z = Phi @ z + push
     return states
@@ -181,10 +174,9 @@ def _powers(Phi: np.ndarray, starts: np.ndarray, steps: int) -> np.ndarray:
 
 
 def _blocks(Phi: np.ndarray, forcing: np.ndarray, z0: np.ndarray) -> np.ndarray:
-    """One by one where the kernel makes that quick, else in two passes: every block from zero at once, the block ends among
-    themselves, then add what each start gives."""
+    """In two passes: every block from zero at once, the block ends among themselves, then add what each start gives."""
     steps, N = forcing.shape
-    if steps < SHORT_SCAN_STEPS or (N <= NARROW and compiled_kernel(scan_steps) is not None):
+    if steps < SHORT_SCAN_STEPS:
         return _one_by_one(Phi, forcing, z0)
     count = -(-steps // BLOCK_STEPS)
     if steps == count * BLOCK_STEPS:

@@ -6,8 +6,6 @@ from typing import Literal
 
 import numpy as np
 
-from ...kernels import as_kernel_array, compiled_kernel
-from ...kernels.bounds import bound_steps
 from ...systems.arrays import correlations, is_definite, symmetric
 from ...systems.errors import EngineError, ShapeError
 from ...systems.gates.argument_checks import array, choice, covariance, takes
@@ -54,11 +52,6 @@ def _of_states(F: np.ndarray, H: np.ndarray, Q: np.ndarray, R: np.ndarray, P: np
     """The recursion, each half of it a correction by what is told."""
     middle, start = F.mean(axis=1), np.asarray(P, dtype=float)
     told, varying = _readings(_mean_square(_whitening(R) @ H)), _readings(_varying(F - middle[:, None], middle, Q))
-    if (work := compiled_kernel(bound_steps)) is not None:
-        quick = np.empty((len(H), *start.shape))
-        with np.errstate(all="ignore"):
-            if work(*map(as_kernel_array, (start, middle, Q, varying, told)), quick) == len(quick):
-                return quick
     found = [_corrected(start, told[0])]
     for k, each in enumerate(middle):
         found.append(_corrected(ahead(each, Q, _corrected(found[-1], varying[k])), told[k + 1]))

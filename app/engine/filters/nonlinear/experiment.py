@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from ...systems.errors import EngineError
-from ...systems.flow import Flow, NonlinearPlant
+from ...systems.flow import Flow
 from ...systems.gates.argument_checks import (
     FUNCTION,
     NAME,
@@ -57,8 +57,7 @@ class Experiment:
     """What N runs share. x[k+1] = flow(x[k], u[k]) + w[k], y[k] = output(x[k]) + v[k], white w, v of covariances Q, R.
 
     x0 (n, N): true starts; start: the beliefs before the first measurement; inputs (n_t, m): known inputs, to which
-    `steering` may add; kicks: (sample, jump of the true state (n,)), of which no filter is told. `plant`: whose flow and
-    output these are, where it is one; with it a kernel may march.
+    `steering` may add; kicks: (sample, jump of the true state (n,)), of which no filter is told.
     """
 
     flow: Flow | Map
@@ -71,12 +70,10 @@ class Experiment:
     filters: Mapping[str, NonlinearFilter]
     steering: Steering | None = None
     kicks: tuple[tuple[int, np.ndarray], ...] = ()
-    plant: NonlinearPlant | None = None
 
     def __post_init__(self) -> None:
         passed(self, flow=FUNCTION, output=FUNCTION, x0=array("n N"), start=instance(Beliefs), inputs=array("k m"), Q=covariance("n"),
-               R=covariance(), filters=_FILTERS, steering=optional(instance(Steering)), kicks=items(pair(count(), vector("n"))),
-               plant=optional(instance(NonlinearPlant)))
+               R=covariance(), filters=_FILTERS, steering=optional(instance(Steering)), kicks=items(pair(count(), vector("n"))))
         if self.steering is not None and self.steering.by not in self.filters:
             raise EngineError("There is no filter called {name} to steer by.", name=self.steering.by)
 

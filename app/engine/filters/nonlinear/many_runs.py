@@ -7,21 +7,17 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...kernels import as_kernel_array, compiled_kernel
-from ...kernels.bounds import square_steps
 from ...systems.errors import EngineError, ShapeError
 from ...systems.flow import Flow
 from ...systems.gates.argument_checks import GENERATOR, array, instance, takes, takes_runs
 from ...systems.noise import root
 from ..belief import Beliefs, Corrections
-from .compiled_runs import compiled_bank_of
 from .experiment import Experiment, Sample, State, Steering
 from .extended import ExtendedKalmanFilter
 
 __all__ = ["errors_squared", "simulate_filters"]
 
 GIVE_UP_LIMIT = 1e12  # a state, an estimate or a variance beyond this is given up
-SAMPLES_PER_LOOK = 256  # samples of single runs that a kernel marches before it is looked at
 
 
 @takes(e=instance(Experiment), rng=GENERATOR)
@@ -34,26 +30,15 @@ def simulate_filters(e: Experiment, rng: np.random.Generator) -> Iterator[Sample
     if e.start.mean.shape != (n, N):
         raise ShapeError("The start is about {mean_shape} states and runs; the true states are {value}.",
                          mean_shape=e.start.mean.shape, value=(n, N))
-    shake, blur, p, watch = root(e.Q), root(e.R), len(e.R), compiled_bank_of(e)
+    shake, blur, p = root(e.Q), root(e.R), len(e.R)
     now = State(e.x0, dict.fromkeys(e.filters, e.start), {name: np.zeros(N, dtype=bool) for name in e.filters})
-    k, count = 0, len(e.inputs)
-    while k < count:
-        together = 1 if watch is None else min(max(SAMPLES_PER_LOOK // N, 1), count - k)
-        noise = rng.standard_normal((together, p + n, N))
-        v, w = blur @ noise[:, :p], shake @ noise[:, p:]
-        at = 0
-        while at < together:
-            if watch is not None:
-                samples, now = watch.ahead(k + at, now, v[at:], w[at:])
-                yield from samples
-                at += len(samples)
-            if at < together:  # without a kernel, or one sample that it could not judge
-                sample = _corrected(e, k + at, now, v[at])
-                yield sample
-                if k + at + 1 < count:
-                    now = _moved(e, sample, w[at])
-                at += 1
-        k += together
+    count = len(e.inputs)
+    for k in range(count):
+        noise = rng.standard_normal((p + n, N))
+        sample = _corrected(e, k, now, blur @ noise[:p])
+        yield sample
+        if k + 1 < count:
+            now = _moved(e, sample, shake @ noise[p:])
 
 
 def _corrected(e: Experiment, k: int, now: State, v: np.ndarray) -> Sample:
@@ -142,8 +127,6 @@ def errors_squared(e: np.ndarray, P: np.ndarray) -> np.ndarray:
     except ValueError as problem:
         raise ShapeError("{name} must be {size}×{size}, or one such matrix a sample; its shape is {array_shape}.",
                          name="P", size=e.shape[-1], array_shape=P.shape) from problem
-    if e.shape[-1] > 1 and (squares := _quick_squares(e, P)) is not None:
-        return squares
     spread = np.sqrt(np.maximum(np.diagonal(P, axis1=-2, axis2=-1), 1e-300))
     correlation = P / (spread[..., :, None] * spread[..., None, :])
     scaled = (e / spread)[..., None]
@@ -159,14 +142,3 @@ def errors_squared(e: np.ndarray, P: np.ndarray) -> np.ndarray:
         good = values[..., 0] > 0
         squares = (turned**2 / np.where(values > 0, values, 1.0)).sum(axis=-1)
         return np.where(good, squares, np.nan)
-
-
-def _quick_squares(e: np.ndarray, P: np.ndarray) -> np.ndarray | None:
-    """The same by a kernel; None where there is none, or where a P is not positive definite."""
-    work = compiled_kernel(square_steps)
-    if work is None:
-        return None
-    n, found = e.shape[-1], np.empty(e.shape[:-1])
-    with np.errstate(all="ignore"):
-        done = work(as_kernel_array(e.reshape(-1, n)), as_kernel_array(P.reshape(-1, n, n)), found.reshape(-1))
-    return found if done == found.size else None
