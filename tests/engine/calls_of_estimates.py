@@ -27,8 +27,7 @@ def filters(plant: Plant, dplant: Plant) -> dict[str, dict[str, Any]]:
     steering = f.Steering("ekf", np.zeros((1, 1)), np.ones(1))
     bending = engine.systems.NonlinearPlant(1, 0, 1, rhs, slope, same, ones)
     experiment = {"flow": rhs, "output": same, "Q": ONE, "R": ONE, "x0": np.ones((1, 3)), "start": start,
-                  "inputs": np.zeros((4, 1)), "filters": {"ekf": ekf}, "steering": steering, "kicks": ((1, np.ones(1)),),
-                  "plant": bending}
+                  "inputs": np.zeros((4, 1)), "filters": {"ekf": ekf}, "steering": steering, "kicks": ((1, np.ones(1)),)}
     schedule = kf.schedule(belief, 12)
     noise = f.AdcNoise(1.0, 1.0, 0.1, 0.1)
     L = lqe(A, B, C, ONE, ONE).gain

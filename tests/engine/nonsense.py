@@ -37,6 +37,7 @@ WATCHDOG = 60  # s: a call that has not ended by then never will
 MISSING = {  # records in which NaN, or a masked entry, says that a measurement did not arrive
     "y", "innovations", "value", "residual", "known"}
 ASTRAY = {"mean", "covariance", "points", "filters.errors_squared e", "filters.errors_squared P"}  # of many runs, some of which went astray
+COLUMNS = {f"identification.preview_record {words}" for words in ("inputs", "outputs", "missing")}  # no such column: it says so beside
 COMPLEX = {"poles", "a", "b", "to", "pole", "before", "after", "zeros", "response", "z", "desired"}
 
 
@@ -170,7 +171,7 @@ def _sensible(name: str, argument: str, kind: str) -> bool:
             or (argument in COMPLEX and kind == "an imaginary part in it")
             or (argument in ("u_max", "omega", "lower", "upper") and kind == "an infinity in it")
             or (bool({argument, f"{name} {argument}"} & ASTRAY) and kind in ("a NaN in it", "an infinity in it", "a masked entry"))
-            or ((argument.endswith("_names") or argument == "notes") and kind == "array of text"))
+            or ((argument.endswith("_names") or argument == "notes" or f"{name} {argument}" in COLUMNS) and kind == "array of text"))
 
 
 def cases() -> list[tuple[str, str]]:

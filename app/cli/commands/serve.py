@@ -10,6 +10,7 @@ import socket
 import sys
 from collections.abc import Callable
 from dataclasses import replace
+from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
 from ...course.scenes import MODES
@@ -182,6 +183,8 @@ def _serve(request: ServeRequest, end: Ending) -> None:
         print(printed, *([links] if links else []), sep="\n", flush=True)
         if sys.stderr.isatty():
             print(f"To show it without a server: observer-lab publish {first.lesson} -o site", file=sys.stderr, flush=True)
+            if find_spec("numba") is None:
+                print('For faster maps and long runs: pip install "observer-lab[fast]"', file=sys.stderr, flush=True)
 
     def prepare(made: LabServer) -> None:
         if first.folder is not None:

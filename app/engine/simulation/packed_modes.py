@@ -44,7 +44,8 @@ class Packed:
         if flow.shape[1] < len(mode.flow):
             more = np.zeros((len(flow), len(mode.flow) - flow.shape[1], *flow.shape[2:]))
             self.arrays[2] = np.concatenate([flow, more], axis=1)
-        self._fill(s, mode)
+        with np.errstate(over="ignore", invalid="ignore"):  # an overflow shows as inf and ends the run
+            self._fill(s, mode)
         self.slot[code] = s
         self.met += 1
 
