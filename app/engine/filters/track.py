@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..kernels import as_kernel_array, compiled_kernel
+from ..kernels.recursion import mean_steps
 from ..plotting import plot_estimates
 from ..systems.arrays import as_numbers
 from ..systems.errors import ShapeError
@@ -135,7 +137,14 @@ def means_along(A: np.ndarray, C: np.ndarray, schedule: Schedule, start: np.ndar
     steps, n = len(known), len(start)
     tail = steps if schedule.settled is None else schedule.settled  # a record with gaps never settles
     predicted, means, innovations, x = np.empty((steps, n)), np.empty((steps, n)), np.empty(known.shape), np.array(start)
-    x = _means_while_changing(A, C, schedule.gains[:tail], x, known[:tail], push, predicted[:tail], means[:tail], innovations[:tail])
+    head = predicted[:tail], means[:tail], innovations[:tail]
+    if tail and (quick := compiled_kernel(mean_steps)) is not None:
+        forced = np.zeros((0, n)) if push is None else as_kernel_array(push[:tail])
+        quick(
+            as_kernel_array(A), as_kernel_array(C), as_kernel_array(schedule.gains[:tail]), x, as_kernel_array(known[:tail]), forced, *head
+        )
+    else:
+        x = _means_while_changing(A, C, schedule.gains[:tail], x, known[:tail], push, *head)
     if tail < steps:
         M = schedule.gains[-1]
         AM = A @ M
@@ -150,7 +159,7 @@ def means_along(A: np.ndarray, C: np.ndarray, schedule: Schedule, start: np.ndar
 
 def _means_while_changing(A: np.ndarray, C: np.ndarray, gains: np.ndarray, x: np.ndarray, known: np.ndarray, push: np.ndarray | None,
                           predicted: np.ndarray, means: np.ndarray, innovations: np.ndarray) -> np.ndarray:
-    """Fill in predicted means, means and innovations, NaN in `known` where nothing arrived; the next x̂."""
+    """As `kernels.recursion.mean_steps`; the next x̂."""
     AM = A @ gains
     Phi = A - AM @ C
     forcing = (AM @ np.nan_to_num(known)[:, :, None])[..., 0]

@@ -46,6 +46,7 @@ GROUPS: Mapping[type, str] = MappingProxyType(  # the types of the fields of eac
 )
 SIGNATURES: Mapping[Kernel, tuple[str | type, ...]] = MappingProxyType(  # the arguments in turn: types, or a group of them
     {
+        recursion.mean_steps: (f"{_2},{_2},{_3},{_1},{_2},{_2},{_2},{_2},{_2}",),
         recursion.joseph_steps: (f"{_2},{_2},{_2},{_2},{_2},b1[:,::1]", recursion.Target, recursion.Schedule),
         recursion.root_steps: (f"{_2},{_2},{_2},{_2},{_2},{_2},b1[:,::1]", recursion.Target, recursion.Schedule),
         clipped.march: (

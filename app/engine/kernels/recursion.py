@@ -1,4 +1,4 @@
-"""Step the covariances and their square roots of linear filters whose gain changes with time."""
+"""Step the covariances, square roots and means of linear filters whose gain changes with time."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 
 from .small_matrices import factor, product, put, solve_both, solve_upper, symmetrise, triangle, turn
 
-__all__ = ["Schedule", "Target", "joseph_steps", "root_steps"]
+__all__ = ["Schedule", "Target", "joseph_steps", "mean_steps", "root_steps"]
 
 
 class Target(NamedTuple):
@@ -156,6 +156,36 @@ def stacked(R_root, CU, U, heard, wide):
         for j in range(n):
             wide[p + j, count + i] = U[i, j]
     return count
+
+
+def mean_steps(A, C, gains, x, known, push, predicted, filtered, nu):
+    """Step the means with given gains: ν = y − C x̂, then x̂ + M ν, then A x̂ + B u. Return the number of steps.
+
+    `known` (steps, p) is y − D u, NaN where no measurement arrived; `push` (steps, n) is B u, or has no rows.
+    x is overwritten with the predicted mean of the next step.
+    """
+    steps, n, p = len(known), len(A), len(C)
+    heard, after = np.empty(p), np.empty(n)
+    for k in range(steps):
+        for j in range(n):
+            predicted[k, j] = x[j]
+        for i in range(p):
+            a = known[k, i]
+            for j in range(n):
+                a -= C[i, j] * x[j]
+            nu[k, i] = a
+            heard[i] = 0.0 if np.isnan(a) else a
+        for i in range(n):
+            a = x[i]
+            for j in range(p):
+                a += gains[k, i, j] * heard[j]
+            after[i] = filtered[k, i] = a
+        for i in range(n):
+            a = push[k, i] if push.shape[0] else 0.0
+            for j in range(n):
+                a += A[i, j] * after[j]
+            x[i] = a
+    return steps
 
 
 def there(P, goal, near):
