@@ -124,7 +124,8 @@ def main() -> int:
         for number, lesson in enumerate(asked.lessons or there):
             looks = looks_in(asked.folder, lesson)
             every = [(look, place) for look in looks for place in PLACES]
-            for look, place in every if asked.whole else [(looks[number % len(looks)], PLACES[number % len(PLACES)])]:
+            place_of = (number + number // len(looks)) % len(PLACES)  # every look comes to every place in turn
+            for look, place in every if asked.whole else [(looks[number % len(looks)], PLACES[place_of])]:
                 walk = walked(browser, asked.folder, home, lesson, look, place)
                 scenes, bad = scenes + walk.scenes, bad + len(walk.complaints) + len(walk.rules)
                 print(f"{lesson} {look} {place}: {walk.scenes} scenes, {len(walk.complaints)} errors and requests to elsewhere, "
