@@ -70,7 +70,7 @@ def test_two_tabs_do_not_see_each_other(enter: Enter, server: LabServer) -> None
     b = enter()
     first, second = (server.sessions[i] for i in sorted(server.sessions))
     a.update(STIFFNESS, value=10.0)
-    a.press("中文")
+    a.command("Chinese / English")
     a.until(lambda: a.has("模型刚度误差 [%]"), "the Chinese page")
     assert first.picture.design["stiffness_error"] == 10.0  # type: ignore[union-attr]
     assert b.unasked() == []

@@ -29,5 +29,4 @@ def light_up(scene: viser.SceneApi, dark: bool) -> None:
 
 def cast_shadows(client: viser.ClientHandle) -> None:
     """Let the page cast shadows and let metal reflect where a graphics card draws."""
-    nodes = {"lamp": KEY, "ground": GROUND, "picture": PICTURE, "solids": f"{PLANT}/"}
-    page_scripts.light_stage(client, nodes, [rgb(COLOURS[role]) for role in METALS])
+    page_scripts.light_stage(client, KEY, GROUND, PICTURE, f"{PLANT}/", [rgb(COLOURS[role]) for role in METALS])

@@ -52,7 +52,7 @@ class SceneLabels:
 
     def resize(self, em: float) -> bool:
         """Write everything in letters of another size; whether that changed anything that is seen."""
-        if not self.misfit(em):
+        if em == self.em:
             return False
         self.em = em
         for label, size in self._written.values():

@@ -31,7 +31,7 @@ from .viewpoint import body_scale
 FACTORS = 10.0  # letters: a line with what is exaggerated is no longer
 FACTORS_AT = (2.9, -0.6, 0.02), (2.9, -0.6, 0.5)  # where the end of its last line stands, and where a map lies in front
 MIN_ARROW_LENGTH = 0.05  # stage units: shorter arrows are not drawn
-LARGEST_CLOUD = 0.9  # stage units
+LARGEST_CLOUD, ONE_OF_SEVERAL = 0.9, 0.5  # stage units: of a cloud that stands alone, and of one of several about one body
 UPRIGHT = (math.sqrt(0.5), math.sqrt(0.5), 0.0, 0.0)  # pictures lie flat until they are turned, then the last row is above
 INSIDE = 0.985  # the ghost is drawn this much smaller: where it agrees, it vanishes into the body
 Place = tuple[int, tuple[int, ...]]  # the sample of the run that is shown, and of each pin's run
@@ -120,7 +120,7 @@ class StageView:
                                head_radius=0.09, head_length=0.16)
         self._errors = ErrorLines(self._scene, stage, self._trails, self._dark)
         self._clouds = [] if stage.spread is None or stage.xhat is None else [
-            self._scene.add_icosphere(f"/spread/{i}", 1.0, rgb(GHOST_COLOUR), opacity=0.3, side="back", cast_shadow=False,
+            self._scene.add_icosphere(f"/spread/{i}", 1.0, rgb(GHOST_COLOUR), opacity=0.24, side="back", cast_shadow=False,
                                       receive_shadow=False)
             for i, _ in enumerate(body.anchors(stage.xhat[0].tolist(), body.gain))]
         said = factors(body, language)
@@ -242,7 +242,7 @@ class StageView:
 
     def _cloud(self, believed: Sequence[Vector], radius: float, frame: Frame) -> None:
         """How unsure the estimate is: a translucent ball about each anchor, never larger than the stage can hold."""
-        size = min(max(radius, 1e-3), LARGEST_CLOUD)
+        size = min(max(radius, 1e-3), LARGEST_CLOUD if len(believed) == 1 else ONE_OF_SEVERAL)
         for handle, place in zip(self._clouds, believed, strict=True):
             frame[handle.name, "position"] = place
             frame[handle.name, "scale"] = (size, size, size)

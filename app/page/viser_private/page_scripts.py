@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import viser
@@ -37,9 +37,11 @@ def find_knob(client: viser.ClientHandle, label: str, folder: str) -> None:
     run_script(client, "find", label=label, folder=folder)
 
 
-def light_stage(client: viser.ClientHandle, nodes: Mapping[str, str], metals: Sequence[tuple[int, int, int]]) -> None:
-    """Cast shadows and let metal reflect where a graphics card draws. `nodes` names lamp, ground, picture, and how all solids begin."""
-    run_script(client, "light", **nodes, metals=[(red << 16) | (green << 8) | blue for red, green, blue in metals])
+def light_stage(client: viser.ClientHandle, lamp: str, ground: str, picture: str, solids: str,
+                metals: Sequence[tuple[int, int, int]]) -> None:
+    """Cast shadows and let metal reflect where a graphics card draws: names of nodes, of `solids` how they begin."""
+    run_script(client, "light", lamp=lamp, ground=ground, picture=picture, solids=solids,
+               metals=[(red << 16) | (green << 8) | blue for red, green, blue in metals])
 
 
 def turn_light(client: viser.ClientHandle) -> None:

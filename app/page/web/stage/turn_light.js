@@ -1,2 +1,4 @@
 // Casts shadows, or no longer, and keeps that for the next time.
-() => window.observerLabLight?.turn()
+() => {
+  window.observerLabLight?.turn();
+}
