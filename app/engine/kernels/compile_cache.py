@@ -171,7 +171,7 @@ def user_cache() -> Path:
 
 
 def cache_folder() -> Path | None:
-    """Where compiled kernels of files with these contents are kept, made if it is not there; None where nothing can be kept.
+    """The folder of compiled kernels of files with these contents, made if it is not there; None where nothing can be kept.
 
     Another copy of the lab with the same kernels shares it. Another Numba or a changed kernel has a folder of its own.
     """

@@ -59,8 +59,8 @@ class StageView:
 
     def __init__(self, client: viser.ClientHandle, trails: bool = False, pulled: Pulled | None = None,
                  nearness: Callable[[], float] = lambda: 1.0) -> None:
-        """`pulled` hears of a hand that pulls the plant; without it none can. `nearness` is the distance from the eye to the plant over
-        that to the boards in the usual view: the letters of both are as large on the screen.
+        """`pulled` is called when a hand pulls the plant; without it none can. `nearness` gives the distance from the eye to the plant
+        over that to the boards in the usual view: the letters of both are as large on the screen.
         """
         self.nearness = nearness
         self._client, self._trails, self._pulled = client, trails, pulled
