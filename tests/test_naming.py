@@ -19,11 +19,12 @@ from observer_lab.course.lesson import Board, Lesson
 from observer_lab.lessons import LESSONS
 from observer_lab.page.charts.text_layout import Box, text_width
 from observer_lab.page.stage.board_labels import MARK_HALF_SIZE, MARK_NAME_GAP, Place, free_place, leader_line, pole_name
+from observer_lab.page.stage.body_extent import reach
 from observer_lab.page.stage.map_board import NEARER, place, written
 from observer_lab.page.stage.pole_boards import BOARD_HEIGHT, BOARD_WIDTH, NAME_FRAME
 from observer_lab.page.stage.scene_labels import ROW_HEIGHT_EM, stagger_names
 from observer_lab.page.stage.stage import FACTORS_AT, factors
-from observer_lab.page.stage.viewpoint import CAMERAS, SIGHT, letters, retreat
+from observer_lab.page.stage.viewpoint import CAMERAS, FAR, NARROW, SIGHT, Composition, away, composition, letters, retreat
 
 WINDOWS = {"laptop": (626, 768, False), "hall": (846, 1080, True), "small hall": (590, 720, True), "phone": (390, 844, False),
            "wide": (1400, 1080, True)}  # px of the stage across and up, and whether in large print
@@ -113,10 +114,11 @@ def test_where_there_is_no_room_there_is_no_name() -> None:
 class Eye:
     """What the composed view shows of the stage: a pinhole, in heights of the window, up and to the right."""
 
-    def __init__(self, across: int, up: int, lecture: bool) -> None:
+    def __init__(self, across: int, up: int, lecture: bool, composed: Composition) -> None:
         camera: Any = SimpleNamespace(image_width=across, image_height=up)
-        position, target = (np.array(each) for each in CAMERAS["all"])
-        self.em, self._eye = letters(camera, lecture), target + retreat(across / up) * (position - target)
+        position, target = (np.array(each) for each in CAMERAS["map"])
+        far = retreat(across / up, NARROW * FAR / away(CAMERAS["map"]))
+        self.em, self._eye = letters(camera, lecture, composed), target + far * (position - target)
         ahead = (target - self._eye) / np.linalg.norm(target - self._eye)
         right = np.cross(ahead, (0.0, 0.0, 1.0))
         right /= np.linalg.norm(right)
@@ -142,7 +144,8 @@ class Eye:
 def test_words_on_a_map_cover_no_other_words_empty_or_computed() -> None:
     """Nor does what is said of the plant's motion lie on them or on the map."""
     def law(lesson: str, window: str, language: str, empty: bool) -> None:
-        eye, (figure, body) = Eye(*WINDOWS[window]), maps[lesson]
+        figure, body, composed = maps[lesson]
+        eye = Eye(*WINDOWS[window], composed)
         figure = replace(figure, values=np.full_like(figure.values, -1 if empty else 0))
         em = eye.em * NEARER
         said = {name: eye.box(what.words, what.at, what.anchor, em) for name, what in written(figure, language, em).items()}
@@ -158,7 +161,8 @@ def test_words_on_a_map_cover_no_other_words_empty_or_computed() -> None:
     for lesson in (lesson for lesson in LESSONS.values() if lesson.pick is not None):
         outcome = lesson.compute(lesson.start())
         assert outcome.stage is not None
-        maps[lesson.id] = next(f for f in lesson.figures(outcome) if isinstance(f, MapFigure)), outcome.stage.body
+        figure = next(f for f in lesson.figures(outcome) if isinstance(f, MapFigure))
+        maps[lesson.id] = figure, outcome.stage.body, composition(*reach(outcome.stage))
     holds_for_all(itertools.product(maps, WINDOWS, ("en", "zh"), (True, False)), law, lambda *case: str(case))
 
 

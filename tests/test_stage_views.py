@@ -19,14 +19,15 @@ from observer_lab.course.scenes import Scene, entry_values
 from observer_lab.lessons import LESSONS
 from observer_lab.page.stage.body_extent import body_corners, reach
 from observer_lab.page.stage.map_board import NEARER, place, written
-from observer_lab.page.stage.pole_boards import BOARD_FOOT, BOARD_HEIGHT, BOARD_PLACES, BOARD_WIDTH, board_contains
+from observer_lab.page.stage.pole_boards import BOARD_HEIGHT, BOARD_PLACES, BOARD_WIDTH, board_contains
 from observer_lab.page.stage.stage import StageView, factors, factors_at
-from observer_lab.page.stage.viewpoint import SIGHT, Viewpoint, letters
+from observer_lab.page.stage.viewpoint import BOARD_MARGIN, SIGHT, Viewpoint
 
 CANVASES = {"laptop": (929, 768), "small laptop": (870, 720), "wall": (1306, 1080)}  # px of the guide's stage
 RUN_BAR = 0.1  # of the canvas' height, at its foot: the row of the run
 MOMENTS = 12
 LEAST_FILLED = 0.57  # of the canvas' height or width: what stands on the stage, and the map in front of it
+LEAST_PLANT = 0.5  # of the canvas' width, beside or below boards
 LEAST_LETTER = 0.0145  # of the canvas' height: a letter on a board, 11 px of 768
 
 
@@ -81,12 +82,12 @@ def seen_from(case: OnStage, size: tuple[int, int]) -> tuple[Any, Viewpoint]:
     return camera, view
 
 
-def board_corners(side: str, em: float) -> np.ndarray:
-    """The corners of a board with the numbers below it, seen from the front (4, 3)."""
+def board_corners(side: str, foot: float, em: float) -> np.ndarray:
+    """The corners of a board with its title and the numbers below it, seen from the front (4, 3)."""
     (x, y), turn = BOARD_PLACES[side]
-    half, top = BOARD_WIDTH / 2, BOARD_FOOT + BOARD_HEIGHT
+    half, top = BOARD_WIDTH / 2 + BOARD_MARGIN, foot + BOARD_HEIGHT + BOARD_MARGIN + 0.06 + em
     return np.array([[x + a * half * math.cos(turn), y + a * half * math.sin(turn), z]
-                     for a in (-1, 1) for z in (BOARD_FOOT - 0.02 - 0.9 * em, top)])
+                     for a in (-1, 1) for z in (foot - 0.02 - 0.9 * em, top)])
 
 
 def map_corners(figure: MapFigure, em: float) -> np.ndarray:
@@ -121,10 +122,10 @@ def name(case: OnStage, canvas: str) -> str:
 
 def test_a_plant_hides_neither_the_boards_of_a_scene_nor_the_numbers_below_them() -> None:
     def law(case: OnStage, canvas: str) -> None:
-        camera = looked_at(case, CANVASES[canvas])
+        camera, view = seen_from(case, CANVASES[canvas])
         body = seen(camera, case.body)
         for board in case.boards:
-            corners = seen(camera, board_corners(board.side, letters(camera, False)))
+            corners = seen(camera, board_corners(board.side, view.composed.foot, view.letters(False)))
             before = body[(body[:, 0] > corners[:, 0].min()) & (body[:, 0] < corners[:, 0].max())]
             assert before[:, 1].max(initial=-1.0) <= corners[:, 1].min() + 0.01, f"{board.id} is hidden"
     holds_for_all([case for case in itertools.product(scenes_on_stage(), CANVASES) if case[0].boards], law, name)
@@ -132,9 +133,9 @@ def test_a_plant_hides_neither_the_boards_of_a_scene_nor_the_numbers_below_them(
 
 def test_all_that_stands_on_the_stage_is_in_sight_above_the_row_of_the_run_and_fills_the_picture() -> None:
     def law(case: OnStage, canvas: str) -> None:
-        camera, (across, up) = looked_at(case, CANVASES[canvas]), CANVASES[canvas]
-        em = letters(camera, False)
-        points = np.concatenate([seen(camera, case.body), *(seen(camera, board_corners(board.side, em)) for board in case.boards),
+        (camera, view), (across, up) = seen_from(case, CANVASES[canvas]), CANVASES[canvas]
+        em, foot = view.letters(False), view.composed.foot
+        points = np.concatenate([seen(camera, case.body), *(seen(camera, board_corners(board.side, foot, em)) for board in case.boards),
                                  *([] if case.map is None else [seen(camera, map_corners(case.map, em))])])
         low, high = points.min(axis=0), points.max(axis=0)
         assert (seen(camera, case.words)[:, 0] <= across / up).all(), "the words about its size are cut"
@@ -154,17 +155,30 @@ def test_a_scene_begins_with_its_poles_on_its_boards() -> None:
 
 def test_letters_on_a_board_are_more_than_eleven_pixels_of_a_laptop_in_guide_and_lab() -> None:
     for size in (*CANVASES.values(), (626, 768)):
-        camera: Any = Camera(size)
-        client: Any = SimpleNamespace(camera=camera, atomic=nullcontext)
-        Viewpoint(client).camera("all")
-        unit = seen(camera, np.array([[0.0, 1.5, BOARD_FOOT], [1.0, 1.5, BOARD_FOOT]]))
-        assert letters(camera, False) * (unit[1, 0] - unit[0, 0]) / 2 >= LEAST_LETTER, size
+        for body in {opened(id)[1] for id in LESSONS}:
+            camera: Any = Camera(size)
+            client: Any = SimpleNamespace(camera=camera, atomic=nullcontext)
+            view = Viewpoint(client)
+            view.compose(True, False, False, body=body)
+            view.camera("all")
+            foot = view.composed.foot
+            unit = seen(camera, np.array([[0.0, 1.5, foot], [1.0, 1.5, foot]]))
+            assert view.letters(False) * (unit[1, 0] - unit[0, 0]) / 2 >= LEAST_LETTER, (size, body)
+
+
+def test_the_plant_of_a_scene_with_boards_is_as_large_as_the_boards_leave_room_for() -> None:
+    """It takes half of the picture's width, or all that a wide or high body and its boards leave of it."""
+    def law(case: OnStage, canvas: str) -> None:
+        camera, (across, up) = looked_at(case, CANVASES[canvas]), CANVASES[canvas]
+        body = seen(camera, case.body)
+        assert np.ptp(body[:, 0]) / 2 / (across / up) >= LEAST_PLANT
+    holds_for_all([case for case in itertools.product(scenes_on_stage(), CANVASES) if case[0].boards and case[0].map is None], law, name)
 
 
 def test_letters_beside_the_plant_are_as_large_as_those_of_the_boards_wherever_a_scene_looks_from() -> None:
     def law(case: OnStage, canvas: str) -> None:
         camera, view = seen_from(case, CANVASES[canvas])
-        letter = letters(camera, False) * view.nearness() * np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]]) + (0.0, 0.0, 0.3)
+        letter = view.letters(False) * view.nearness() * np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]]) + (0.0, 0.0, 0.3)
         across = seen(camera, letter)[:, 0]
         assert 0.9 * LEAST_LETTER <= (across[1] - across[0]) / 2 <= 1.35 * LEAST_LETTER
     holds_for_all(itertools.product(scenes_on_stage(), CANVASES), law, name)

@@ -9,7 +9,11 @@ from dataclasses import replace
 import pytest
 from fakes import Tab, toy, toy_compute
 
+from observer_lab.course.error_window import find_error_window
+from observer_lab.course.scenes import Choose, Press, Read
+from observer_lab.lessons import LESSONS
 from observer_lab.session.commands.commands import ChangeSpeed, Command, DrawByHand, Kick, Play, Predict, Reveal, Rewind, Seek, Undo
+from observer_lab.session.commands.guide import GoToScene
 from observer_lab.session.handlers.playback import CROWDED, FRAME_S, LATE_POSES_IN_A_ROW, PLAYBACK_SPEEDS, PREDICT_FIRST, REFILL_BEFORE_S
 from observer_lab.session.state.history import MERGE_WINDOW_S
 
@@ -268,3 +272,36 @@ def test_poses_that_wait_for_other_tabs_again_and_again_are_owned_up_to_once(mon
     assert not tab.view.sentences()
     tab.run_for(15 * FRAME_S)
     assert tab.view.sentences() == [CROWDED] and tab.view.of("pose")
+
+
+RESTING = ("error-dynamics", "saturation", "virtual-sensor")
+
+
+@pytest.mark.parametrize("id", RESTING)
+def test_a_scene_begins_where_its_run_shows_most_and_a_question_or_a_press_at_the_start(id: str) -> None:
+    tab, seen = Tab({id: LESSONS[id]}, id, mode="guide"), set[bool]()
+    for k, scene in enumerate(LESSONS[id].path):
+        tab.do(GoToScene(k))
+        state, stage = tab.picture.state, tab.picture.outcome.stage
+        if stage is None or scene.play or state.performance is not None:
+            continue
+        asked = isinstance(scene.do, Choose | Press)
+        kicked = dict(tab.picture.design.values).get("kick", 0.0)
+        assert state.t == (0.0 if asked else find_error_window(stage, kicked).telling), scene.id
+        assert not state.moving
+        seen.add(asked)
+    assert seen == {True, False}
+
+
+def test_a_run_that_rests_where_the_page_has_put_it_plays_from_its_start_and_where_a_hand_has_from_there() -> None:
+    id = "error-dynamics"
+    tab = Tab({id: LESSONS[id]}, id, mode="guide")
+    tab.do(GoToScene(next(k for k, scene in enumerate(LESSONS[id].path) if isinstance(scene.do, Read) and not scene.play)))
+    rests = tab.picture.state.t
+    assert rests > 0.0
+    tab.do(Play())
+    assert (tab.picture.state.t, tab.picture.state.playing) == (0.0, True)
+    tab.do(Play())
+    tab.do(Seek(rests / 2))
+    tab.do(Play())
+    assert (tab.picture.state.t, tab.picture.state.playing) == (rests / 2, True)

@@ -12,17 +12,17 @@ import viser
 
 from ...session.state.view import Picture, time_scale
 from ..charts.style_sheet import clock_decimals
+from ..stage.body_extent import reach
 from ..stage.map_board import MapBoard, map_of
 from ..stage.pole_boards import BoardView
 from ..stage.stage import StageView
-from ..stage.viewpoint import BOARDS_BEHIND, CAMERAS, NARROW, SIGHT, away, letters
+from ..stage.viewpoint import BOARDS_BEHIND, CAMERAS, FAR, NARROW, SIGHT, USUAL, Composition, away, composition, letters
 from ..viser_private import viser_internals
 from ..viser_private.scene_tape import Tape
 
 MAX_RECORDED_MOMENTS = 1200  # moments of a run that are kept: the page shows no more than thirty a second
 LARGER = tuple(1.12 ** k for k in range(8))  # how many times larger than on a laptop letters may be wanted on a small stage
 RECORDING_SCRIPTS = ("frames", "keys", "floor")  # of what a page learns, all that matters where nothing can be dragged
-NEARER, LIFTED = 0.9, 0.1  # of the lab's distance from an empty stage, and stage units of its aim above the lab's
 DECIMALS = 4  # of stage units: a tenth of what a pixel shows
 
 
@@ -32,8 +32,8 @@ class LaptopWindow:
 
     image_width: int = 1366
     image_height: int = 768
-    position: tuple[float, ...] = CAMERAS["all"][0]
-    look_at: tuple[float, ...] = CAMERAS["all"][1]
+    position: tuple[float, ...] = tuple(USUAL.place[0])
+    look_at: tuple[float, ...] = tuple(USUAL.place[1])
     fov: float = SIGHT
 
 
@@ -46,11 +46,12 @@ def record_run(picture: Picture, camera: tuple[float, ...] | None, words: dict[s
     assert stage is not None
     tape = Tape(LaptopWindow())
     client = cast(viser.ClientHandle, tape)
-    em = letters(client.camera, False)
+    composed = composition(*reach(stage))
+    em = letters(client.camera, False, composed)
     view = StageView(client)
     view.furnish(state.is_dark)
     view.build(stage, state.language, em)
-    boards, maps = _boards(client, picture, em), _maps(client, picture, em)
+    boards, maps = _boards(client, picture, em, composed.foot), _maps(client, picture, em)
     lettered = [view, *boards, *maps]
     moments = stage.t[:: -(-len(stage.t) // MAX_RECORDED_MOMENTS)].tolist()
     view.pose(moments[0])
@@ -60,7 +61,7 @@ def record_run(picture: Picture, camera: tuple[float, ...] | None, words: dict[s
         "t": moments, "end": picture.end, "rate": time_scale(picture.horizon),
         "moves": channels(tape, [partial(view.pose, t) for t in moments]),
         "sizes": sizes, "letters": channels(tape, [partial(_fit, lettered, size) for size in sizes]),
-        "behind": BOARDS_BEHIND, "sight": SIGHT, **_seen_from(camera, bool(maps) or state.landscape),
+        "behind": BOARDS_BEHIND, "sight": SIGHT, **_seen_from(camera, composed, bool(boards), bool(maps) or state.landscape),
     }
     for name in RECORDING_SCRIPTS:
         viser_internals.run_script(client, name)
@@ -68,25 +69,20 @@ def record_run(picture: Picture, camera: tuple[float, ...] | None, words: dict[s
     return tape.recording()
 
 
-def _seen_from(camera: tuple[float, ...] | None, full: bool) -> dict[str, Any]:
-    """Where the page looks from: position and target, how far the boards' letters are off, and the shape that shows both boards.
-
-    Where nothing lies in front of the stage, from nearer than the lab, whose transport floats there.
-    """
-    position, target = (np.array(place) for place in CAMERAS["map" if full else "all"])
-    near = 1.0 if full else NEARER
-    lifted = target + np.array((0.0, 0.0, 0.0 if full else LIFTED))
-    eye = [*(lifted + near * (position - target)), *lifted] if camera is None else camera
-    far = near * float(target[1] - position[1])
-    return {"eye": [float(number) for number in eye], "near": far, "narrow": NARROW * away(CAMERAS["all"]) / far}
+def _seen_from(camera: tuple[float, ...] | None, composed: Composition, boards: bool, charted: bool) -> dict[str, Any]:
+    """Where the page looks from: position and target, how far the boards' letters are off, and the shape that shows all of it."""
+    place = CAMERAS["map"] if charted else composed.place if boards else CAMERAS["bare"]
+    far = away(place)
+    narrow = composed.narrow if place == composed.place else NARROW * FAR / far
+    return {"eye": [float(number) for number in np.ravel(place)] if camera is None else camera, "near": far, "narrow": narrow}
 
 
-def _boards(client: viser.ClientHandle, picture: Picture, em: float) -> list[BoardView]:
+def _boards(client: viser.ClientHandle, picture: Picture, em: float, foot: float) -> list[BoardView]:
     """The boards, which nobody can drag."""
     out = []
     for board in picture.boards:
         still = replace(board, knob=None)
-        out.append(BoardView(client, still, picture.state.language, em, picture.state.is_dark, lambda values, grip: None))
+        out.append(BoardView(client, still, picture.state.language, em, picture.state.is_dark, foot, lambda values, grip: None))
         out[-1].show(still, veiled=False)
         out[-1].show_landscape(picture.state.landscape and board.landscape is not None)
     return out

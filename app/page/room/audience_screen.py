@@ -20,7 +20,6 @@ from ..replay.transport import CLOCK_PLACEHOLDERS, PlaybackControls
 from ..screen.page_setup import speak
 from ..screen.screen import Screen
 from ..stage.lighting import cast_shadows
-from ..stage.viewpoint import letters
 from ..viser_private import viser_internals
 from ..viser_private.shared_page import SharedPage
 from ..viser_private.write_once import write_content
@@ -123,13 +122,13 @@ class AudienceScreen(Screen):
         self._columns.add(gui.main_panel, Sizes(picture.state).right)
         self._compose(picture, anew=True)
         self._stage.furnish(False)
-        self._stage.build(picture.outcome.stage, self._language, letters(self._client.camera, False))
+        self._stage.build(picture.outcome.stage, self._language, self._viewpoint.letters(False))
         self._player = EveryPagePlayer(self._client, self._stage, self._transport)
         cast_shadows(self._client)
         for name in SCRIPTS:
             viser_internals.run_script(self._client, name)
         self._viewpoint.look(picture.state.camera)
-        self._stage.fit(letters(self._client.camera, False))
+        self._stage.fit(self._viewpoint.letters(False))
         speak(self._client, picture, self._language)
         self._picture = None
 

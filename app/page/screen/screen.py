@@ -30,7 +30,6 @@ from ..stage.map_board import MapBoard, map_of
 from ..stage.pole_boards import BoardView
 from ..stage.screen_size import ScreenSized, follow_camera
 from ..stage.stage import StageView
-from ..stage.viewpoint import letters
 from ..viser_private import page_scripts, viser_internals
 from ..viser_private.write_once import write_content
 from .browser import Browser
@@ -98,12 +97,12 @@ class Screen(Browser):
             self._stage.charted = map_of(picture) is not None
             self._compose(picture, anew=True)
             self._stage.furnish(picture.state.is_dark)
-            self._stage.build(picture.outcome.stage, language, letters(self._client.camera, picture.state.lecture))
+            self._stage.build(picture.outcome.stage, language, self._viewpoint.letters(picture.state.lecture))
             self._player = Player(self._client, self._stage, self._transport)
             if not self._looked:
                 run_page_scripts(self._client)
                 self._viewpoint.begin(picture.state.camera, None if picture.scene is None else picture.scene.view)
-                self._stage.fit(letters(self._client.camera, picture.state.lecture))
+                self._stage.fit(self._viewpoint.letters(picture.state.lecture))
                 follow_camera(self._client, self._post, self._viewpoint.heard, self._em, self._fitted)
                 self._looked = True
             watch_page_visibility(self._client, self._post)
@@ -145,6 +144,7 @@ class Screen(Browser):
 
     def _compose(self, picture: Picture, anew: bool = False) -> None:
         charted, stage = map_of(picture) is not None, picture.outcome.stage if anew else None
+        charted |= picture.state.landscape  # a surface that lies in front of the stage as well
         self._viewpoint.compose(bool(picture.boards) or charted, charted, picture.state.lecture, Sizes(picture.state).below,
                                 None if stage is None else reach(stage))
 
@@ -161,7 +161,7 @@ class Screen(Browser):
         with self._client.atomic():
             self._stop_page_playback()
             if anew:
-                self._stage.show(picture.outcome.stage, picture.state.language, letters(self._client.camera, picture.state.lecture))
+                self._stage.show(picture.outcome.stage, picture.state.language, self._viewpoint.letters(picture.state.lecture))
             for board in picture.boards:
                 view = self._board(board, picture)
                 view.show(board, picture.veiled, picture.state.calm, picture.resting)
@@ -277,14 +277,14 @@ class Screen(Browser):
     def _board(self, board: Board, picture: Picture) -> BoardView:
         if board.id not in self._boards:
             self._boards[board.id] = BoardView(
-                self._client, board, picture.state.language, letters(self._client.camera, picture.state.lecture), picture.state.is_dark,
-                lambda values, grip: self._post(SetKnobs(values, grip)),
+                self._client, board, picture.state.language, self._viewpoint.letters(picture.state.lecture), picture.state.is_dark,
+                self._viewpoint.composed.foot, lambda values, grip: self._post(SetKnobs(values, grip)),
                 lambda words: self._post(RunOnTabThread(lambda: self.say(words, False))))
         return self._boards[board.id]
 
     def _em(self) -> float:
         """How large letters of the stage are, in stage units."""
-        return letters(self._client.camera, self._picture is not None and self._picture.state.lecture)
+        return self._viewpoint.letters(self._picture is not None and self._picture.state.lecture)
 
     def _fitted(self) -> tuple[ScreenSized, ...]:
         """What is as large as the camera asks for."""
@@ -293,7 +293,7 @@ class Screen(Browser):
     def _show_map(self, picture: Picture) -> None:
         figure = map_of(picture)
         if self._map is None and figure is not None:
-            self._map = MapBoard(self._client, picture.state.language, letters(self._client.camera, picture.state.lecture),
+            self._map = MapBoard(self._client, picture.state.language, self._viewpoint.letters(picture.state.lecture),
                                  picture.state.is_dark, lambda x, y: self._post(PickPoint(x, y)))
         if self._map is not None:
             self._map.show(figure)

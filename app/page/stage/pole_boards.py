@@ -26,13 +26,12 @@ from .meshes import bolt, cross, landscape
 from .pinned_poles import PinMarks
 from .scene_labels import SceneLabels, Size
 from .trails import PoleTrail
+from .viewpoint import BOARD_ASIDE, BOARD_HEIGHT, BOARD_MARGIN, BOARD_WIDTH
 
-BOARD_WIDTH, BOARD_HEIGHT, BOARD_FOOT = 3.2, 2.5, 2.6
-BOARD_PLACES = MappingProxyType({"left": ((-1.98, 1.5), 0.13), "right": ((1.98, 1.5), -0.13), "middle": ((0.0, 1.5), 0.0)})
+BOARD_PLACES = MappingProxyType({"left": ((-BOARD_ASIDE, 1.5), 0.13), "right": ((BOARD_ASIDE, 1.5), -0.13), "middle": ((0.0, 1.5), 0.0)})
 SNAP = 0.02  # of the window's height: nearer to the real axis than this is on it
-MARGIN = 0.15  # glass around the s-plane
 NAME_FRAME = Frame(
-    -BOARD_WIDTH / 2 - MARGIN, BOARD_WIDTH / 2, -BOARD_HEIGHT / 2, BOARD_HEIGHT / 2 + MARGIN
+    -BOARD_WIDTH / 2 - BOARD_MARGIN, BOARD_WIDTH / 2, -BOARD_HEIGHT / 2, BOARD_HEIGHT / 2 + BOARD_MARGIN
 )  # what names may fill, clear of those of the axes
 HIDDEN_SEGMENT = ((0.0, 0.0, -9.0), (0.0, 0.0, -9.0))  # of a line that is not seen: viser keeps a node that has at least one
 UPRIGHT = (math.sqrt(0.5), math.sqrt(0.5), 0.0, 0.0)  # pictures lie flat until they are turned
@@ -42,14 +41,14 @@ RING, RING_SIDES = 0.085, 28  # radius of a zero's mark in stage units
 class BoardView:
     """One board: drawn once, then only its poles move."""
 
-    def __init__(self, client: viser.ClientHandle, board: Board, language: str, em: float, dark: bool,
+    def __init__(self, client: viser.ClientHandle, board: Board, language: str, em: float, dark: bool, foot: float,
                  drag: Callable[[dict[str, Any], int], object], say: Callable[[Text], object] | None = None) -> None:
         self._client, self._scene, self._drag, self._say = client, client.scene, drag, say
         self._board, self._letters, self._language = board, SceneLabels(client.scene, em), language
         self._ink = board_colours(dark)
         self._root = f"/board/{board.id}"
         (x, y), turn = BOARD_PLACES[board.side]
-        self._origin = np.array([x, y, BOARD_FOOT + BOARD_HEIGHT / 2])
+        self._origin = np.array([x, y, foot + BOARD_HEIGHT / 2])
         self._turn = turn
         self._frame = self._scene.add_frame(self._root, show_axes=False, position=tuple(self._origin),
                                             wxyz=(math.cos(turn / 2), 0.0, 0.0, math.sin(turn / 2)))
@@ -99,13 +98,13 @@ class BoardView:
     # --- drawing ---------------------------------------------------------------------------------------------------
     def _draw(self, language: str) -> None:
         scene, root, b = self._scene, self._root, self._board
-        scene.add_box(f"{root}/glass", self._ink.glass, (BOARD_WIDTH + 2 * MARGIN, 0.04, BOARD_HEIGHT + 2 * MARGIN), cast_shadow=False,
-                      receive_shadow=False)
+        scene.add_box(f"{root}/glass", self._ink.glass, (BOARD_WIDTH + 2 * BOARD_MARGIN, 0.04, BOARD_HEIGHT + 2 * BOARD_MARGIN),
+                      cast_shadow=False, receive_shadow=False)
         scene.add_image(
             f"{root}/face",
-            draw_board_texture(b, MARGIN / BOARD_HEIGHT, self._ink),
-            BOARD_WIDTH + 2 * MARGIN,
-            BOARD_HEIGHT + 2 * MARGIN,
+            draw_board_texture(b, BOARD_MARGIN / BOARD_HEIGHT, self._ink),
+            BOARD_WIDTH + 2 * BOARD_MARGIN,
+            BOARD_HEIGHT + 2 * BOARD_MARGIN,
             format="png",
             cast_shadow=False,
             receive_shadow=False,
@@ -114,8 +113,8 @@ class BoardView:
         )
         self._letter_axes()
         title = b.title(language)
-        self._label("title", title, (0.0, -0.06, BOARD_HEIGHT / 2 + MARGIN + 0.06), "bottom-center",
-                    lambda em: min(1.2, (BOARD_WIDTH + 3 * MARGIN) / max(text_width(title, em), em)))  # not into the next one's
+        self._label("title", title, (0.0, -0.06, BOARD_HEIGHT / 2 + BOARD_MARGIN + 0.06), "bottom-center",
+                    lambda em: min(1.2, (BOARD_WIDTH + 3 * BOARD_MARGIN) / max(text_width(title, em), em)))  # not into the next one's
         self._asks = self._label("asks", phrases.VEILED_BOARD(language), (0.0, -0.06, 0.0), "center-center", 1.2)
         self._leaders = scene.add_line_segments(
             f"{root}/leaders", np.array([HIDDEN_SEGMENT], dtype=np.float32), self._ink.leader, thickness=0.012

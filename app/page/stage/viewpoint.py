@@ -4,30 +4,71 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from types import MappingProxyType
 
 import numpy as np
 import viser
 
 PHONE = 0.58  # width over height of a canvas below which it is a phone's, whose letters are smaller and whose discs are for fingers
-NARROW = 1.03  # width over height of a canvas that just shows both boards
+NARROW = 1.03  # width over height of a canvas that just shows the stage without boards, or with a map in front
+USUAL_ASPECT = 1.208  # the same of the narrowest canvas of a laptop
+FAR = 12.2  # stage units: from where a canvas as NARROW is looked at
 NARROW_PLANT = 1.15  # the same of a canvas that just shows the whole plant from near
 SIGHT = 0.62  # radians of the field of view: the boards stay readable
 ABOVE = 1.78  # times farther away that shows the whole stage in what a sheet leaves of it, however wide that is
 SHEET_AIM_SHARE = 0.14  # of the way to what is looked at: aim this much lower where a sheet lies over the lower half
 LOWER = 0.02  # of the way to what is looked at: aim this much lower above the run in large print
 BOARDS_BEHIND = 0.9  # stage units from what the composed view looks at to the boards
+BOARD_WIDTH, BOARD_HEIGHT, BOARD_MARGIN, BOARD_ASIDE = 2.56, 2.0, 0.12, 1.58  # of the s-plane; glass around it; its middle from the stage's
+LEAST_FOOT, FOOT_GAP = 1.2, 0.27  # stage units: boards stand no lower; they stand so far above the body
+TITLE_HIGH, NUMBERS_WIDE = 0.26, 0.24  # stage units that the title takes above a board, and the numbers beside it
+FLOOR_SHARE, TOP_SHARE, SIDE_SHARE = 0.76, 0.965, 0.97  # of half the canvas: the floor in front, the titles, what is at a side
+FRONT = 1.0  # stage units from the plant to the front of its base
+LOOKS_DOWN = 0.115  # stage units that the composed view falls in each unit ahead
 LETTER_SHARES = 1 / 48, 1 / 84, 1 / 66  # of the window's height: a letter in large print, on a phone, elsewhere
-LEAST_LETTER = 0.14  # stage units: where boards are large in the window, so are their letters
+LEAST_LETTER = 0.1  # stage units: where boards are large in the window, so are their letters
 USUAL_HALF_WIDTH, USUAL_HEIGHT = 2.6, 3.3  # stage units of a body that "plant" shows
 LEAST_BODY = 0.6  # of that: a smaller body is not looked at from nearer
 CAMERAS = MappingProxyType({
-    "all": ((0.0, -11.6, 3.4), (0.0, 0.6, 2.0)),
     "map": ((0.0, -13.4, 3.6), (0.0, 0.6, 1.5)),  # all where a map lies in front
     "plant": ((0.0, -8.2, 2.9), (0.0, 0.0, 1.0)),
     "bare": ((0.0, -11.2, 2.8), (0.0, 0.3, 0.75)),  # all there is where no boards stand, in the middle of what the run leaves free
-    "boards": ((0.0, -10.2, 3.6), (0.0, 1.6, 3.3)),
 })
+Place = tuple[Sequence[float], Sequence[float]]  # position and target of the eye
+
+
+@dataclass(frozen=True)
+class Composition:
+    """The picture of a plant with its boards: from where it is seen, how high the boards stand, and the narrowest canvas for it.
+
+    `narrow` is width over height.
+    """
+
+    place: Place
+    foot: float
+    narrow: float
+
+    @property
+    def boards(self) -> Place:
+        """From where the boards alone are seen."""
+        high = self.foot + BOARD_HEIGHT / 2
+        return (0.0, -7.8, high + 0.3), (0.0, 1.6, high)
+
+
+def composition(half: float, high: float) -> Composition:
+    """The boards just above a body that reaches `half` to either side and so `high`, seen from as near as shows all of it."""
+    foot = max(LEAST_FOOT, high + FOOT_GAP)
+    top, spread = foot + BOARD_HEIGHT + BOARD_MARGIN + TITLE_HIGH, BOARD_ASIDE + BOARD_WIDTH / 2 + BOARD_MARGIN + NUMBERS_WIDE
+    slope, (target_y, boards_y) = math.tan(SIGHT / 2), (0.6, 0.6 + BOARDS_BEHIND)
+    falls = LOOKS_DOWN * (FRONT + boards_y)
+    tall = ((top + falls) / slope - TOP_SHARE * boards_y + FLOOR_SHARE * FRONT) / (TOP_SHARE + FLOOR_SHARE)
+    shown = SIDE_SHARE * slope  # of a canvas as wide as high, in each unit ahead, to either side
+    away_y = max(tall, spread / (shown * USUAL_ASPECT) - boards_y, half / (shown * USUAL_ASPECT) + FRONT)
+    aim = (FLOOR_SHARE * slope * (away_y - FRONT) - LOOKS_DOWN * (FRONT + target_y)
+           + top + LOOKS_DOWN * BOARDS_BEHIND - TOP_SHARE * slope * (away_y + boards_y)) / 2  # what is left is shared above and below
+    place = (0.0, -away_y, aim + LOOKS_DOWN * (away_y + target_y)), (0.0, target_y, aim)
+    return Composition(place, foot, max(spread / (away_y + boards_y), half / (away_y - FRONT)) / shown)
 
 
 def aspect_of(camera: viser.CameraHandle) -> float:
@@ -37,15 +78,17 @@ def aspect_of(camera: viser.CameraHandle) -> float:
     return 1.0
 
 
-def letters(camera: viser.CameraHandle, lecture: bool) -> float:
+USUAL = composition(USUAL_HALF_WIDTH, USUAL_HEIGHT)  # where nothing is known of the body
+
+
+def letters(camera: viser.CameraHandle, lecture: bool, composed: Composition = USUAL) -> float:
     """The size of letters (stage units) at the boards that is a certain share of the window's height in the composed view.
 
     1/48 in lecture mode, whatever the window: legible from the last row; else twelve pixels of a laptop and ten of a phone, or more
     where boards are large in the window.
     """
-    (_, away, _), (_, near, _) = CAMERAS["all"]
     aspect = aspect_of(camera)
-    depth = (near - away) * retreat(aspect) + BOARDS_BEHIND
+    depth = away(composed.place) * retreat(aspect, composed.narrow) + BOARDS_BEHIND
     hall, phone, usual = (share * 2 * math.tan(SIGHT / 2) * depth for share in LETTER_SHARES)
     return hall if lecture else phone if aspect < PHONE else max(usual, LEAST_LETTER)
 
@@ -71,7 +114,8 @@ class Viewpoint:
     def __init__(self, client: viser.ClientHandle) -> None:
         self._client = client
         self._arrived = False  # whether the browser has said that it looks from where it was told to
-        self._whole = self._seen_from = CAMERAS["all"]  # from where everything is seen, and from where the stage is
+        self.composed = USUAL  # the plant with its boards
+        self._whole = self._seen_from = USUAL.place  # from where everything is seen, and from where the stage is
         self._plant = CAMERAS["plant"]  # from where the plant alone is
         self._aspect, self._lower, self._below = 1.0, 0.0, False
 
@@ -81,7 +125,7 @@ class Viewpoint:
 
     def camera(self, preset: str) -> None:
         """Look from one of the named places."""
-        places = {**CAMERAS, "all": self._whole, "plant": self._plant}
+        places = {**CAMERAS, "all": self._whole, "plant": self._plant, "boards": self.composed.boards}
         self._seen_from = places.get(preset, self._whole)
         self._look()
 
@@ -102,9 +146,10 @@ class Viewpoint:
     def compose(self, boards: bool, charted: bool, lecture: bool, below: bool = False, body: tuple[float, float] | None = None) -> None:
         """Whether boards stand behind the plant: without them the whole view is nearer; whether a map lies in front; the print;
         whether a sheet lies over the lower half; how far the body reaches to either side and how high, None where it is as it was."""
-        whole, lower = CAMERAS["map" if charted else "all" if boards else "bare"], LOWER * lecture
         if body is not None:
             self._look_at_body(body_scale(body))
+            self.composed = composition(*body)
+        whole, lower = self.composed.place if boards and not charted else CAMERAS["map" if charted else "bare"], LOWER * lecture
         before, self._whole = self._whole, whole
         if self._seen_from == before != whole or (lower, below) != (self._lower, self._below):
             self._lower, self._below = lower, below
@@ -118,6 +163,10 @@ class Viewpoint:
         if self._seen_from == before != self._plant:
             self._seen_from = self._plant
             self._look()
+
+    def letters(self, lecture: bool) -> float:
+        """How large letters at the boards are now, in stage units."""
+        return letters(self._client.camera, lecture, self.composed)
 
     def eye(self) -> tuple[float, ...] | None:
         """Position and target as `look` takes them, None where everything is seen from the usual place."""
@@ -135,13 +184,16 @@ class Viewpoint:
 
     def nearness(self) -> float:
         """How far the plant is from where the stage is seen, over how far the boards are in the composed view."""
-        (back, _), whole = self._fit(self._seen_from), away(CAMERAS["all"]) * retreat(self._aspect) + BOARDS_BEHIND
+        (back, _), composed = self._fit(self._seen_from), self.composed
+        whole = away(composed.place) * retreat(self._aspect, composed.narrow) + BOARDS_BEHIND
         eye, target = map(np.asarray, self._seen_from)
         return back * float(np.linalg.norm(eye - target)) / whole
 
     def _fit(self, place: tuple[Sequence[float], Sequence[float]]) -> tuple[float, float]:
         """How many times farther off a narrow window looks from, and how far below the target it aims: what lies over it is below."""
-        narrow = NARROW_PLANT if place == self._plant else NARROW * away(CAMERAS["all"]) / away(place)
+        composed = self.composed
+        narrow = (NARROW_PLANT if place == self._plant else composed.narrow * away(composed.place) / away(place) if place in
+                  (composed.place, composed.boards) else NARROW * FAR / away(place))
         back = max(retreat(self._aspect, narrow), ABOVE if self._below else 1.0)
         return back, (SHEET_AIM_SHARE if self._below else self._lower) * back * away(place)
 

@@ -16,7 +16,7 @@ from ...text import text
 from ..commands.commands import Kick, Play
 from ..state.validate import check_number
 from ..state.view import Performance
-from .playback import part_with_error
+from .playback import telling_moment
 from .presenter import Presenter
 
 MAX_SKETCH_CHARACTERS = 1000  # of a prediction that was drawn by hand
@@ -57,7 +57,10 @@ def greet(show: Presenter) -> None:
 
 
 def enter_scene(show: Presenter, index: int) -> None:
-    """Show a scene: its values on the knobs, the run at its start. Beyond the ends of the path nothing happens."""
+    """Show a scene: its values on the knobs, and the run where it shows most, or at its start where it is asked about or played.
+
+    Beyond the ends of the path nothing happens.
+    """
     path = show.lesson.path
     if not show.picture.guided or not 0 <= index < len(path):
         return
@@ -67,8 +70,8 @@ def enter_scene(show: Presenter, index: int) -> None:
     show.adopt_design(kept or entry_design(show, index))
     show.lesson_state.began = show.design
     show.view.camera(scene.view)
-    if kept is not None:
-        show.state = replace(show.state, t=_telling_moment(show))
+    if kept is not None or (not isinstance(scene.do, Choose | Press) and not scene.play):
+        show.state = replace(show.state, t=telling_moment(show))
     show.view.pose(show.state.t)
     if kept is None and isinstance(scene.do, Read) and scene.play:
         _perform(show, scene)
@@ -107,20 +110,12 @@ def show_kept_run(show: Presenter) -> None:
     scene = show.picture.scene
     if scene is not None and scene.id in show.state.done:
         show.adopt_design(show.state.done[scene.id])
-        show.change(replace(show.state, playing=False, loop=None, t=_telling_moment(show)))
+        show.change(replace(show.state, playing=False, loop=None, t=telling_moment(show)))
         show.view.pose(show.state.t)
 
 
 def _without(found: Mapping[str, Any], name: str) -> dict[str, Any]:
     return {key: value for key, value in found.items() if key != name}
-
-
-def _telling_moment(show: Presenter) -> float:
-    """The moment at which a run that is over rests: where plant and estimate differ most, its end where nothing is estimated."""
-    stage = show.picture.outcome.stage
-    if stage is None:
-        return 0.0
-    return part_with_error(show).telling if stage.xhat is not None else show.picture.end
 
 
 def choose_option(show: Presenter, index: object) -> None:
@@ -211,7 +206,7 @@ def tick(show: Presenter, now: float) -> None:
         return
     runs = scene.runs and show.picture.horizon > 0 and not show.state.calm
     show.last_tick = show.clock()
-    show.state = replace(show.state, performance=None, playing=runs, t=0.0 if runs else _telling_moment(show), loop=None)
+    show.state = replace(show.state, performance=None, playing=runs, t=0.0 if runs else telling_moment(show), loop=None)
     show.rest()
     _mark_done(show, scene)
 

@@ -110,6 +110,20 @@ def part_with_error(show: Presenter) -> ErrorWindow:
     return find_error_window(stage, max(kicked, min(pulled, default=0.0)))
 
 
+def telling_moment(show: Presenter) -> float:
+    """The moment at which a run that is over rests: where plant and estimate differ most, its end where nothing is estimated."""
+    stage = show.picture.outcome.stage
+    if stage is None:
+        return 0.0
+    return part_with_error(show).telling if stage.xhat is not None else show.picture.end
+
+
+def _untouched(show: Presenter) -> bool:
+    """Whether the run still rests where its lesson or its scene has put it."""
+    return not show.state.stopped and (show.state.t == 0.0 or (show.picture.guided and show.state.t == telling_moment(show)
+                                                               and show.design == show.lesson_state.began))
+
+
 def _go_round(show: Presenter, rounds: int) -> None:
     part = part_with_error(show)
     t = show.state.t if show.state.playing and part.begin <= show.state.t < part.end else part.begin
@@ -125,7 +139,7 @@ def watch(show: Presenter, seen: object) -> None:
     show.state = replace(show.state, calm=not seen)
     if not seen and show.state.loop is not None:
         show.change(replace(show.state, loop=None))
-    elif seen and not show.state.moving and not show.state.stopped and show.state.t == 0.0 and _has_ghost(show):
+    elif seen and not show.state.moving and _has_ghost(show) and _untouched(show):
         _go_round(show, OPENING_ROUNDS)
 
 
@@ -134,11 +148,12 @@ def _ended(show: Presenter) -> bool:
 
 
 def play(show: Presenter) -> None:
-    """Play or pause."""
+    """Play or pause; a run that is over, or rests where the page has put it, plays from its start."""
     if warn_if_locked(show) or show.picture.horizon <= 0 or show.lesson.live is not None:
         return
     playing = not show.state.moving
-    t = 0.0 if playing and _ended(show) else show.state.t
+    rests = _ended(show) or (not show.state.stopped and show.state.t == telling_moment(show))
+    t = 0.0 if playing and rests else show.state.t
     show.change(replace(show.state, playing=playing, loop=None, stopped=not playing, t=t))
     show.view.pose(show.state.t)
 

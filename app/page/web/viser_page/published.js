@@ -137,7 +137,7 @@
     if (!state.run || (!wanted && !player.playing)) return;
     player.go(wanted);
     label();
-    pose(wanted && from >= state.run.end - 1e-9 ? 0 : from);
+    pose(wanted && (from >= state.run.end - 1e-9 || from === state.t) ? 0 : from);
   };
 
   // --- scenes --------------------------------------------------------------------------------------------------------------------
