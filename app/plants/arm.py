@@ -15,7 +15,7 @@ from types import MappingProxyType
 import numpy as np
 
 from ..engine import Plant
-from ..text import text
+from ..text import same, text
 from .bodies.body import (
     DARK_GREY,
     GHOST_NAME,
@@ -116,6 +116,15 @@ JOINT: Vector = (-0.8, 0.0, 0.98)
 ARM_LENGTH, DIAL = 1.3, 0.52  # lengths of the arm and of the dial's needle
 FACE: Vector = (1.36, 0.1, 0.98)  # the middle of the dial of the load
 FULL_TORQUE_NM = 3.0  # N m at which the needle lies flat
+MARKS_NM, MARK, NUMBER = (-3.0, -1.5, 0.0, 1.5, 3.0), (0.56, 0.64), 0.84  # loads; from and to, and where their numbers are, from the middle
+
+
+def on_dial(torque: float, away: float) -> Vector:
+    """A point of the dial for a load in N m: above the middle for none, to the right for one that presses the arm down."""
+    turn = radians(90.0) * max(-1.2, min(1.2, torque / FULL_TORQUE_NM))
+    return FACE[0] + away * sin(turn), FACE[1] - 0.06, FACE[2] + away * cos(turn)
+
+
 BODY_PARTS = (
     Part("base", Box((4.1, 1.3, 0.1)), DARK_GREY),
     Part("column", Box((0.5, 0.5, JOINT[2] - 0.1)), STEEL),
@@ -126,7 +135,7 @@ BODY_PARTS = (
     Part("hand", Ball(0.16), PLANT_COLOUR, twin=True),
     Part("dial", Cylinder(0.66, 0.06), METAL),
     Part("dial foot", Rod(0.06), STEEL),
-    Part("zero", Box((0.03, 0.04, 0.14)), DARK_GREY),
+    *(Part(f"mark {k}", Rod(0.014), DARK_GREY) for k in range(5)),
     Part("needle", Rod(0.035), PLANT_COLOUR, twin=True),
     Part("needle tip", Ball(0.07), PLANT_COLOUR, twin=True),
 )
@@ -138,7 +147,7 @@ FIXED_POSES = MappingProxyType({
     "hub": Pose((JOINT[0], 0.0, JOINT[2]), POINTING_AWAY),
     "dial": Pose((FACE[0], FACE[1] + 0.08, FACE[2]), POINTING_AWAY),
     "dial foot": pose_between((FACE[0], FACE[1] + 0.08, 0.1), (FACE[0], FACE[1] + 0.08, FACE[2] - 0.6)),
-    "zero": Pose((FACE[0], FACE[1], FACE[2] + 0.58)),
+    **{f"mark {k}": pose_between(on_dial(torque, MARK[0]), on_dial(torque, MARK[1])) for k, torque in enumerate(MARKS_NM)},
 })
 
 
@@ -147,16 +156,10 @@ def hand(angle: float) -> Vector:
     return JOINT[0] + ARM_LENGTH * cos(angle), -0.28, JOINT[2] + ARM_LENGTH * sin(angle)
 
 
-def needle(torque: float) -> Vector:
-    """Where the needle's tip is for a load in N m: upright for none, to the right for one that presses the arm down."""
-    turn = radians(90.0) * max(-1.2, min(1.2, torque / FULL_TORQUE_NM))
-    return FACE[0] + DIAL * sin(turn), FACE[1] - 0.06, FACE[2] + DIAL * cos(turn)
-
-
 def body() -> Body:
     """The arm on its geared motor, to scale, and a dial of the load torque; the arrow at the hand is the load."""
     def pose(x: Sequence[float], gain: float) -> Mapping[str, Pose]:
-        tip, shown = hand(float(x[ANGLE_INDEX])), needle(float(x[LOAD_INDEX]))
+        tip, shown = hand(float(x[ANGLE_INDEX])), on_dial(float(x[LOAD_INDEX]), DIAL)
         return FIXED_POSES | {
             "arm": pose_between((JOINT[0], -0.28, JOINT[2]), tip), "hand": Pose(tip),
             "needle": pose_between((FACE[0], FACE[1] - 0.06, FACE[2]), shown), "needle tip": Pose(shown)}
@@ -167,7 +170,7 @@ def body() -> Body:
         return (force_arrow((tip[0], -0.5, tip[2]), across, float(x[LOAD_INDEX]), 2.0, "disturbance"),)
 
     def anchors(x: Sequence[float], gain: float) -> tuple[Vector, ...]:
-        return hand(float(x[ANGLE_INDEX])), needle(float(x[LOAD_INDEX]))
+        return hand(float(x[ANGLE_INDEX])), on_dial(float(x[LOAD_INDEX]), DIAL)
 
     return Body(
         BODY_PARTS,
@@ -176,7 +179,9 @@ def body() -> Body:
         anchors,
         1.0,
         text("A geared arm, to scale, and a dial of the load torque, which nothing measures; the arrow at the hand is the load"),
-        labels=((text("load torque"), (FACE[0], -0.5, 0.34)),),
+        labels=((text("load torque"), (FACE[0], -0.5, 0.34)),
+                *((same(f"{torque:g}"), on_dial(torque, NUMBER)) for torque in MARKS_NM[2:4]),
+                (same("3 N m"), on_dial(MARKS_NM[-1], NUMBER + 0.12))),
         names=(
             PartName(text("motor"), "motor", (-0.5, 0.0, 0.7)),
             PartName(text("arm: its angle is measured"), "hand", (0.5, -0.2, 0.3)),
