@@ -21,9 +21,10 @@ SHEET_AIM_SHARE = 0.14  # of the way to what is looked at: aim this much lower w
 LOWER = 0.02  # of the way to what is looked at: aim this much lower above the run in large print
 BOARDS_BEHIND = 0.9  # stage units from what the composed view looks at to the boards
 BOARD_WIDTH, BOARD_HEIGHT, BOARD_MARGIN, BOARD_ASIDE = 2.56, 2.0, 0.12, 1.58  # of the s-plane; glass around it; its middle from the stage's
-LEAST_FOOT, FOOT_GAP = 1.2, 0.27  # stage units: boards stand no lower; they stand so far above the body
-TITLE_HIGH, NUMBERS_WIDE = 0.26, 0.24  # stage units that the title takes above a board, and the numbers beside it
-FLOOR_SHARE, TOP_SHARE, SIDE_SHARE = 0.76, 0.965, 0.97  # of half the canvas: the floor in front, the titles, what is at a side
+LEAST_FOOT, FOOT_GAP = 1.2, 0.3  # stage units: boards stand no lower; they stand so far above the body
+TITLE_HIGH, NUMBERS_WIDE = MappingProxyType({False: 0.26, True: 0.42}), 0.24  # stage units above a board, in large print, and beside it
+FLOOR_SHARE = MappingProxyType({False: 0.76, True: 0.72})  # of half the canvas: the floor in front, above the run, in large print
+TOP_SHARE, SIDE_SHARE = 0.965, 0.97  # of half the canvas: the titles, what is at a side
 FRONT = 1.0  # stage units from the plant to the front of its base
 LOOKS_DOWN = 0.115  # stage units that the composed view falls in each unit ahead
 LETTER_SHARES = 1 / 48, 1 / 84, 1 / 66  # of the window's height: a letter in large print, on a phone, elsewhere
@@ -56,16 +57,16 @@ class Composition:
         return (0.0, -7.8, high + 0.3), (0.0, 1.6, high)
 
 
-def composition(half: float, high: float) -> Composition:
+def composition(half: float, high: float, lecture: bool = False) -> Composition:
     """The boards just above a body that reaches `half` to either side and so `high`, seen from as near as shows all of it."""
-    foot = max(LEAST_FOOT, high + FOOT_GAP)
-    top, spread = foot + BOARD_HEIGHT + BOARD_MARGIN + TITLE_HIGH, BOARD_ASIDE + BOARD_WIDTH / 2 + BOARD_MARGIN + NUMBERS_WIDE
+    foot, floor = max(LEAST_FOOT, high + FOOT_GAP), FLOOR_SHARE[lecture]
+    top, spread = foot + BOARD_HEIGHT + BOARD_MARGIN + TITLE_HIGH[lecture], BOARD_ASIDE + BOARD_WIDTH / 2 + BOARD_MARGIN + NUMBERS_WIDE
     slope, (target_y, boards_y) = math.tan(SIGHT / 2), (0.6, 0.6 + BOARDS_BEHIND)
     falls = LOOKS_DOWN * (FRONT + boards_y)
-    tall = ((top + falls) / slope - TOP_SHARE * boards_y + FLOOR_SHARE * FRONT) / (TOP_SHARE + FLOOR_SHARE)
+    tall = ((top + falls) / slope - TOP_SHARE * boards_y + floor * FRONT) / (TOP_SHARE + floor)
     shown = SIDE_SHARE * slope  # of a canvas as wide as high, in each unit ahead, to either side
     away_y = max(tall, spread / (shown * USUAL_ASPECT) - boards_y, half / (shown * USUAL_ASPECT) + FRONT)
-    aim = (FLOOR_SHARE * slope * (away_y - FRONT) - LOOKS_DOWN * (FRONT + target_y)
+    aim = (floor * slope * (away_y - FRONT) - LOOKS_DOWN * (FRONT + target_y)
            + top + LOOKS_DOWN * BOARDS_BEHIND - TOP_SHARE * slope * (away_y + boards_y)) / 2  # what is left is shared above and below
     place = (0.0, -away_y, aim + LOOKS_DOWN * (away_y + target_y)), (0.0, target_y, aim)
     return Composition(place, foot, max(spread / (away_y + boards_y), half / (away_y - FRONT)) / shown)
@@ -114,7 +115,7 @@ class Viewpoint:
     def __init__(self, client: viser.ClientHandle) -> None:
         self._client = client
         self._arrived = False  # whether the browser has said that it looks from where it was told to
-        self.composed = USUAL  # the plant with its boards
+        self._body, self.composed = (USUAL_HALF_WIDTH, USUAL_HEIGHT), USUAL  # how far the plant reaches; it with its boards
         self._whole = self._seen_from = USUAL.place  # from where everything is seen, and from where the stage is
         self._plant = CAMERAS["plant"]  # from where the plant alone is
         self._aspect, self._lower, self._below = 1.0, 0.0, False
@@ -147,8 +148,9 @@ class Viewpoint:
         """Whether boards stand behind the plant: without them the whole view is nearer; whether a map lies in front; the print;
         whether a sheet lies over the lower half; how far the body reaches to either side and how high, None where it is as it was."""
         if body is not None:
+            self._body = body
             self._look_at_body(body_scale(body))
-            self.composed = composition(*body)
+        self.composed = composition(*self._body, lecture)
         whole, lower = self.composed.place if boards and not charted else CAMERAS["map" if charted else "bare"], LOWER * lecture
         before, self._whole = self._whole, whole
         if self._seen_from == before != whole or (lower, below) != (self._lower, self._below):
@@ -195,7 +197,8 @@ class Viewpoint:
         narrow = (NARROW_PLANT if place == self._plant else composed.narrow * away(composed.place) / away(place) if place in
                   (composed.place, composed.boards) else NARROW * FAR / away(place))
         back = max(retreat(self._aspect, narrow), ABOVE if self._below else 1.0)
-        return back, (SHEET_AIM_SHARE if self._below else self._lower) * back * away(place)
+        lower = SHEET_AIM_SHARE if self._below else 0.0 if place == composed.place else self._lower
+        return back, lower * back * away(place)
 
     def _look(self) -> None:
         self._arrived = False
