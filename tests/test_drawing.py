@@ -11,6 +11,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from observer_lab.colours import COLOURS, rgb
+from observer_lab.course.figures.matrix_figure import FULL, MATRICES, PALE
 from observer_lab.course.figures.records import Curve, LineFigure, MapFigure, MatrixFigure, PlaneFigure, Point, TableFigure
 from observer_lab.course.knobs import Number
 from observer_lab.course.lesson import Lesson
@@ -29,7 +31,7 @@ from observer_lab.page.charts.text_layout import (
     text_width,
 )
 from observer_lab.page.column.knob_widgets import marks
-from observer_lab.text import same, squared_unit, symbol, text
+from observer_lab.text import NO_WORDS, same, squared_unit, symbol, text
 
 TEXT = re.compile(r'<text x="([-\d.]+)" y="([-\d.]+)"[^>]*>([^<]*)</text>')
 
@@ -188,6 +190,30 @@ def test_a_small_matrix_shows_its_entries_and_the_names_of_its_columns() -> None
     shown = [text for *_, text in words(draw(MatrixFigure("m", same("O"), np.array([[1.0, 0.0], [-2.5, 4.0]]), ("C", "CA"),
                                                           ("x1", "theta")), "en"))]
     assert {"1", "0", "−2.5", "4", "x₁", "θ", "C", "CA"} <= set(shown)
+
+
+def test_cells_of_categories_have_their_colours_a_key_and_frames_around_lit_rows() -> None:
+    """A cell without a category stays white, whatever its entry; one whose entry is zero is pale."""
+    kinds = np.array([[0, -1], [1, 1]])
+    figure = MatrixFigure("m", same("faults"), np.array([[1.0, 3.0], [0.0, 2.5]]), ("a", "b"), ("p", "q"), (), NO_WORDS, MATRICES,
+                          ((same("expected"), "force"), (same("seen"), "error")), kinds, (1,))
+    drawing = draw(figure, "en")
+    fills = re.findall(r'<rect [^>]*fill="(#\w+)"[^>]*><title>', drawing)
+    force, error = (np.array(rgb(COLOURS[role])) for role in ("force", "error"))
+    assert [rgb(fill) for fill in fills] == [tuple(np.rint(255 + (full - 255) * depth)) for full, depth in (
+        (force, FULL), (force, 0.0), (error, PALE), (error, FULL))]
+    assert {"expected", "seen", "3", "0", "2.5"} <= {text for *_, text in words(drawing)}
+    assert drawing.count('fill="none"') == 1
+    assert [where for where, _ in figure.parts()][-2:] == ["category.1", "category.2"]
+
+
+def test_a_block_carries_the_name_of_its_category_and_an_empty_one_a_zero() -> None:
+    kinds = np.kron(np.array([[0, 1], [-1, 0]]), np.ones((2, 2), dtype=int))
+    figure = MatrixFigure("m", same("loop"), np.triu(np.ones((4, 4))), (), (), (2,), NO_WORDS, MATRICES,
+                          ((same("A − BK"), "plant"), (same("BK"), "force")), kinds)
+    assert [text for *_, text in words(draw(figure, "en"))][-4:] == ["A − BK", "BK", "0", "A − BK"]
+    mixed = replace(figure, kinds=np.arange(16).reshape(4, 4) % 2)
+    assert not list(mixed.block_names())
 
 
 def test_names_of_many_narrow_columns_are_turned_upright_and_lie_above_the_cells() -> None:

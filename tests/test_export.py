@@ -14,6 +14,7 @@ from matplotlib.colors import to_hex, to_rgb
 from observer_lab.colours import COLOURS
 from observer_lab.course.figures.ranges import LOG_AXIS_FLOOR
 from observer_lab.course.figures.records import (
+    MATRICES,
     Curve,
     Figure,
     LineFigure,
@@ -48,12 +49,14 @@ PLANE = PlaneFigure("plane", text("poles"), (Curve(same("path"), np.sin(T), "err
     Point(-1.0, 0.5), Point(-1.0, -0.5), Point(-2.0, 0.0, "estimate", "circle", text("start")),
     Point(0.5, 0.0, "error", "bolt"), Point(9.0, 0.0, "force", "dot")), "Re s", "Im s", (-3.0, 1.0), (-1.0, 1.0), unstable=True)
 MATRIX = MatrixFigure("matrix", text("loop"), np.array([[1.0, -1e-3], [0.0, 7.25]]), ("x1", "e1"), ("x1", "e1"), (1,))
+CELLS = MatrixFigure("cells", text("loop"), np.array([[1.0, 0.0], [2.0, 3.0]]), ("x1", "e1"), ("x1", "e1"), (), CAPTION, MATRICES,
+                     ((text("true"), "plant"), (text("estimate"), "error")), np.array([[0, -1], [1, 1]]), (1,))
 MAP = MapFigure("map", text("starts"), np.linspace(-1, 1, 12), np.linspace(0, 3, 9),
                 np.where(np.arange(9)[:, None] == 8, -1, np.arange(12) // 6),
                 ((text("recovers"), "force"), (text("lost"), "estimate")), "x", "e", (0.3, 1.0))
 TABLE = TableFigure("table", text("poles"), (text("true"), text("estimate")),
                     (("−1", "−1.0"), (text("unstable"), "$3"), ("✓", "✗")))
-KINDS: tuple[Figure, ...] = (TIME, LOG, FREQUENCY, PLANE, MATRIX, MAP, TABLE)
+KINDS: tuple[Figure, ...] = (TIME, LOG, FREQUENCY, PLANE, MATRIX, CELLS, MAP, TABLE)
 MAGIC = {".png": b"\x89PNG", ".svg": b"<?xml", ".pdf": b"%PDF"}
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from observer_lab.course.figures.records import Curve, Dash, LineFigure, PlaneFigure, Point, TableFigure, over_frequency
+from observer_lab.course.figures.records import Curve, Dash, LineFigure, MatrixFigure, PlaneFigure, Point, TableFigure, over_frequency
 from observer_lab.course.lazy import FigureSet, tab_figures
 from observer_lab.course.lesson import Outcome
 from observer_lab.text import NO_WORDS, Text, format_number, joined, listed, same, text, text_in
@@ -25,7 +25,7 @@ TIMES_S = DT * np.arange(SAMPLE_COUNT)
 TIMES_S.setflags(write=False)
 THRESHOLD_FLOOR = 0.1  # of the threshold: nothing lower is drawn
 CURVE_STYLES: tuple[tuple[str, Dash], ...] = (("plant", "solid"), ("estimate", "dash"), ("force", "dot"), ("error", "solid"))
-YES, NO, CURRENT_MARK = "●", "○", "▶ "
+CURRENT_MARK = "▶ "
 
 
 def figures(outcome: Outcome[Study]) -> FigureSet:
@@ -88,24 +88,22 @@ def _reading(s: Study) -> LineFigure:
 
 
 # --- verdict -----------------------------------------------------------------------------------------------------------
-def isolation(s: Study) -> TableFigure:
-    """Fault against residual, the row that fits now marked, and below it what this run shows."""
-    signature, at = guard().bank.signature, _decisive(s)
-    now = s.verdict.named[at]
-    rows: list[tuple[Text | str, ...]] = []
-    for j, name in enumerate(PLACE_NAMES):
-        mark = CURRENT_MARK if now == j else ""
-        cells = [YES if seen else NO for seen in signature[:, j]]
-        rows.append((text("{mark}{name}", mark=mark, name=name), *cells))
-    rows.append((text("alarms at {dt:.2f} s", dt=DT * at),
-                 *(YES if v > 1 else NO for v in s.verdict.values[at])))
-    rows.append((text("T / threshold"), *(f"{v:.2f}" if v < 100 else f"{v:.0f}" for v in s.verdict.values[at])))
+def isolation(s: Study) -> MatrixFigure:
+    """Fault against residual, and below it what this run shows; that row and the one that fits it now are lit."""
+    signature, at = np.asarray(guard().bank.signature, dtype=bool), _decisive(s)
+    now, values = s.verdict.named[at], s.verdict.values[at]
+    expected = signature.T
+    kinds = np.vstack([np.where(expected, 0, -1), np.where(values > 1, 1, -1)])
+    lit = (now, len(expected)) if now >= 0 else (len(expected),)
+    rows = (*(text("{mark}{name}", mark=CURRENT_MARK if now == j else "", name=name) for j, name in enumerate(PLACE_NAMES)),
+            text("T / χ², {dt:.2f} s", dt=DT * at))
     said = (text("No alarm: no row to look for.") if now == -1 else
-            _unclear(s.verdict.values[at] > 1) if now == -2 else
+            _unclear(values > 1) if now == -2 else
             text("The alarms fit the row of {place}, but too briefly for a diagnosis.", place=PLACE_NAMES[now])
             if s.verdict.decided is None else text("The alarms fit one row only: {place}.", place=PLACE_NAMES[now]))
-    return TableFigure("isolation", text("isolation table"), (text("fault"), *(same(n) for n in MEMBER_NAMES)),
-                       tuple(rows), said, VERDICT_TAB)
+    return MatrixFigure("isolation", text("isolation table"), np.vstack([expected.astype(float), values]), rows,
+                        tuple(same(n) for n in MEMBER_NAMES), (), said, VERDICT_TAB,
+                        ((text("expected alarm"), "plant"), (text("alarm in this run"), "error")), kinds, lit)
 
 
 def _unclear(alarms: np.ndarray) -> Text:

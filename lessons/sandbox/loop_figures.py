@@ -13,6 +13,7 @@ from observer_lab.engine.feedback import ClosedLoop
 from observer_lab.plants.signal_names import signal_name
 from observer_lab.text import NO_WORDS, Text, format_number, joined, same, text, text_in
 
+from ..toolkit.figures import block_colours
 from ..toolkit.latex import tiny
 from ..toolkit.shares import apart
 from .analyses import Margins, Noise, Refusal, Trial
@@ -70,11 +71,11 @@ def blocks(loop: ClosedLoop, plant: Plant, meter: float) -> MatrixFigure:
     """The loop in (x, e); the run may leave it, where an input is clipped and the observer does not know."""
     n = plant.n
     names = (*(signal_name(plant, name) for name in plant.state_names), *(f"e{i + 1}" for i in range(n)))
-    return MatrixFigure("blocks", text("the loop in (x, e) coordinates"), loop.A_xe, names, names, (n,),
-                        tab=LOOP_TAB, caption=claim(
-                            text("White is zero: the error drives the state, never the other way round."), meter, below=ALONE,
-                            otherwise=text("White is zero in this matrix, which has no limit in it; in the run, the clipped part of "
-                                           "the input drives the error.")))
+    said = claim(text("White is zero: the error drives the state, never the other way round."), meter, below=ALONE,
+                 otherwise=text("White is zero in this matrix, which has no limit in it; in the run, the clipped part of the input drives "
+                                "the error."))
+    return MatrixFigure("blocks", text("the loop in (x, e) coordinates"), loop.A_xe, names, names, (n,), said, LOOP_TAB,
+                        *block_colours(n, True))
 
 
 def certificate_table(rows: tuple[tuple[Text, float], ...] | Refusal) -> TableFigure:

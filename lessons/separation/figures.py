@@ -15,7 +15,7 @@ from observer_lab.plants.signal_names import signal_name
 from observer_lab.text import NO_WORDS, Text, joined, text
 
 from ..toolkit.diagram import loop
-from ..toolkit.figures import ERROR_TAB, TIME_TAB, error_figure, input_figure, state_figures
+from ..toolkit.figures import ERROR_TAB, TIME_TAB, block_colours, error_figure, input_figure, state_figures
 from ..toolkit.knobs import by_hand
 from .study import Setting, Study
 
@@ -114,5 +114,5 @@ def _blocks(study: Study) -> MatrixFigure:
             text("The lower left block of this matrix is zero."))
     said = claim(zero, corner / float(np.max(np.abs(loop.A_xe))), below=1e-9, otherwise=text(
         "The lower left block is no longer zero (largest entry {corner:.2g}): the state drives the error.", corner=corner))
-    return MatrixFigure("blocks", text("the loop in (x, e) coordinates"), loop.A_xe, tuple(names), tuple(names), (n,),
-                        tab=SPECTRUM_TAB, caption=joined(said, study.left_out()))
+    return MatrixFigure("blocks", text("the loop in (x, e) coordinates"), loop.A_xe, tuple(names), tuple(names), (n,), joined(
+        said, study.left_out()), SPECTRUM_TAB, *block_colours(n, corner / float(np.max(np.abs(loop.A_xe))) < 1e-9))

@@ -53,6 +53,13 @@ def _agreement(gap: float, size: float, unit: str, growing: bool) -> Text:
     return apart if growing and gap > 0 else claim(met, gap / max(size, 1e-300), below=1e-3, otherwise=apart)
 
 
+def block_colours(n: int, triangular: bool) -> tuple[tuple[tuple[Text, str], ...], np.ndarray]:
+    """The categories of a loop's matrix in (x, e) and each cell's: those of the plant, of the observer and what the error adds."""
+    names = (same("A − BK"), same("BK"), *((same("A − LC"),) if triangular else (text("from e"), text("from x"))))
+    kinds = np.array([[0, 1], [-1 if triangular else 3, 2]])
+    return tuple(zip(names, ("plant", "force", "estimate", "error"), strict=False)), np.kron(kinds, np.ones((n, n), dtype=int))
+
+
 def error_figure(run: Run, promised: np.ndarray | None = None) -> LineFigure:
     """The norm of the estimation error on a logarithmic axis, beside what ė = (A − LC)e promises."""
     size = np.linalg.norm(run.e, axis=1)

@@ -20,10 +20,12 @@ from .curves import Point as Point
 from .curves import finite as finite
 from .diagram import DiagramFigure as DiagramFigure
 from .figure_record import Entry, FigureRecord, Part, PinnedFigure, Sheet, distinct, numbered
+from .matrix_figure import MATRICES as MATRICES
+from .matrix_figure import MatrixFigure as MatrixFigure
 
 # the tabs that figures stand in unless a lesson says otherwise
 TIME, SPECTRUM, PLANE = text("Time"), text("Spectrum"), text("Plane")
-MATRICES, MAP, NUMBERS = text("Matrices"), text("Map"), text("Numbers")
+MAP, NUMBERS = text("Map"), text("Numbers")
 UNIT = re.compile(r"\[[^\[\]]+\]\s*$")  # at the end of an axis or a name
 
 
@@ -143,45 +145,6 @@ class PlaneFigure(FigureRecord):
                 points += [replace(point, mark="hollow", name=NO_WORDS) for point in other.points
                            if point.mark in ("cross", "dot") and point.key not in there]
         return replace(self, curves=tuple(curves), points=tuple(points))
-
-
-@dataclass(frozen=True, eq=False)
-class MatrixFigure(FigureRecord):
-    """A heat map of the magnitudes of a matrix, with lines between its blocks."""
-
-    id: str
-    title: Text
-    matrix: np.ndarray
-    rows: tuple[Text | str, ...] = ()
-    columns: tuple[Text | str, ...] = ()
-    blocks: tuple[int, ...] = ()  # a line is drawn before each of these rows and columns
-    caption: Text = NO_WORDS
-    tab: Text = MATRICES
-
-    @property
-    def kind(self) -> str:
-        return "matrix"
-
-    def axes(self, language: str = "en") -> tuple[str, str]:
-        return "", ""
-
-    def _names(self, language: str) -> tuple[list[str], list[str]]:
-        """The names of rows and columns, their numbers where they have none."""
-        rows, columns = ([label_in_language(name, language) for name in names] or [str(k) for k in range(count)]
-                         for names, count in zip((self.rows, self.columns), self.matrix.shape, strict=True))
-        return rows, columns
-
-    def table(self, language: str = "en") -> Sheet:
-        rows, columns = self._names(language)
-        return ["", *distinct(columns)], [(name, *map(float, row)) for name, row in zip(rows, self.matrix, strict=True)]
-
-    def entries(self) -> Iterator[Entry]:
-        rows, columns = self._names("en")
-        for (i, j), entry in np.ndenumerate(np.asarray(self.matrix, dtype=float)):
-            yield f"{rows[i]}, {columns[j]}", float(j), float(i), float(entry)
-
-    def parts(self) -> Iterator[Part]:
-        yield from (*numbered("column", self.columns), *numbered("row", self.rows))
 
 
 @dataclass(frozen=True, eq=False)

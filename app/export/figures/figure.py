@@ -34,7 +34,7 @@ DPI = 200
 CELL, MARGIN = 3.55, 0.12  # width of a figure with its words, edge of the page, in inches
 LEFT_IN, RIGHT_IN, TOP_IN, BOTTOM_IN = 0.58, 0.14, 0.26, 0.36  # room for numbers and words around the axes, in inches
 CURVES_HEIGHT_IN, LINE_HEIGHT_IN, ROW_HEIGHT_IN = 1.72, 0.125, 0.165  # height of axes, of a caption's line, of a table's row, in inches
-COLUMN_NAMES = 0.34
+COLUMN_NAMES, KEY_IN = 0.34, 0.2  # inches over a matrix for the names of its columns, below it for its key
 
 
 class ExportError(ValueError):
@@ -120,7 +120,7 @@ def cell_of(figure: Figure, language: str) -> Cell:
             rows, columns = figure.matrix.shape
             wide = CELL - LEFT_IN - RIGHT_IN
             return Cell(figure, wide * min(1.0, rows / max(columns, 1)) * 0.86,
-                        COLUMN_NAMES if figure.columns else 0.04, 0.06, caption)
+                        COLUMN_NAMES if figure.columns else 0.04, 0.06 if figure.blocks or not figure.categories else KEY_IN, caption)
         case DiagramFigure():
             return Cell(figure, CELL * SIZE[1] / SIZE[0], 0.04, 0.06, caption, left=0.1)
         case LineFigure() | PlaneFigure() | MapFigure():

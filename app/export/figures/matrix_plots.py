@@ -5,34 +5,29 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
+from matplotlib.patches import Patch, Rectangle
 
 from ...colours import COLOURS
-from ...course.figures.records import MatrixFigure, TableFigure, finite
-from ...text import label_in_language, symbol
+from ...course.figures.matrix_figure import FULL
+from ...course.figures.records import MatrixFigure, TableFigure
+from ...text import format_number, label_in_language, symbol
 from .line_breaks import text_width_em
 from .style import INK_COLOUR, RULE_COLOUR, SMALL_PT, escape_mathtext
 
 __all__ = ["draw_matrix", "draw_table", "shade"]
 
-ZERO_ENTRY_RTOL = 1e-9  # of the largest entry: below it an entry is drawn as zero, white
-SHADE_DECADES = 6.0  # decades of magnitude between palest and darkest
 
-
-def shade(matrix: np.ndarray) -> np.ndarray:
-    """Colours (rows, columns, 3): white for zero, deeper in the plant's blue with the logarithm of the magnitude."""
-    size = np.abs(finite(matrix))
-    share = size / (float(size.max(initial=0.0)) or 1.0)
-    with np.errstate(divide="ignore"):
-        depth = 0.15 + 0.85 * np.maximum(0.0, 1 + np.log10(share) / SHADE_DECADES)
-    depth = np.where(share < ZERO_ENTRY_RTOL, 0.0, depth)[..., None]
-    return 1 - depth * (1 - np.array(to_rgb(COLOURS["plant"])))
+def shade(figure: MatrixFigure) -> np.ndarray:
+    """Colours (rows, columns, 3): white for zero, deeper in the colour of the cell's role by its depth."""
+    full = np.array([to_rgb(COLOURS[role]) for role in figure.roles.ravel()]).reshape(*figure.matrix.shape, 3)
+    return 1 - figure.fills[..., None] * (1 - full)
 
 
 def draw_matrix(axes: Axes, figure: MatrixFigure, language: str) -> None:
     """Magnitudes of a matrix, with lines between its blocks."""
     matrix = np.asarray(figure.matrix, dtype=float)
     rows, columns = matrix.shape
-    axes.imshow(shade(matrix), interpolation="nearest", aspect="equal")
+    axes.imshow(shade(figure), interpolation="nearest", aspect="equal")
     axes.tick_params(length=0, top=False, bottom=False, labeltop=True, labelbottom=False,
                      labelsize=_fit(max(matrix.shape)))
     across, down = ([symbol(label_in_language(name, language)) for name in names] for names in (figure.columns, figure.rows))
@@ -49,6 +44,20 @@ def draw_matrix(axes: Axes, figure: MatrixFigure, language: str) -> None:
     for block in figure.blocks:
         axes.axhline(block - 0.5, color=COLOURS["reference"], linewidth=0.9)
         axes.axvline(block - 0.5, color=COLOURS["reference"], linewidth=0.9)
+
+
+    for row in figure.lit:
+        axes.add_patch(Rectangle((-0.5, row - 0.5), columns, 1.0, fill=False, edgecolor=COLOURS["reference"], linewidth=1.4, clip_on=False))
+    for row, column, name in figure.block_names():
+        axes.text(column - 0.5, row - 0.5, escape_mathtext(symbol(label_in_language(name, language))), ha="center", va="center",
+                  color=INK_COLOUR, fontweight="bold")
+
+    if figure.categories and not figure.blocks:
+        size = _fit(2 * max(matrix.shape))
+        for (i, j), entry in np.ndenumerate(matrix):
+            axes.text(j, i, format_number(float(entry), ".3g"), fontsize=size, ha="center", va="center", color=INK_COLOUR)
+        told = [Patch(color=COLOURS[role], alpha=FULL, label=escape_mathtext(name(language))) for name, role in figure.categories]
+        axes.legend(handles=told, loc="upper center", bbox_to_anchor=(0.5, 0.0), frameon=False, ncols=len(told), borderpad=0.2)
 
 
 def _fit(count: int) -> float:

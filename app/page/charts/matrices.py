@@ -13,15 +13,17 @@ from ...course.figures.records import MatrixFigure
 from ...text import label_in_language, symbol
 from ..words.prose import with_minus
 from .axes import ROW_HEIGHT_PX, W
-from .text_layout import LARGE_PRINT_PX, WORDS_PX, fold_lines, text_width
+from .text_layout import LARGE_PRINT_PX, WORDS_PX, curve_key, fold_lines, text_width
 
 TALLEST_CELL, ROOM_FOR_ENTRY, MIN_FONT_PX = 48, 38, 7.5  # of a matrix: height and width of cells, font size of names, in px
+ROOM_FOR_SHORT_ENTRY = 24  # px of a cell of a category, whose entries are short
+BLOCK_ROOM, LARGEST_BLOCK_NAME_PX = 0.8, 20.0  # of a block's width for its name; px of its letters
 MOST_OF_NAMES = 0.4  # of a drawing's width in large print for the names of rows
 LINE_HEIGHT_EM, NEXT_LINE_EM = 0.72, 1.1  # letters: a line of digits, from one line of an entry to the next
 
 
 def matrix(figure: MatrixFigure, language: str, large: bool) -> tuple[str, float]:
-    """Cells shaded by the logarithm of their magnitude, with the entries where they fit; exact zeros stay white."""
+    """Cells shaded by the logarithm of their magnitude, or in the colours of categories, with the entries where they fit."""
     m = np.asarray(figure.matrix, dtype=float)
     rows, cols = m.shape
     names = [symbol(label_in_language(row, language)) for row in figure.rows]
@@ -30,16 +32,16 @@ def matrix(figure: MatrixFigure, language: str, large: bool) -> tuple[str, float
     wide = (W - left - 8) / cols
     high = max(min(wide, TALLEST_CELL), ROW_HEIGHT_PX * max((len(lines) for lines in said), default=1) - 2 if large else 0.0)
     heads, top = _heads([symbol(label_in_language(name, language)) for name in figure.columns], left, wide, large)
-    share = np.abs(m) / (float(np.max(np.abs(m))) or 1.0)
-    depths = np.where(share < 1e-9, 0.0, 0.15 + 0.85 * np.maximum(0.0, 1 + np.log10(np.maximum(share, 1e-9)) / 6))
-    fills, out = _blends(depths), []
+    depths, out, over = figure.fills, [], list(figure.block_names())
+    fills = _blends(depths, figure.roles)
+    least = 0.0 if over else ROOM_FOR_ENTRY if figure.kinds is None else ROOM_FOR_SHORT_ENTRY
     for i in range(rows):
         for j in range(cols):
             depth, x, y = depths[i, j], left + j * wide, top + i * high
             out.append(f'<rect x="{x:.1f}" y="{y:.1f}" width="{wide:.1f}" height="{high:.1f}" fill="{fills[i][j]}" '
                        f'stroke="{COLOURS["chart-grid"]}"><title>{m[i, j]:.4g}</title></rect>')
-            if wide >= ROOM_FOR_ENTRY:
-                out.append(_entry(m[i, j] if depth else 0.0, _Cell(x, y, wide, high), large,
+            if wide >= least > 0:
+                out.append(_entry(m[i, j] if depth or figure.kinds is not None else 0.0, _Cell(x, y, wide, high), large,
                                   COLOURS["paper" if depth > 0.6 else "ink" if depth else "dimmed"]))
     for i, lines in enumerate(said):
         size = min(
@@ -55,7 +57,20 @@ def matrix(figure: MatrixFigure, language: str, large: bool) -> tuple[str, float
         x, y = left + b * wide, top + b * high
         out.append(f'<path d="M{x:.1f} {top:.1f}V{top + rows * high:.1f}M{left:.1f} {y:.1f}H{left + cols * wide:.1f}" '
                    f'stroke="{COLOURS["reference"]}" stroke-width="2"/>')
-    return heads + "".join(out), top + rows * high + 8
+    for i in figure.lit:
+        out.append(f'<rect x="{left:.1f}" y="{top + i * high:.1f}" width="{cols * wide:.1f}" height="{high:.1f}" fill="none" '
+                   f'stroke="{COLOURS["reference"]}" stroke-width="2.6"/>')
+    for row, column, name in over:
+        words = symbol(label_in_language(name, language))
+        size = _fitting(words, BLOCK_ROOM * wide * cols / (len(figure.blocks) + 1), LARGEST_BLOCK_NAME_PX)
+        size = max(size, LARGE_PRINT_PX) if large else size
+        out.append(f'<text x="{left + column * wide:.1f}" y="{top + row * high + 0.36 * size:.1f}" text-anchor="middle" '
+                   f'font-size="{size:.1f}" font-weight="600" paint-order="stroke" stroke="{COLOURS["paper"]}" stroke-width="4">'
+                   f'{html.escape(words)}</text>')
+    foot = top + rows * high + 8
+    told = [] if over else [(name(language), COLOURS[role], "solid") for name, role in figure.categories]
+    key, more = curve_key(told, W, foot, patches=True, large=large)
+    return heads + "".join(out) + key, foot + more
 
 
 def _room_of_names(names: list[str], large: bool) -> float:
@@ -130,7 +145,8 @@ def _fitting(words: str, room: float, most: float = WORDS_PX) -> float:
     return min(most, most * room / max(text_width(words, most), 1.0))
 
 
-def _blends(depths: np.ndarray) -> list[list[str]]:
-    """White to the plant's colour, a colour for each cell."""
-    colour = np.rint(255 + (np.array(rgb(COLOURS["plant"])) - 255) * depths[..., None]).astype(int)
+def _blends(depths: np.ndarray, roles: np.ndarray | str = "plant") -> list[list[str]]:
+    """White to the colour of each cell's role, by its depth."""
+    full = np.array([rgb(COLOURS[role]) for role in np.broadcast_to(roles, depths.shape).ravel()]).reshape(*depths.shape, 3)
+    colour = np.rint(255 + (full - 255) * depths[..., None]).astype(int)
     return [[f"#{number:06x}" for number in row] for row in (colour @ (65536, 256, 1)).tolist()]
