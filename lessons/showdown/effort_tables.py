@@ -11,9 +11,10 @@ from observer_lab.text import NO_WORDS, Text, joined, text
 
 from .controllers import CONTROLLER_NAMES, LQE, ORDER, SHORT_NAMES, SISO
 from .equal_effort import Equal
-from .score_tables import CELLS_CAPTION, HEADS, NOT_YET, TIED, best_words, cells
+from .score_tables import CELLS_CAPTION, HEADS, NOT_YET, cells
 from .simulation import loop_of
 from .study import Study
+from .suppression import TIED, best_words
 
 EFFORT_TAB = text("Equal effort")
 CLIP_SIGMAS = 3.0  # standard deviations that a coil's limit should leave

@@ -18,9 +18,10 @@ from .curve_styles import CURVE_STYLES, width
 from .effort_tables import EFFORT_TAB, equal
 from .race_tables import RACE_TAB, race_figures
 from .report_levels import REPORT_TAB, report_tables
-from .score_tables import SCORE_TAB, TRIAL_TAB, friction, scored, times, tried
+from .score_tables import SCORE_TAB, TRIAL_TAB, friction, sizes, times, tried
 from .simulation import loop_of
 from .study import Study, as_predicted
+from .suppression import suppression
 from .transmissibility import TRANSMISSIBILITY_TAB, transmissibilities
 
 CHANNEL_TAB, SENSOR_TAB, INPUT_TAB = text("Channels"), text("Sensors"), text("Inputs")
@@ -38,7 +39,7 @@ def figures(outcome: Outcome[Study]) -> FigureSet:
         tab_figures(INPUT_TAB, lambda: (_input(outcome, 0), _input(outcome, 2), _gain(outcome))),
         tab_figures(TIME_TAB, lambda: [_test(outcome, j) for j in range(3)]),
         tab_figures(RUN_TAB, lambda: (_stage_velocity(outcome), _stage_force(outcome), friction(outcome, RUN_TAB))),
-        tab_figures(SCORE_TAB, lambda: scored(outcome)), tab_figures(SCORE_TAB, lambda: (times(outcome),), "late"),
+        tab_figures(SCORE_TAB, lambda: (suppression(outcome), sizes(outcome))), tab_figures(SCORE_TAB, lambda: (times(outcome),), "late"),
         tab_figures(RACE_TAB, lambda: race_figures(outcome)),
         tab_figures(TRIAL_TAB, lambda: tried(outcome)),
         tab_figures(EFFORT_TAB, lambda: equal(outcome)), tab_figures(REPORT_TAB, lambda: report_tables(outcome)))

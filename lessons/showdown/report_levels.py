@@ -12,9 +12,10 @@ from observer_lab.plants.platform.lqg_weights import FIGURE_V, LITERAL_V, LOOSE_
 from observer_lab.text import Text, format_number, joined, same, text, text_in
 
 from .controllers import DECOUPLED, LQE, OPEN_LOOP, ORDER, RECURSIVE, SHORT_NAMES, SISO, players
-from .score_tables import HEADS, TIED
+from .score_tables import HEADS
 from .simulation import BAND_HZ, analyse, band_rms
 from .study import Study
+from .suppression import TIED
 
 REPORT_TAB = text("Report")
 VERTICAL, ROTATION, HORIZONTAL, LEFT, RIGHT = range(5)  # columns of the densities; the sensor HL is the horizontal channel

@@ -1,4 +1,4 @@
-"""Write the tables of lesson 13: suppression, sizes, times, trials, other decks, costs."""
+"""Write the tables of lesson 13: sizes, times, trials, other decks, costs."""
 
 from __future__ import annotations
 
@@ -6,11 +6,10 @@ import numpy as np
 
 from observer_lab.course.figures.records import TableFigure
 from observer_lab.course.lesson import Outcome
-from observer_lab.text import NO_WORDS, Text, format_number, joined, listed, text, text_in
+from observer_lab.text import Text, format_number, text, text_in
 
 from .controllers import CONTROLLER_NAMES, DECOUPLED, LQE, ORDER, SHORT_NAMES
 from .friction import friction_of
-from .race import leaders
 from .study import Study, as_predicted
 
 SCORE_TAB, TRIAL_TAB = text("Scores"), text("Trials")
@@ -18,12 +17,6 @@ HEADS = (text_in("channel", "vertical"), text_in("channel", "rotation"), text_in
 CELL_SEPARATOR = "\N{NO-BREAK SPACE}·\N{NO-BREAK SPACE}"  # between the three numbers of one cell, which must not part at a line's end
 MIN_SHOWN_SPEED = 5e-4  # µm/s: less is nothing
 CELLS_CAPTION = text("Cells: vertical, rotation, horizontal.")
-TIED = 0.05  # dB: less is no lead
-
-
-def scored(outcome: Outcome[Study]) -> tuple[TableFigure, ...]:
-    """Suppression, sizes."""
-    return _suppression(outcome), _sizes(outcome)
 
 
 def tried(outcome: Outcome[Study]) -> tuple[TableFigure, ...]:
@@ -38,31 +31,7 @@ def cells(values: np.ndarray, stable: bool, form: str = ".1f") -> Text | str:
     return CELL_SEPARATOR.join(format_number(v, form) for v in values)
 
 
-def _suppression(outcome: Outcome[Study]) -> TableFigure:
-    m = outcome.study
-    rows = tuple((CONTROLLER_NAMES[i], *(text("unstable") if not m.spectra[i].stable else
-                              f"{m.peak_db[i, j]:.1f} / {m.band_db[i, j]:.1f}".replace("-", "−") for j in range(3))) for i in range(1, 5))
-    stable = np.array([s.stable for s in m.spectra])
-    gains = np.where(stable[:, None], m.band_db, -np.inf)
-    return TableFigure("suppression", text("suppression in dB, 0.5–3 Hz: of the highest peak / of the area"),
-                       (text("controller"), *HEADS), rows, tab=SCORE_TAB,
-                       caption=joined(as_predicted(outcome.design, best_words(gains[1:]) if stable[1:].any() else
-                                                   text("Unstable with these settings: {names}.", names=listed(SHORT_NAMES[1:]))),
-                                      NO_WORDS if m.trials is None or m.trials.raced is None else leaders(m.trials.raced.rms)))
-
-
-def best_words(gains: np.ndarray) -> Text:
-    """Which controllers reduce the area most in each channel (4, 3) in dB: those that tie, or none where none reduces it."""
-    def named(j: int) -> Text:
-        most = float(np.nanmax(gains[:, j]))
-        if most <= TIED:
-            return SHORT_NAMES[0]
-        return listed(SHORT_NAMES[1 + int(i)] for i in np.flatnonzero(gains[:, j] >= most - TIED))
-    return text("Best by area: {short} vertically, {short2} in rotation, {short3} horizontally.", short=named(0), short2=named(1),
-                short3=named(2))
-
-
-def _sizes(outcome: Outcome[Study]) -> TableFigure:
+def sizes(outcome: Outcome[Study]) -> TableFigure:
     m = outcome.study
     rows = tuple((CONTROLLER_NAMES[i], *(text("unstable") if not m.spectra[i].stable
                                          else format_number(m.rms[i, j], ".3g") for j in range(3)),

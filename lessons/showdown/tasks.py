@@ -11,9 +11,9 @@ from observer_lab.text import format_number, text
 from .controllers import DT, LQE, ORDER, SISO
 from .simulation import loop_of
 from .study import Study
+from .suppression import WANTED_SUPPRESSION_DB
 from .transmissibility import transmissibility
 
-WANTED_SUPPRESSION_DB = 20.0  # dB in every channel
 BEST_SENSOR = 1e-11  # (m/s)² s: the quietest that can be bought in the first task
 MIN_LEAD_DB = 10.0  # dB by which the optimum is to be beaten
 DELAY_TOLERANCE_MS = 0.2  # ms within which the least delay is to be found

@@ -13,9 +13,9 @@ from observer_lab.lessons.showdown.controllers import ORDER, Player
 from observer_lab.lessons.showdown.effort_tables import equal
 from observer_lab.lessons.showdown.equal_effort import Equal, equal_effort, met, retuned
 from observer_lab.lessons.showdown.lesson import LESSON
-from observer_lab.lessons.showdown.score_tables import best_words
 from observer_lab.lessons.showdown.simulation import loop_of
 from observer_lab.lessons.showdown.study import Trials
+from observer_lab.lessons.showdown.suppression import best_words
 
 BEST = WITNESSES["Best by area: {short} vertically, {short2} in rotation, {short3} horizontally."]
 
@@ -107,3 +107,17 @@ def test_the_only_stable_controller_is_best_only_where_it_beats_the_open_loop() 
     BEST(shown, table.caption)
     with pytest.raises(AssertionError, match="dB behind the best"):
         BEST(shown, best_words(np.where([[False], [False], [True], [False]], np.ones((4, 3)), -np.inf)))
+
+
+def test_the_bars_are_the_suppression_of_each_stable_loop_beside_what_is_asked() -> None:
+    """A loop that is not stable has a cross at zero and no bar."""
+    outcome = LESSON.compute(LESSON.apply(LESSON.start(), {"delay": 5.0}))
+    figure = next(f for f in LESSON.figures(outcome) if f.id == "suppression")
+    m, lost = outcome.study, [i for i in range(1, 5) if not outcome.study.spectra[i].stable]
+    assert lost and len(lost) < 4
+    kept = [i for i in range(1, 5) if i not in lost]
+    bars = [curve for curve in figure.curves if curve.width > 3]
+    assert [curve.y[1] for curve in bars] == [m.band_db[i, j] for i in kept for j in range(3)]
+    assert [mark.y for mark in figure.points if mark.mark == "dot"] == [m.peak_db[i, j] for i in kept for j in range(3)]
+    assert [mark.y for mark in figure.points if mark.mark == "cross"] == [0.0] * 3 * len(lost)
+    assert [curve.name("en") for curve in figure.curves if "unstable" in curve.name("en")] and list(figure.curves[-1].y) == [20.0, 20.0]

@@ -12,7 +12,7 @@ from observer_lab.engine.simulation import Run
 from observer_lab.lessons import LESSONS
 from observer_lab.lessons.arm.knobs import EXACT_ENCODER
 from observer_lab.lessons.showdown.controllers import SHORT_NAMES
-from observer_lab.lessons.showdown.score_tables import best_words
+from observer_lab.lessons.showdown.suppression import best_words
 
 
 def run_of(outcome: Outcome[Any]) -> Run:
