@@ -12,6 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from observer_lab.colours import COLOURS, rgb
+from observer_lab.course.figures.gauges import UPPER, Gauge, GaugeFigure, place_of
 from observer_lab.course.figures.matrix_figure import FULL, MATRICES, PALE
 from observer_lab.course.figures.records import Curve, LineFigure, MapFigure, MatrixFigure, PlaneFigure, Point, TableFigure
 from observer_lab.course.knobs import Number
@@ -296,6 +297,45 @@ def test_a_mark_and_its_word_stand_in_one_line_and_numbers_of_one_cell_part_behi
     drawn = draw(TableFigure("t", same("t"), (same("question"), same("verdict")), (("● yes", "0.007\u00a0·\u00a0>12"),)), "en")
     assert '<td class="ol-tied">● yes</td>' in drawn and "<td>0.007\u00a0·<wbr>\u00a0&gt;12</td>" in drawn
     assert "<td>2·<wbr>10⁻¹⁶</td>" in draw(TableFigure("t", same("t"), (same("gap"),), (("2·10⁻¹⁶",),)), "en")
+
+
+# --- gauges ----------------------------------------------------------------------------------------------------------
+def gauge(at: float, verdict: str = "passes") -> GaugeFigure:
+    one = Gauge(same("mean"), at, (0.36, 0.64), "4", ("3", "5"), "3 … 5", same(verdict), "right" if 0.36 <= at <= 0.64 else "wrong")
+    return GaugeFigure("g", same("tests"), (one,), (same("test"), same("value"), same("band"), same("verdict")))
+
+
+def test_a_gauge_says_its_number_its_verdict_and_the_ends_of_its_band() -> None:
+    assert {"mean", "4 · passes", "3", "5"} <= {said for _, _, said in words(draw(gauge(0.5), "en"))}
+    assert gauge(0.5).table() == (["test", "value", "band", "verdict"], [("mean", "4", "3 … 5", "passes")])
+
+
+def test_a_number_beyond_its_track_is_an_arrow_at_that_end() -> None:
+    assert "ol-needle" in draw(gauge(0.5), "en") and "ol-beyond" not in draw(gauge(0.5), "en")
+    left, right = (re.search(r'ol-beyond" points="([-\d.]+)', draw(gauge(at), "en")) for at in (-4.0, 4.0))
+    assert left is not None and right is not None and float(left[1]) < 20 and float(right[1]) > W - 20
+
+
+@pytest.mark.parametrize("large", [False, True])
+def test_a_long_verdict_of_a_gauge_stands_below_it_inside_the_drawing(large: bool) -> None:
+    drawing = draw(gauge(0.5, "not judged: it assumes white innovations of covariance S and more"), "en", large=large)
+    size = LARGE_PRINT_PX if large else 11.0
+    found = words(drawing)
+    assert "4" in [said for _, _, said in found]
+    below = [(x, y, said) for x, y, said in found if "judged" in said or "covariance" in said]
+    assert below and all(x + text_width(said, size) <= W and y <= height(drawing) for x, y, said in below)
+
+
+@given(st.floats(1e-300, 1e300), st.floats(1e-6, 1e6), st.floats(1.01, 1e3))
+def test_a_gauges_needle_lies_in_its_band_exactly_where_the_number_does(value: float, low: float, ratio: float) -> None:
+    at = place_of(value, low, low * ratio, UPPER)
+    if not 1 - 1e-9 < value / low < 1 + 1e-9 and not 1 - 1e-9 < value / (low * ratio) < 1 + 1e-9:
+        assert (UPPER[0] <= at <= UPPER[1]) == (low <= value <= low * ratio)
+
+
+@pytest.mark.parametrize("value", [0.0, -1.0, float("nan")])
+def test_a_number_without_a_logarithm_is_left_of_its_gauge(value: float) -> None:
+    assert place_of(value, 0.1, 1.0) < 0
 
 
 # --- axes of charts --------------------------------------------------------------------------------------------------

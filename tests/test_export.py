@@ -12,6 +12,7 @@ from matplotlib._pylab_helpers import Gcf
 from matplotlib.colors import to_hex, to_rgb
 
 from observer_lab.colours import COLOURS
+from observer_lab.course.figures.gauges import Gauge, GaugeFigure
 from observer_lab.course.figures.ranges import LOG_AXIS_FLOOR
 from observer_lab.course.figures.records import (
     MATRICES,
@@ -56,7 +57,11 @@ MAP = MapFigure("map", text("starts"), np.linspace(-1, 1, 12), np.linspace(0, 3,
                 ((text("recovers"), "force"), (text("lost"), "estimate")), "x", "e", (0.3, 1.0))
 TABLE = TableFigure("table", text("poles"), (text("true"), text("estimate")),
                     (("−1", "−1.0"), (text("unstable"), "$3"), ("✓", "✗")))
-KINDS: tuple[Figure, ...] = (TIME, LOG, FREQUENCY, PLANE, MATRIX, CELLS, MAP, TABLE)
+GAUGES = GaugeFigure("gauges", text("tests after 2 s"), (
+    Gauge(text("mean of NIS"), 0.5, (0.36, 0.64), "4", ("3.6", "4.4"), "3.6 … 4.4", text("passes")),
+    Gauge(text("mean of NEES"), 3.0, (0.36, 0.64), "60.6", ("3.8", "8.7"), "3.8 … 8.7", text("flagged"), "wrong")),
+    (text("value"), text("value"), text("band"), text("verdict")))
+KINDS: tuple[Figure, ...] = (TIME, LOG, FREQUENCY, PLANE, MATRIX, CELLS, MAP, TABLE, GAUGES)
 MAGIC = {".png": b"\x89PNG", ".svg": b"<?xml", ".pdf": b"%PDF"}
 
 

@@ -19,7 +19,8 @@ from .finite_horizon import HORIZON_TAB, horizon_figure
 from .root_locus import LOCUS_TAB, locus_figures
 
 DUAL_TAB, ELLIPSES_TAB = text("Dual quantities"), text("Ellipses")
-MOST_ROWS = 12  # of a table
+MOST_ROWS, MOST_ENTRIES = 12, 6  # of a table, and places of a figure of bars
+BAR_PX, BAR_SHIFT = 17.0, 0.16  # px across a bar; places from the middle of two bars to each
 CIRCLE_ANGLES_RAD = np.linspace(0.0, 2 * np.pi, 121)
 
 
@@ -30,11 +31,11 @@ def figures(here: Setting, outcome: Outcome[Twins]) -> FigureSet:
     return FigureSet(
         tab_figures(TIME_TAB, lambda: state_figures(here.model, run, 2)),
         tab_figures(ERROR_TAB, lambda: (error_figure(run), input_figure(run, here.model))),
-        tab_figures(DUAL_TAB, lambda: (_gain_table(outcome, twins), _riccati_table(here, outcome, twins),
+        tab_figures(DUAL_TAB, lambda: (_gain_table(outcome, twins), _riccati_bars(here, outcome, twins),
                                  _pairing(twins, twins.pairing_gap))),
         tab_figures(LOCUS_TAB, lambda: locus_figures(here, design)),
         tab_figures(HORIZON_TAB, lambda: (_horizon(here, design, twins),)),
-        tab_figures(ELLIPSES_TAB, lambda: _ellipses(here, design["window"], twins, twins.mirror_gap)),
+        tab_figures(ELLIPSES_TAB, lambda: (*_ellipses(here, design["window"], twins, twins.mirror_gap), _mirrored(here, twins))),
         tab_figures(DIAGRAM, lambda: (loop(here.model.plant, run, outcome.gains["L"], outcome.gains["K"]),)))
 
 
@@ -55,17 +56,23 @@ def _gain_table(outcome: Outcome[Twins], twins: Twins) -> TableFigure:
         caption=text("Left board: {left}. Right board: {right}.", left=left, right=right))
 
 
-def _riccati_table(here: Setting, outcome: Outcome[Twins], twins: Twins) -> TableFigure:
-    rows = [(symbol(f"P{i + 1}{j + 1}"), _entry(float(twins.P[i, j])), _entry(float(twins.S_dual[i, j])),
-             f"{abs(twins.P[i, j] - twins.S_dual[i, j]):.0e}") for i, j in np.ndindex(twins.P.shape) if i <= j][:MOST_ROWS]
+def _riccati_bars(here: Setting, outcome: Outcome[Twins], twins: Twins) -> PlaneFigure:
+    """The entries of P beside those of S of the transposed plant, two bars each."""
+    places = [(i, j) for i, j in np.ndindex(twins.P.shape) if i <= j][:MOST_ENTRIES]
+    both = (text("P of LQE (W, V)"), twins.P, "plant", -BAR_SHIFT), (text("S of LQR on (Aᵀ, Cᵀ)"), twins.S_dual, "estimate", BAR_SHIFT)
+    curves = tuple(Curve(name, np.array([0.0, float(M[at])]), role, "solid", BAR_PX, np.full(2, k + shift))
+                   for name, M, role, shift in both for k, at in enumerate(places))
+    ends = [float(curve.y[1]) for curve in curves]
+    low, high = (sign * round_up_nicely(1.05 * max(sign * each for each in ends)) if max(sign * each for each in ends) > 0 else 0.0
+                 for sign in (-1, 1))
     Q, R, W, V = weights_of(here, outcome.design)
     slow = twins.slowest
-    return TableFigure(
-        "riccati", text("one Riccati equation, read twice"),
-        (same(""), text("P of LQE (W, V)"), text("S of LQR on (Aᵀ, Cᵀ)"),
-         text("difference")), tuple(rows), tab=DUAL_TAB,
-        caption=text("Q₁₁ = {q:.3g}, R₁₁ = {r:.3g}: slowest LQR pole at Re s = {slow}. W₁₁ = {w:.3g}, V₁₁ = "
-                     "{v:.3g}: slowest LQE pole at Re s = {slow2}.",
+    return PlaneFigure(
+        "riccati", text("one Riccati equation, read twice"), curves, (), "", text("entry of the solution"), (-0.6, len(places) - 0.4),
+        (low, high if high > low else low + 1.0), tab=DUAL_TAB,
+        names=tuple((float(k), same(symbol(f"P{i + 1}{j + 1}"))) for k, (i, j) in enumerate(places)),
+        caption=text("Largest difference: {gap:.0e}. Q₁₁ = {q:.3g}, R₁₁ = {r:.3g}: slowest LQR pole at Re s = {slow}. W₁₁ = {w:.3g}, "
+                     "V₁₁ = {v:.3g}: slowest LQE pole at Re s = {slow2}.", gap=float(np.abs(twins.P - twins.S_dual).max()),
                      q=Q[0, 0], r=R[0, 0], slow=_entry(slow[0]), w=W[0, 0], v=V[0, 0], slow2=_entry(slow[1])))
 
 
@@ -120,3 +127,18 @@ def _ellipses(here: Setting, window: float, twins: Twins, mirror: float) -> tupl
                energies.seen[at], energies.seen_twin[at],
                (text("seen by (A, C)"), text("reached by (Aᵀ, Cᵀ)")), half, here.axes),
     )
+
+
+def _mirrored(here: Setting, twins: Twins) -> PlaneFigure:
+    """The states that are reached and the output energy of a start in one plane; of the first the mirror image, where it has one."""
+    at = np.ix_(here.pair, here.pair)
+    reach, seen = _ellipse(twins.energies.reach[at]), _ellipse(twins.energies.seen[at])
+    half = 1.15 * round_up_nicely(max(reach[2], seen[2]))
+    curves = [Curve(text("states reached"), reach[1], "plant", "solid", 3.0, reach[0]),
+              Curve(text("output energy"), seen[1], "estimate", "solid", 3.0, seen[0])]
+    said = text("Half axes, long: {reach:.3g} of the states reached, {seen:.3g} of the output energy.", reach=reach[2], seen=seen[2])
+    if here.mirror:
+        curves.append(Curve(text("mirror image"), -reach[1], "reference", "dot", 2.0, reach[0]))
+        said = text("The two differ from mirror images by {gap:.2g} %.", gap=100 * twins.mirror_gap)
+    return PlaneFigure("mirrored", text("states reached and output energy"), tuple(curves), (), *here.axes, (-half, half), (-half, half),
+                       equal=True, tab=ELLIPSES_TAB, caption=said)

@@ -7,22 +7,23 @@ import numpy as np
 from observer_lab.course.figures.claims import claim
 from observer_lab.course.figures.diagram import DIAGRAM
 from observer_lab.course.figures.ranges import round_up_nicely
-from observer_lab.course.figures.records import Curve, LineFigure, PlaneFigure, Point, TableFigure, over_frequency
+from observer_lab.course.figures.records import Curve, GaugeFigure, LineFigure, PlaneFigure, Point, TableFigure, over_frequency
 from observer_lab.course.lazy import FigureSet, tab_figures
 from observer_lab.course.lesson import Outcome
 from observer_lab.engine import chi2_band, psd
-from observer_lab.text import Text, format_number, same, text, text_in
+from observer_lab.text import Text, same, text, text_in
 
 from ..toolkit.figures import TIME_TAB
 from ..toolkit.shares import apart
 from .data_sheet import SHEET_TAB, estimators_figure, sheet_figure
 from .figure_eleven import ELEVEN_TAB, eleven_figures
 from .filters import COMPARED_STEPS, UNTESTED_SAMPLES
+from .gauges import HEADS, gauges_of
 from .knobs import CARRIED, DT
 from .loop import loop_of
 from .noise_identification import FIT_TAB, fit_figure
 from .one_number import NUMBER_TAB, number_figure
-from .p_values import chance, coloured
+from .p_values import coloured
 from .report_lines import REPORT_TAB, report_figure
 from .study import Study, bias_is_judged, expected, holds
 
@@ -71,10 +72,10 @@ def _ellipses(outcome: Outcome[Study]) -> PlaneFigure:
     plan, updated = s.watcher.schedule, outcome.design["phase"] == "update"
     before, at = int(plan.index[k - 1]), int(plan.index[k])
     prior = plan.prior[at]
-    old, new = _ellipse(s.track.means[k - 1], plan.posterior[before]), _ellipse(s.track.predicted[k], prior)
+    old, new = (_ellipse(s.track.predicted[k], P) for P in (plan.posterior[before], prior))
     middle = 1e3 * s.track.predicted[k][[1, 4]]
     half = [round_up_nicely(float(2.6e3 * np.sqrt(max(P[i, i] for P in (prior, plan.posterior[before]))))) for i in (1, 4)]
-    curves = [Curve(text("last estimate"), old[1], "muted", "dot", 1.6, old[0]),
+    curves = [Curve(text("last estimate, moved here"), old[1], "muted", "dot", 2.0, old[0]),
               Curve(text("prediction"), new[1], "disturbance", "dash", 2.0, new[0])]
     x = 1e3 * s.truth.x[k]
     points = [Point(float(x[1]), float(x[4]), "plant", "circle", text("true")),
@@ -232,23 +233,11 @@ def _nees(outcome: Outcome[Study]) -> LineFigure:
     return _squares(outcome, "nees", text("NEES, six states"), 6, s.nees, None if s.trials is None else s.trials.nees)
 
 
-def _tests(outcome: Outcome[Study]) -> TableFigure:
+def _tests(outcome: Outcome[Study]) -> GaugeFigure:
     s = outcome.study
-    test, whole, held = s.test, s.settled, holds(s.test, s.settled)
-
-    def verdict(name: str) -> Text:
-        return text("passes") if held[name] else text("flagged")
-
-    rows = (
-        (text("mean of NIS"), f"{test.nis.mean:.3f}", f"{test.nis.mean_band[0]:.3f} … {test.nis.mean_band[1]:.3f}", verdict("nis")),
-        (text("mean of NEES"), format_number(whole.mean, ".3g"), f"{whole.mean_band[0]:.3g} … {whole.mean_band[1]:.3g}", verdict("nees")),
-        (text("whiteness, p"), chance(test.whiteness.p_value), "≥ 0.017", verdict("white")),
-        (text("bias, p"), chance(test.bias_p_value), "≥ 0.017", verdict("centred") if bias_is_judged(test) else
-         text("not judged: it assumes white innovations of covariance S")),
-    )
-    return TableFigure("tests", text("tests after 2 s"),
-                       (text_in("kalman", "test"), text("value"), text("band"), text("verdict")), rows, tab=TEST_TAB,
-                       caption=_verdict(outcome, all(held[name] for name in ("nis", "nees", "white", "centred"))))
+    held = holds(s.test, s.settled)
+    return GaugeFigure("tests", text("tests after 2 s"), gauges_of(s.test, s.settled, held, bias_is_judged(s.test), ".3f"), HEADS,
+                       _verdict(outcome, all(held[name] for name in ("nis", "nees", "white", "centred"))), TEST_TAB)
 
 
 def _verdict(outcome: Outcome[Study], quiet: bool) -> Text:

@@ -4,20 +4,21 @@ from __future__ import annotations
 
 import numpy as np
 
-from observer_lab.course.figures.records import Curve, LineFigure, PlaneFigure, TableFigure
+from observer_lab.course.figures.records import Curve, GaugeFigure, LineFigure, PlaneFigure, TableFigure
 from observer_lab.course.lazy import FigureSet, tab_figures
 from observer_lab.course.lesson import Outcome
 from observer_lab.engine import chi2_band
 from observer_lab.plants import Model, Signal
 from observer_lab.plants.signal_names import signal_name, with_unit
-from observer_lab.text import Text, format_number, same, symbol, text, text_in
+from observer_lab.text import Text, format_number, same, symbol, text
 
 from ..toolkit.figures import TIME_TAB
 from ..toolkit.shares import apart
 from .figures import GAIN_TAB, INNOVATION_TAB, STEP_TAB, TEST_TAB
+from .gauges import HEADS, gauges_of
 from .knobs import UPDATE
 from .own_study import UNTESTED_SAMPLES, Study
-from .p_values import chance, coloured
+from .p_values import coloured
 from .study import bias_is_judged, holds
 
 MAX_TABLE_STATES = 10  # rows of the table of one step
@@ -137,17 +138,8 @@ def _squares(outcome: Outcome[Study], name: str, title: Text, dof: int, which: i
                      who=who, first=t[UNTESTED_SAMPLES], inside=inside, low=low, high=high))
 
 
-def _tests(outcome: Outcome[Study]) -> TableFigure:
-    study, held = outcome.study, holds(outcome.study.test, outcome.study.settled)
-
-    def verdict(name: str) -> Text:
-        return text("passes") if held[name] else text("flagged")
-    bands = [f"{s.mean_band[0]:.3g} … {s.mean_band[1]:.3g}" for s in (study.test.nis, study.settled)]
-    rows = ((text("mean of NIS"), format_number(study.test.nis.mean, ".3g"), bands[0], verdict("nis")),
-            (text("mean of NEES"), format_number(study.settled.mean, ".3g"), bands[1], verdict("nees")),
-            (text("whiteness, p"), chance(study.test.whiteness.p_value), "≥ 0.017", verdict("white")),
-            (text("bias, p"), chance(study.test.bias_p_value), "≥ 0.017", verdict("centred") if bias_is_judged(study.test) else
-         text("not judged: it assumes white innovations of covariance S")))
-    return TableFigure("tests", text("tests of this record from {first:.3g} s on", first=study.found.run.t[UNTESTED_SAMPLES]),
-                       (text_in("kalman", "test"), text("value"), text("band"), text("verdict")), rows,
-                       tab=TEST_TAB, caption=text("Each test flags a right filter in a few records of a hundred."))
+def _tests(outcome: Outcome[Study]) -> GaugeFigure:
+    study = outcome.study
+    gauges = gauges_of(study.test, study.settled, holds(study.test, study.settled), bias_is_judged(study.test))
+    return GaugeFigure("tests", text("tests of this record from {first:.3g} s on", first=study.found.run.t[UNTESTED_SAMPLES]), gauges,
+                       HEADS, text("Each test flags a right filter in a few records of a hundred."), TEST_TAB)

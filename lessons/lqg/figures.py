@@ -171,11 +171,15 @@ def _nyquist(outcome: Outcome[Study]) -> PlaneFigure:
     s = outcome.study
     ideal, real = both_halves(s.ideal.curve), both_halves(s.real.curve)
     low, high = gain_within(s.real.margins.gain)
+    gap = s.real.curve[int(np.argmin(np.abs(1 + s.real.curve)))] + 1
+    gap = gap / max(abs(gap), 1e-300) * s.real.margins.nearest
     return PlaneFigure(
         "nyquist", text("Nyquist, cut at one input"),
-        (UNIT_CIRCLE, Curve(same("LQR"), ideal[1], "plant", "dash", 2.0, ideal[0]), Curve(same("LQG"), real[1], "estimate", "solid", 2.0,
-                                                                                            real[0])),
-        (Point(-1.0, 0.0, "reference", "cross"),), "Re ℓ", "Im ℓ", (-2.6, 1.0), (-1.8, 1.8), equal=True, tab=ROBUST_TAB,
+        (UNIT_CIRCLE, Curve(same("LQR"), ideal[1], "plant", "dash", 2.0, ideal[0]),
+         Curve(same("LQG"), real[1], "estimate", "solid", 2.4, real[0]),
+         Curve(text("distance to −1: {near}", near=words(s.real.margins.nearest)), np.array([0.0, gap.imag]), "error", "solid", 4.0,
+               np.array([-1.0, gap.real - 1]))),
+        (Point(-1.0, 0.0, "reference", "cross"),), "Re ℓ", "Im ℓ", (-2.0, 1.0), (-1.1, 1.1), equal=True, tab=ROBUST_TAB,
         caption=text("LQG stays stable while the input's gain is between {low} and {high} times the model's.",
                      low=words(low, 10), high=words(high, 10)))
 

@@ -17,7 +17,7 @@ from .study import Study
 RECORD_TAB, ORDER_TAB, INNOVATIONS_TAB, NIS_TAB, NUMBERS_TAB = (
     text("Record"), text("Order"), text("Innovations"), text("Consistency"), text("Numbers"))
 MOST_VALUES = 12  # singular values that are drawn
-TOP = 12.0  # of the NIS figure, in means
+TOP, MOST_ARROWS = 4.0, 40  # of the NIS figure: its upper edge, in means; arrows there
 
 
 def figures(outcome: Outcome[Study]) -> FigureSet:
@@ -151,21 +151,27 @@ def _whiteness(study: Study) -> PlaneFigure:
                        (0.5, lags + 0.5), (-high, high), tab=INNOVATIONS_TAB, caption=said)
 
 
-def _nis(study: Study) -> LineFigure:
-    """NIS of each row that judges, its running mean, and the band of the mean at the end."""
+def _nis(study: Study) -> PlaneFigure:
+    """NIS of each row that judges, its running mean, and the band of the mean at the end; an arrow stands where a value is above TOP."""
     judged = study.judged
     seen = np.isfinite(judged.nis.values)
     values = np.nan_to_num(judged.nis.values) / judged.nis.dof
     mean = np.cumsum(values) / np.maximum(np.cumsum(seen), 1)
     mean = mean * judged.mean_nis / mean[-1]  # behind a gate a good filter has a mean below 1; `mean_nis` allows for it
-    t, single, running = thin_samples(study.t, np.minimum(values, TOP), np.minimum(mean, TOP))
-    flat = np.ones(len(t))
-    return LineFigure("nis", text("normalised innovation squared (NIS)"), t,
-                      (Curve(text("single NIS"), single, "muted", width=1.0), Curve(text("mean so far"), running, "estimate"),
-                       Curve(text("band of the whole mean"), judged.band[0] * flat, "reference", "dash"),
-                       Curve(text("band of the whole mean"), judged.band[1] * flat, "reference", "dash")), "NIS", tab=NIS_TAB,
-                      caption=text("A consistent filter has a mean of 1. At the end it is {mean:.3g}; the 99 % band is {low:.2f} to "
-                                   "{high:.2f}.", mean=judged.mean_nis, low=judged.band[0], high=judged.band[1]))
+    t, single, running = thin_samples(study.t, values, mean)
+    ends, beyond = np.array([t[0], t[-1]]), np.flatnonzero(values > TOP)
+    arrows = tuple(Point(float(study.t[k]), TOP, "error", "up") for k in beyond[::max(1, -(-len(beyond) // MOST_ARROWS))])
+    if running[-1] > TOP:
+        arrows = (*arrows, Point(float(t[-1]), TOP, "estimate", "up"))
+    said = text("A consistent filter has a mean of 1. At the end it is {mean:.3g}; the 99 % band is {low:.2f} to {high:.2f}.",
+                mean=judged.mean_nis, low=judged.band[0], high=judged.band[1])
+    if len(beyond):
+        said = joined(said, text("Arrows: {count} of {rows} are larger than {top:g}.", count=len(beyond), rows=len(values), top=TOP))
+    return PlaneFigure("nis", text("normalised innovation squared (NIS)"),
+                       (Curve(text("single NIS"), np.minimum(single, TOP), "muted", width=1.0, x=t),
+                        Curve(text("mean so far"), np.minimum(running, TOP), "estimate", width=2.6, x=t),
+                        *(Curve(text("band of the whole mean"), np.full(2, edge), "reference", "dash", 1.6, ends) for edge in judged.band)),
+                       arrows, "t [s]", "NIS", (float(t[0]), float(t[-1])), (0.0, TOP), tab=NIS_TAB, caption=said)
 
 
 def _numbers(outcome: Outcome[Study]) -> TableFigure:

@@ -17,7 +17,7 @@ from .assumptions import ASSUMED_TAB, assumed_figures
 from .criterion import criterion_1, of_two, steering, steering_3
 from .knobs import COLUMNS, EXAMPLE_FOUR, EXAMPLE_ONE, EXAMPLE_THREE, EXAMPLE_TWO, NORMS, REMARKS, SENSITIVITY_LINES
 from .paper_slips import PRINTED_SIZES, claimed_columns, free_columns, remark_3, true_size
-from .rank_conditions import paper_ranks
+from .rank_conditions import ORDERS_TAB, paper_missed, paper_ranks
 from .rectangle_map import pair_map
 from .study import DISPLAY_LIMIT, EXAMPLE_CASES, FREQUENCIES, Search, Story
 
@@ -38,6 +38,7 @@ def figures(outcome: Outcome[Story]) -> FigureSet:
                  tab_figures(J_TAB, lambda: (_criterion(outcome), _map_of(outcome), _found(outcome))),
                  tab_figures(WORST_TAB, lambda: (_frequency(outcome), _sweep(outcome))),
                  tab_figures(PAPER_TAB, lambda: (_numbers(outcome), paper_ranks(outcome, PAPER_TAB), _slips(outcome))),
+                 tab_figures(ORDERS_TAB, lambda: (paper_missed(outcome),)),
                  tab_figures(ASSUMED_TAB, lambda: assumed_figures(outcome.design)))
 
 

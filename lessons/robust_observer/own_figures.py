@@ -15,7 +15,7 @@ from .figures import J_TAB, NO_VALUE, TIME_TAB
 from .own_job import inside
 from .own_loop import Run, Story
 from .own_plant import Here
-from .rank_conditions import own_ranks
+from .rank_conditions import ORDERS_TAB, missed_figure, own_ladder, own_ranks
 
 LOOP_TAB = text("Loop")
 CHOSEN, RLO, MODEL = text("true plant"), text("true plant, RLO"), text(
@@ -28,6 +28,7 @@ def figures(here: Here, outcome: Outcome[Story]) -> FigureSet:
     return FigureSet(
         tab_figures(TIME_TAB, lambda: (_error(outcome, story), _signal(story))),
         tab_figures(J_TAB, lambda: (_compared(outcome, story), own_ranks(here, outcome, story.observer.order, J_TAB), _attempts(story))),
+        tab_figures(ORDERS_TAB, lambda: (missed_figure(own_ladder(here, outcome.design), story.observer.order),)),
         tab_figures(LOOP_TAB, lambda: (_gain(story), _plane(outcome.design, story))),
     )
 

@@ -7,11 +7,11 @@ from functools import lru_cache
 import numpy as np
 
 from observer_lab.course.figures.claims import claim
-from observer_lab.course.figures.records import TableFigure
+from observer_lab.course.figures.records import Curve, PlaneFigure, Point, TableFigure
 from observer_lab.course.lesson import Design, Outcome
 from observer_lab.engine import EngineError
 from observer_lab.engine.observers import Existence, existence
-from observer_lab.text import Text, text, text_in
+from observer_lab.text import Text, same, text, text_in
 
 from ..toolkit.latex import pole_words
 from .knobs import EXAMPLE_THREE
@@ -21,6 +21,8 @@ from .own_plant import Here
 from .study import EXAMPLE_CASES, Story
 
 LADDER_POLES = (-4.0, -2.5, -6.0, -7.5)  # poles of the orders that the board does not show
+ORDERS_TAB = text("Orders")
+BAR_PX, NOTHING_MISSED = 34.0, 1e-9  # px across a bar; the share of K that rounding misses
 Ladder = tuple[tuple[tuple[complex, ...], Existence], ...]  # the poles of each order and what they allow
 
 
@@ -72,7 +74,7 @@ def _means(rung: Existence) -> Text:
 def table(rungs: Ladder, order: int, caption: Text, tab: Text) -> TableFigure:
     """The table of the conditions; the page's own order is marked."""
     rows = tuple((f"▸ {r.order}" if r.order == order else str(r.order), pole_words(poles) or "–", str(r.rank), str(r.with_K),
-                  "0" if r.missed < 1e-9 else f"{100 * r.missed:.3g} %", f"{r.rows} − {r.rank} = {r.free}", _means(r))
+                  "0" if r.missed < NOTHING_MISSED else f"{100 * r.missed:.3g} %", f"{r.rows} − {r.rank} = {r.free}", _means(r))
                  for poles, r in rungs)
     return TableFigure("ranks", text("conditions (11)–(13), order by order"),
                        (text("order"), text("poles"), text_in("robust-observer", "rank r*"), text("with K"), text("K missed by"),
@@ -96,3 +98,22 @@ def own_ranks(here: Here, outcome: Outcome[OwnStory], order: int, tab: Text) -> 
     return table(rungs, order, text("Order 0 is the readings alone, My. As soon as the rank with K is no higher, an observer exists; rows "
                                     "of [T; C] beyond their rank leave M′ free. Each order has the poles of its own knob; an order without "
                                     "one has a pole more."), tab)
+
+
+def missed_figure(rungs: Ladder, order: int) -> PlaneFigure:
+    """The share of K that each order misses; a circle stands where an observer exists."""
+    shares = [0.0 if r.exists else 100 * float(r.missed) for _, r in rungs]
+    bars = tuple(Curve(text("missed"), np.array([0.0, share]), "error", "solid", BAR_PX, np.full(2, float(k)))
+                 for k, share in enumerate(shares) if share)
+    points = tuple(Point(float(k), 4.0, "right", "circle", text("exists")) for k, (_, r) in enumerate(rungs) if r.exists)
+    names = tuple((float(k), same(f"▸ {r.order}" if r.order == order else str(r.order))) for k, (_, r) in enumerate(rungs))
+    least = next((r.order for _, r in rungs if r.exists), None)
+    said = (text("The least order with an observer is {least}.", least=least) if least is not None else
+            text("None of these orders gives all of K."))
+    return PlaneFigure("missed", text("share of K that each order misses"), bars, points, text("order"), text("K missed [%]"),
+                       (-0.6, len(rungs) - 0.4), (0.0, 100.0), tab=ORDERS_TAB, names=names, caption=said)
+
+
+def paper_missed(outcome: Outcome[Story]) -> PlaneFigure:
+    """For the example on the page."""
+    return missed_figure(ladder(outcome.design), len(outcome.poles["observer"]))

@@ -16,7 +16,7 @@ from observer_lab.engine.design import typical_rate
 from observer_lab.engine.simulation import Run
 from observer_lab.engine.structure import Controllability, Mode, Observability
 from observer_lab.plants import Model
-from observer_lab.text import NO_WORDS, Text, format_number, joined, same, text
+from observer_lab.text import NO_WORDS, Text, joined, same, text
 
 from ..toolkit.diagram import loop
 from ..toolkit.figures import ERROR_TAB, TIME_TAB, error_figure, input_figure, state_figures
@@ -42,6 +42,7 @@ from .loop_figures import (
     valley,
     why,
 )
+from .number_gauges import LOST, numbers
 from .study import RECOVERY_LEVELS, Study, frequencies
 
 
@@ -51,7 +52,8 @@ def figures(model: Model, outcome: Outcome[Study]) -> FigureSet:
     assert run is not None
     limit = design["u_max"] if design["limited"] else None
     return FigureSet(
-        tab_figures(VERDICT_TAB, lambda: (lights(study.rows),), "late"), tab_figures(VERDICT_TAB, lambda: (modes_table(study.structure),)),
+        tab_figures(VERDICT_TAB, lambda: (lights(study.rows), numbers(study)), "late"),
+        tab_figures(VERDICT_TAB, lambda: (modes_plane(study.structure),)),
         tab_figures(TIME_TAB, lambda: state_figures(model, run)), tab_figures(ERROR_TAB, lambda: error_figures(model, run, limit)),
         tab_figures(STRUCTURE_TAB, lambda: (sizes_plane(study.structure, design["tolerance"]), decomposition_map(study.structure, plant.n),
                                      hankel_plane(study.structure))),
@@ -64,7 +66,8 @@ def figures(model: Model, outcome: Outcome[Study]) -> FigureSet:
         tab_figures(DIAGRAM, lambda: (loop(plant, run, outcome.gains["L"], outcome.gains["K"]),)))
 
 
-MOST_MODES = 10  # rows of the table of modes
+MOST_MODES = 6  # places of the figure of modes
+BAR_PX, BAR_SHIFT = 15.0, 0.17  # px across a bar; places from the middle of two bars to each
 YES, NO, NOT_APPLICABLE = text("● yes"), text("○ no"), text("— not here")
 T = TypeVar("T")
 
@@ -81,26 +84,36 @@ def lights(rows: tuple[tuple[Text, bool | None, Text], ...]) -> TableFigure:
                      lit=lit, dark=dark, count=len(rows) - lit - dark))
 
 
-def modes_table(found: Structure) -> TableFigure:
-    """Each mode with its distances to being hidden from y and out of reach of u, the weakest first."""
+def modes_plane(found: Structure) -> PlaneFigure:
+    """A pair of bars for each mode, how far it is from being hidden from y and out of reach of u, the weakest first."""
     title = text("modes, and how far from hidden (PBH, units divided out)")
-    heads = (text("mode"), text("by itself"), text("seen by y"), text(
-        "reached by u"))
     for report in (found.seen, found.reached):
         if isinstance(report, Refusal):
-            return TableFigure("modes", title, heads, ((same("—"), same("—"), same("—"), same("—")),), why(report), VERDICT_TAB)
+            return empty_plane("modes", title, VERDICT_TAB, why(report))
     assert isinstance(found.seen, Observability) and isinstance(found.reached, Controllability)
     pairs = [(a, b) for a, b in _paired(found.seen.modes, found.reached.modes) if a.pole.imag >= -1e-12 * abs(a.pole)]
     pairs.sort(key=lambda pair: min(p.margin if p.visible else -1.0 for p in pair))
-    rows = tuple((pole_words([complex(a.pole.real, abs(a.pole.imag))]), text("decays") if a.stable else
-                  text("does not settle"), _bar(a), _bar(b)) for a, b in pairs[:MOST_MODES])
-    left = len(pairs) - len(rows)
+    shown, left = pairs[:MOST_MODES], max(len(pairs) - MOST_MODES, 0)
+    lost, low = float(np.log10(LOST)), float(np.log10(LOST)) - 2.0
+    curves = [Curve(name, np.array([low, _level(pair[side], low)]), role, "solid", BAR_PX, np.full(2, k + shift))
+              for side, (name, role, shift) in enumerate(((text("seen by y"), "estimate", -BAR_SHIFT),
+                                                          (text("reached by u"), "plant", BAR_SHIFT)))
+              for k, pair in enumerate(shown)]
+    right = max(len(shown), 1) - 0.4
+    curves.append(Curve(text("below: lost in rounding"), np.full(2, lost), "reference", "dash", 1.6, np.array([-0.6, right])))
     more = text("The {left} others are farther from hidden.", left=left) if left > 0 else NO_WORDS
     if left == 1:
         more = text("The other one is farther from hidden.")
     hidden, fixed = len(found.seen.unobservable), len(found.reached.uncontrollable)
-    return TableFigure("modes", title, heads, rows, tab=VERDICT_TAB, caption=joined(
-        text("Hidden from y: {hidden}. Out of reach of u: {fixed}.", hidden=hidden, fixed=fixed), more))
+    names = tuple((float(k), same(pole_words([complex(a.pole.real, abs(a.pole.imag))]))) for k, (a, _) in enumerate(shown))
+    return PlaneFigure("modes", title, tuple(curves), (), "", text("distance over the size of the plant"), (-0.6, right), (low, 0.5),
+                       tab=VERDICT_TAB, powers="y", names=names, caption=joined(
+                           text("Hidden from y: {hidden}. Out of reach of u: {fixed}.", hidden=hidden, fixed=fixed), more))
+
+
+def _level(mode: Mode, low: float) -> float:
+    """The decade of a mode's margin, the foot of the figure where it is hidden."""
+    return max(float(np.log10(max(mode.margin, 1e-300))), low) if mode.visible else low
 
 
 def _paired(seen: tuple[Mode, ...], reached: tuple[Mode, ...]) -> list[tuple[Mode, Mode]]:
@@ -110,12 +123,6 @@ def _paired(seen: tuple[Mode, ...], reached: tuple[Mode, ...]) -> list[tuple[Mod
         left.remove(twin)
         out.append((mode, twin))
     return out
-
-
-def _bar(mode: Mode) -> str:
-    if not mode.visible:
-        return "0"
-    return format_number(mode.distance, ".2g") + " " + "▮" * max(1, round(6 + np.log10(max(mode.margin, 1e-6))))
 
 
 # --- structure ---------------------------------------------------------------------------------------------------------

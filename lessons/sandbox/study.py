@@ -28,6 +28,7 @@ POINTS = 140  # of the sensitivity over frequency
 SAMPLED = text("Recovery is for continuous plants: a sampled loop keeps the delay of a step.")
 Row = tuple[Text, bool | None, Text]
 UNION_RTOL = 1e-6
+MOST_ERROR, NIS_SHARE, LEAST_DISK = 1.5, 0.1, 0.5  # times the least error; share of the expected NIS; of a robust loop
 
 
 @dataclass(frozen=True, eq=False)
@@ -218,7 +219,7 @@ def _noise(found: Noise | Refusal) -> Row:
     ratio = times_the_least(found)
     if isinstance(ratio, Refusal):
         return name, None, ratio.text
-    return name, ratio < 1.5, text("error {ratio:.3g} times the least", ratio=ratio)
+    return name, ratio < MOST_ERROR, text("error {ratio:.3g} times the least", ratio=ratio)
 
 
 def _trial(found: Trial | Refusal) -> Row:
@@ -226,7 +227,7 @@ def _trial(found: Trial | Refusal) -> Row:
     if isinstance(found, Refusal):
         return name, None, found.text
     p = found.test.dof
-    return name, abs(found.expected / p - 1) < 0.1, text(
+    return name, abs(found.expected / p - 1) < NIS_SHARE, text(
         "NIS {expected:.3g} on average, {p} expected",
         expected=found.expected, p=p)
 
@@ -235,4 +236,4 @@ def _margins(found: Margins | Refusal) -> Row:
     name = text("robust at the inputs (α ≥ 0.5)")
     if isinstance(found, Refusal):
         return name, None, found.text
-    return name, found.together >= 0.5, text("disk margin {together:.3g}", together=found.together)
+    return name, found.together >= LEAST_DISK, text("disk margin {together:.3g}", together=found.together)

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from observer_lab.colours import COLOURS
-from observer_lab.course.figures.records import Figure, LineFigure, MapFigure, MatrixFigure, PlaneFigure, TableFigure
+from observer_lab.course.figures.records import Figure, GaugeFigure, LineFigure, MapFigure, MatrixFigure, PlaneFigure, TableFigure
 from observer_lab.course.knobs import Choice, Knob, Number, Poles, Switch, Track
 from observer_lab.course.lesson import Design, Lesson, Outcome, Task
 from observer_lab.lessons import LESSONS
@@ -36,6 +36,8 @@ def arrays(figure: Figure) -> Iterator[np.ndarray]:
         yield from (np.asarray(v, dtype=float) for c in figure.curves for v in (c.x, c.y) if v is not None)
         yield np.array([(p.x, p.y) for p in figure.points], dtype=float).ravel()
         yield np.array([*figure.x_range, *figure.y_range])
+    elif isinstance(figure, GaugeFigure):
+        yield np.array([(-9.0 if each.at is None else each.at, *each.band) for each in figure.gauges]).ravel()
     elif isinstance(figure, MatrixFigure):
         yield np.asarray(figure.matrix, dtype=float)
     elif isinstance(figure, MapFigure):
@@ -51,7 +53,7 @@ def contents(figures: tuple[Figure, ...]) -> tuple[Any, ...]:
         out += [(c.name("en"), c.role) for c in getattr(figure, "curves", ())]
         if isinstance(figure, PlaneFigure):
             out += [(p.role, p.mark, p.name("en")) for p in figure.points]
-        if isinstance(figure, TableFigure):
+        if isinstance(figure, TableFigure | GaugeFigure):
             out += [tuple(v if isinstance(v, str) else v("en") for v in row) for row in figure.rows]
     return tuple(out)
 
@@ -90,7 +92,9 @@ def check_figures(figures: tuple[Figure, ...]) -> None:
             assert np.shape(figure.values) == (len(figure.y), len(figure.x))
             assert np.min(figure.values) >= -1 and np.max(figure.values) < len(figure.categories)
             assert all(role in COLOURS for _, role in figure.categories)
-        if isinstance(figure, TableFigure):
+        if isinstance(figure, GaugeFigure):
+            assert all(each.role in COLOURS and 0 <= each.band[0] < each.band[1] <= 1 for each in figure.gauges)
+        if isinstance(figure, TableFigure | GaugeFigure):
             assert figure.rows and all(len(row) == len(figure.columns) for row in figure.rows)
 
 

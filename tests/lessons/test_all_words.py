@@ -23,7 +23,7 @@ from lesson_checks import (
 )
 
 import observer_lab
-from observer_lab.course.figures.records import LineFigure, PlaneFigure, TableFigure, tab_names
+from observer_lab.course.figures.records import GaugeFigure, LineFigure, PlaneFigure, TableFigure, tab_names
 from observer_lab.course.lesson import Lesson
 from observer_lab.course.prose import PredictionWords, Prose
 from observer_lab.engine import EngineError
@@ -89,7 +89,7 @@ def test_what_is_shown_speaks_both_languages(lesson: Lesson) -> None:
                 either(point.name, f"point of {figure.id}")
             for name, _ in getattr(figure, "categories", ()):
                 complete(name, f"category of {figure.id}")
-            if isinstance(figure, TableFigure):
+            if isinstance(figure, TableFigure | GaugeFigure):
                 for cell in (*figure.columns, *(v for row in figure.rows for v in row if isinstance(v, Text))):
                     either(cell, f"cell of {figure.id}")
     if lesson.job is not None:

@@ -20,6 +20,7 @@ from .curves import Point as Point
 from .curves import finite as finite
 from .diagram import DiagramFigure as DiagramFigure
 from .figure_record import Entry, FigureRecord, Part, PinnedFigure, Sheet, distinct, numbered
+from .gauges import GaugeFigure as GaugeFigure
 from .matrix_figure import MATRICES as MATRICES
 from .matrix_figure import MatrixFigure as MatrixFigure
 
@@ -220,7 +221,7 @@ class TableFigure(FigureRecord):
             yield from numbered(f"row.{number}", row)
 
 
-Figure = LineFigure | PlaneFigure | MatrixFigure | MapFigure | TableFigure | DiagramFigure
+Figure = LineFigure | PlaneFigure | MatrixFigure | MapFigure | TableFigure | DiagramFigure | GaugeFigure
 
 
 def tab_names(figures: Sequence[Figure]) -> list[Text]:

@@ -14,11 +14,11 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure as Page
 
 from ...course.figures.diagram import SIZE
-from ...course.figures.records import DiagramFigure, Figure, LineFigure, MapFigure, MatrixFigure, PlaneFigure, TableFigure
+from ...course.figures.records import DiagramFigure, Figure, GaugeFigure, LineFigure, MapFigure, MatrixFigure, PlaneFigure, TableFigure
 from .diagram_plot import draw_diagram
 from .line_breaks import wrap
 from .matrix_plots import draw_matrix, draw_table
-from .panels import draw_lines, draw_map, draw_plane
+from .panels import draw_gauges, draw_lines, draw_map, draw_plane
 from .style import INK_COLOUR, SMALL_PT, TITLE_PT, escape_mathtext, export_style
 
 __all__ = ["SUFFIXES", "Cell", "ExportError", "cell_of", "draw_page", "figures_as", "letter_of", "place", "place_axes", "save_figures"]
@@ -34,7 +34,7 @@ DPI = 200
 CELL, MARGIN = 3.55, 0.12  # width of a figure with its words, edge of the page, in inches
 LEFT_IN, RIGHT_IN, TOP_IN, BOTTOM_IN = 0.58, 0.14, 0.26, 0.36  # room for numbers and words around the axes, in inches
 CURVES_HEIGHT_IN, LINE_HEIGHT_IN, ROW_HEIGHT_IN = 1.72, 0.125, 0.165  # height of axes, of a caption's line, of a table's row, in inches
-COLUMN_NAMES, KEY_IN = 0.34, 0.2  # inches over a matrix for the names of its columns, below it for its key
+COLUMN_NAMES, KEY_IN, GAUGE_HEIGHT_IN = 0.34, 0.2, 0.42  # inches over a matrix for its columns' names, below it for its key; of a gauge
 
 
 class ExportError(ValueError):
@@ -123,6 +123,8 @@ def cell_of(figure: Figure, language: str) -> Cell:
                         COLUMN_NAMES if figure.columns else 0.04, 0.06 if figure.blocks or not figure.categories else KEY_IN, caption)
         case DiagramFigure():
             return Cell(figure, CELL * SIZE[1] / SIZE[0], 0.04, 0.06, caption, left=0.1)
+        case GaugeFigure():
+            return Cell(figure, GAUGE_HEIGHT_IN * len(figure.gauges), 0.04, 0.06, caption, left=0.14)
         case LineFigure() | PlaneFigure() | MapFigure():
             return Cell(figure, CURVES_HEIGHT_IN, 0.0, BOTTOM_IN, caption)
         case _:
@@ -165,6 +167,8 @@ def _draw_kind(axes: Axes, figure: Figure, language: str) -> None:
             draw_table(axes, figure, language)
         case DiagramFigure():
             draw_diagram(axes, figure, language)
+        case GaugeFigure():
+            draw_gauges(axes, figure, language)
         case _:
             assert_never(figure)
 

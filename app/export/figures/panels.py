@@ -1,4 +1,4 @@
-"""Draw one figure record on matplotlib axes: curves, planes and maps."""
+"""Draw one figure record on matplotlib axes: curves, planes, maps and gauges."""
 
 from __future__ import annotations
 
@@ -15,18 +15,19 @@ from scipy.ndimage import distance_transform_cdt
 from ...colours import COLOURS
 from ...course.figures.decade_axes import decades
 from ...course.figures.ranges import LOG_AXIS_FLOOR, axis_range
-from ...course.figures.records import Curve, LineFigure, MapFigure, PlaneFigure, finite
+from ...course.figures.records import Curve, GaugeFigure, LineFigure, MapFigure, PlaneFigure, finite
 from ...text import label_in_language
 from .curve_labels import label_curves
 from .style import GRID_COLOUR, INK_COLOUR, RULE_COLOUR, SMALL_PT, curve_style, escape_mathtext
 
-__all__ = ["draw_lines", "draw_map", "draw_plane"]
+__all__ = ["draw_gauges", "draw_lines", "draw_map", "draw_plane"]
 
 MARK_STYLES = MappingProxyType({
     "cross": {"marker": "x", "markersize": 5.0, "markeredgewidth": 1.3},
     "circle": {"marker": "o", "markersize": 5.5, "markerfacecolor": "none", "markeredgewidth": 1.0},
     "hollow": {"marker": "D", "markersize": 4.2, "markerfacecolor": "none", "markeredgewidth": 0.8},
     "dot": {"marker": "o", "markersize": 3.6, "markeredgewidth": 0.0},
+    "up": {"marker": "^", "markersize": 4.6, "markeredgewidth": 0.0},
     "bolt": {"marker": "h", "markersize": 6.0, "markeredgewidth": 0.0},
 })
 MAP_STRENGTH = 0.75  # opacity of a map's colours on white paper
@@ -155,3 +156,24 @@ def _name_region(axes: Axes, figure: MapFigure, region: np.ndarray, name: str) -
 def _edges(values: np.ndarray) -> tuple[float, float]:
     half = float(values[1] - values[0]) / 2 if len(values) > 1 else 0.5
     return float(values[0]) - half, float(values[-1]) + half
+
+
+def draw_gauges(axes: Axes, figure: GaugeFigure, language: str) -> None:
+    """A track a number with its band; a number beyond the track is an arrow at its end."""
+    axes.set_axis_off()
+    axes.set_xlim(0.0, 1.0)
+    axes.set_ylim(len(figure.gauges), 0.0)
+    for k, gauge in enumerate(figure.gauges):
+        colour, (low, high), middle = COLOURS[gauge.role], gauge.band, k + 0.52
+        axes.text(0.0, k + 0.2, escape_mathtext(gauge.name(language)), fontsize=SMALL_PT, va="center", color=INK_COLOUR)
+        said = f"{label_in_language(gauge.value, language)} · {gauge.verdict(language)}"
+        axes.text(1.0, k + 0.2, escape_mathtext(said), fontsize=SMALL_PT, va="center", ha="right", color=INK_COLOUR)
+        axes.plot([0.0, 1.0], [middle, middle], color=GRID_COLOUR, linewidth=5.0, solid_capstyle="butt", label="_")
+        axes.plot([low, high], [middle, middle], color=COLOURS["muted"], linewidth=5.0, solid_capstyle="butt", alpha=0.5, label="_")
+        if gauge.at is not None:
+            mark = "<" if gauge.at < 0 else ">" if gauge.at > 1 else "o"
+            axes.plot([min(max(gauge.at, 0.0), 1.0)], [middle], marker=mark, color=colour, markersize=5.5, linestyle="none",
+                      clip_on=False, label="_")
+        for at, words in zip(gauge.band, gauge.ends, strict=True):
+            axes.text(at, k + 0.82, escape_mathtext(words), fontsize=SMALL_PT - 1, va="center",
+                      ha="right" if at == 1 else "left" if at == 0 else "center", color=RULE_COLOUR)

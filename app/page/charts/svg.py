@@ -10,11 +10,22 @@ from typing import assert_never
 import numpy as np
 
 from ...colours import COLOURS, rgb
-from ...course.figures.records import DiagramFigure, Figure, LineFigure, MapFigure, MatrixFigure, PlaneFigure, TableFigure, finite
+from ...course.figures.records import (
+    DiagramFigure,
+    Figure,
+    GaugeFigure,
+    LineFigure,
+    MapFigure,
+    MatrixFigure,
+    PlaneFigure,
+    TableFigure,
+    finite,
+)
 from ...text import label_in_language
 from ..words.prose import with_minus
 from .axes import ROW_HEIGHT_PX, Axes, H, W, clear_of_marks
 from .diagrams import diagram, equations
+from .gauges import gauges
 from .matrices import matrix
 from .text_layout import (
     LARGE_PRINT_PX,
@@ -57,6 +68,8 @@ def draw(figure: Figure, language: str, large: bool = False, high: float = H, ha
         case DiagramFigure():
             drawn = _svg(diagram(figure, language), figure, language, large)
             return f'<div class="ol-drawn">{drawn}{equations(figure, language, hand)}</div>'
+        case GaugeFigure():
+            return _svg(gauges(figure, language, large), figure, language, large)
         case LineFigure():
             raise TypeError(f"The figure {figure.id} runs over time or frequency; uPlot draws it.")
         case _:
@@ -161,6 +174,7 @@ def _mark(x: float, y: float, colour: str, mark: str) -> str:
         "circle": f'<circle cx="{x:.1f}" cy="{y:.1f}" r="5" fill="none" stroke="{colour}" stroke-width="2.2"/>',
         "hollow": f'<path d="M{x - 5:.1f} {y:.1f}l5 -5l5 5l-5 5z" fill="none" stroke="{colour}" stroke-width="1.4"/>',
         "dot": f'<circle cx="{x:.1f}" cy="{y:.1f}" r="4" fill="{colour}"/>',
+        "up": f'<path d="M{x - 4:.1f} {y + 3:.1f}h8l-4 -8z" fill="{colour}"/>',
         "bolt": f'<path d="M{x - 6:.1f} {y:.1f}l3 -5.2h6l3 5.2l-3 5.2h-6z" fill="{COLOURS["bolt"]}"/>',
     }[mark]
 
