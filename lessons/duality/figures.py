@@ -6,7 +6,7 @@ import numpy as np
 
 from observer_lab.course.figures.diagram import DIAGRAM
 from observer_lab.course.figures.ranges import round_up_nicely
-from observer_lab.course.figures.records import Curve, LineFigure, PlaneFigure, TableFigure
+from observer_lab.course.figures.records import Curve, LineFigure, PlaneFigure, Point, TableFigure
 from observer_lab.course.lazy import FigureSet, tab_figures
 from observer_lab.course.lesson import Design, Outcome
 from observer_lab.text import NO_WORDS, Text, format_number, joined, same, symbol, text
@@ -63,12 +63,14 @@ def _riccati_bars(here: Setting, outcome: Outcome[Twins], twins: Twins) -> Plane
     curves = tuple(Curve(name, np.array([0.0, float(M[at])]), role, "solid", BAR_PX, np.full(2, k + shift))
                    for name, M, role, shift in both for k, at in enumerate(places))
     ends = [float(curve.y[1]) for curve in curves]
-    low, high = (sign * round_up_nicely(1.05 * max(sign * each for each in ends)) if max(sign * each for each in ends) > 0 else 0.0
+    tops = tuple(Point(float(k), float(twins.P[at]), "reference", "dot", same(format_number(twins.P[at], ".3g")))
+                 for k, at in enumerate(places))
+    low, high = (sign * round_up_nicely(1.15 * max(sign * each for each in ends)) if max(sign * each for each in ends) > 0 else 0.0
                  for sign in (-1, 1))
     Q, R, W, V = weights_of(here, outcome.design)
     slow = twins.slowest
     return PlaneFigure(
-        "riccati", text("one Riccati equation, read twice"), curves, (), "", text("entry of the solution"), (-0.6, len(places) - 0.4),
+        "riccati", text("one Riccati equation, read twice"), curves, tops, "", text("entry of the solution"), (-0.6, len(places) - 0.4),
         (low, high if high > low else low + 1.0), tab=DUAL_TAB,
         names=tuple((float(k), same(symbol(f"P{i + 1}{j + 1}"))) for k, (i, j) in enumerate(places)),
         caption=text("Largest difference: {gap:.0e}. Q₁₁ = {q:.3g}, R₁₁ = {r:.3g}: slowest LQR pole at Re s = {slow}. W₁₁ = {w:.3g}, "

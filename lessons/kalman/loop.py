@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from observer_lab.course.figures.diagram import DiagramFigure
@@ -13,7 +15,10 @@ from .study import Study
 
 
 def loop_of(outcome: Outcome[Study]) -> DiagramFigure:
-    """Plant and filter with the gain M of the sample that is looked at."""
+    """Plant and filter; of the gain M, which has two dozen entries, stands the size alone."""
     truth, track = outcome.study.truth, outcome.study.track
     signals = LoopSignals(DT * np.arange(len(truth.y)), truth.u, truth.y, truth.y - track.innovations, track.means)
-    return loop(MODEL.plant, signals, outcome.gains["M"], gain="M", sampled=True)
+    M = outcome.gains["M"]
+    drawn = loop(MODEL.plant, signals, M, gain="M", sampled=True)
+    sized = rf"M\quad ({M.shape[0]}\times {M.shape[1]})"
+    return replace(drawn, blocks=tuple(replace(block, law=sized) if block.id == "L" else block for block in drawn.blocks))

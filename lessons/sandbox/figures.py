@@ -99,6 +99,8 @@ def modes_plane(found: Structure) -> PlaneFigure:
               for side, (name, role, shift) in enumerate(((text("seen by y"), "estimate", -BAR_SHIFT),
                                                           (text("reached by u"), "plant", BAR_SHIFT)))
               for k, pair in enumerate(shown)]
+    tops = tuple(Point(k + shift, _level(pair[side], low), role, "dot" if pair[side].visible else "bolt")
+                 for side, (role, shift) in enumerate((("estimate", -BAR_SHIFT), ("plant", BAR_SHIFT))) for k, pair in enumerate(shown))
     right = max(len(shown), 1) - 0.4
     curves.append(Curve(text("below: lost in rounding"), np.full(2, lost), "reference", "dash", 1.6, np.array([-0.6, right])))
     more = text("The {left} others are farther from hidden.", left=left) if left > 0 else NO_WORDS
@@ -106,7 +108,7 @@ def modes_plane(found: Structure) -> PlaneFigure:
         more = text("The other one is farther from hidden.")
     hidden, fixed = len(found.seen.unobservable), len(found.reached.uncontrollable)
     names = tuple((float(k), same(pole_words([complex(a.pole.real, abs(a.pole.imag))]))) for k, (a, _) in enumerate(shown))
-    return PlaneFigure("modes", title, tuple(curves), (), "", text("distance over the size of the plant"), (-0.6, right), (low, 0.5),
+    return PlaneFigure("modes", title, tuple(curves), tops, "", text("distance over the size of the plant"), (-0.6, right), (low, 0.5),
                        tab=VERDICT_TAB, powers="y", names=names, caption=joined(
                            text("Hidden from y: {hidden}. Out of reach of u: {fixed}.", hidden=hidden, fixed=fixed), more))
 

@@ -1,0 +1,159 @@
+"""Figures that show an idea: their bars, needles and lines are the numbers of the lesson, at the ends of knobs too."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from attack import at_random
+
+from observer_lab.course.figures.gauges import Gauge, GaugeFigure
+from observer_lab.course.figures.records import PlaneFigure
+from observer_lab.course.lesson import Lesson, Outcome
+from observer_lab.engine import Plant
+from observer_lab.lessons import LESSONS
+from observer_lab.lessons.record.figures import TOP
+from observer_lab.plants.examples import EXAMPLES, example
+from observer_lab.plants.own_plant import canonical_text
+
+
+def shown(lesson: Lesson, outcome: Outcome, name: str) -> Any:
+    return next(figure for figure in lesson.figures(outcome) if figure.id == name)
+
+
+def plane(lesson: Lesson, outcome: Outcome, name: str) -> PlaneFigure:
+    figure = shown(lesson, outcome, name)
+    assert isinstance(figure, PlaneFigure)
+    return figure
+
+
+def at(name: str, **values: object) -> tuple[Lesson, Outcome]:
+    lesson = LESSONS[name]
+    return lesson, lesson.compute(lesson.apply(lesson.start(), values))
+
+
+def inside(gauge: Gauge) -> bool:
+    assert gauge.at is not None
+    return gauge.band[0] <= gauge.at <= gauge.band[1]
+
+
+# --- kalman ------------------------------------------------------------------------------------------------------------
+@pytest.mark.parametrize("noise", ["white", "coloured", "carried"])
+@pytest.mark.parametrize("q", [0.01, 0.05, 1.0, 100.0])
+def test_a_needle_is_in_its_band_exactly_where_the_test_passes(noise: str, q: float) -> None:
+    figure = shown(*at("kalman", noise=noise, q=q, r=1.0), "tests")
+    assert isinstance(figure, GaugeFigure) and len(figure.gauges) == 4
+    for gauge in figure.gauges:
+        assert gauge.role == "muted" or inside(gauge) == (gauge.role == "right") == (gauge.verdict("en") == "passes"), gauge.name("en")
+
+
+@pytest.mark.parametrize("k", [1.0, 5.0, 40.0, 60.0])
+def test_the_ellipses_of_one_step_stand_in_one_window_about_one_point(k: float) -> None:
+    figure = plane(*at("kalman", k=k, phase="predict"), "ellipses")
+    last, prediction = figure.curves[:2]
+    for curve in (last, prediction):
+        assert figure.x_range[0] <= curve.xs.min() and curve.xs.max() <= figure.x_range[1]
+        assert figure.y_range[0] <= curve.y.min() and curve.y.max() <= figure.y_range[1]
+    assert np.mean([last.xs[:-1], last.y[:-1]], axis=1) == pytest.approx(np.mean([prediction.xs[:-1], prediction.y[:-1]], axis=1), rel=1e-6)
+
+
+def test_the_loop_of_the_filter_says_the_size_of_its_gain_and_not_two_dozen_numbers() -> None:
+    laws = {block.id: block.law for block in shown(*at("kalman"), "diagram").blocks}
+    assert laws["L"] == r"M\quad (6\times 4)"
+
+
+# --- sandbox -----------------------------------------------------------------------------------------------------------
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_the_numbers_of_the_sandbox_have_the_verdicts_of_its_table(name: str) -> None:
+    lesson = LESSONS["sandbox"].fit(example(name))
+    outcome = lesson.compute(lesson.start())
+    figure, table = shown(lesson, outcome, "numbers"), shown(lesson, outcome, "lights")
+    verdicts = {row[0]("en"): row[1]("en") for row in table.rows}
+    asked = ("observable", "controllable", "observer near the Kalman filter", "Kalman filter consistent", "robust at the inputs (α ≥ 0.5)")
+    for gauge, question in zip(figure.gauges, asked, strict=True):
+        assert {"right": "● yes", "wrong": "○ no", "muted": "— not here"}[gauge.role] == verdicts[question], question
+        assert gauge.at is None or inside(gauge) == (gauge.role == "right"), question
+
+
+def test_a_hidden_mode_has_a_bar_below_the_line_of_rounding_and_the_others_reach_above_it() -> None:
+    lesson = LESSONS["sandbox"].fit(canonical_text(Plant(np.diag([-1.0, -3.0]), np.ones((2, 1)), np.array([[1.0, 0.0]]))))
+    figure = plane(lesson, lesson.compute(lesson.start()), "modes")
+    *bars, line = figure.curves
+    tops = {(float(bar.xs[0]) // 1, bar.name("en")): bar.y[1] > line.y[0] for bar in bars}
+    assert sorted(above for (_, name), above in tops.items() if name == "seen by y") == [False, True]
+    assert all(above for (_, name), above in tops.items() if name == "reached by u")
+
+
+# --- duality -----------------------------------------------------------------------------------------------------------
+@pytest.mark.parametrize("q", [0.01, 4.0, 100.0])
+def test_both_bars_of_an_entry_are_equally_high(q: float) -> None:
+    figure = plane(*at("duality", method="weights", q=q), "riccati")
+    half = len(figure.curves) // 2
+    left, right = ([float(bar.y[1]) for bar in bars] for bars in (figure.curves[:half], figure.curves[half:]))
+    assert left == pytest.approx(right, rel=1e-9) and len(left) == len(figure.names) == 3
+    assert all(figure.y_range[0] <= value <= figure.y_range[1] for value in left)
+
+
+def test_output_energy_lies_on_the_mirror_image_where_the_task_is_solved() -> None:
+    lesson = LESSONS["duality"]
+    task = next(task for task in lesson.tasks if task.id == "mirror")
+    for values, alike in (({}, False), (dict(task.solution), True)):
+        figure = plane(*at("duality", **values), "mirrored")
+        _, energy, mirror = figure.curves
+        points = np.column_stack([energy.xs, energy.y]), np.column_stack([mirror.xs, mirror.y])
+        away = max(float(np.min(np.linalg.norm(points[1] - point, axis=1))) for point in points[0])
+        assert (away < 0.05 * figure.x_range[1]) == alike
+
+
+# --- lqg ---------------------------------------------------------------------------------------------------------------
+@pytest.mark.parametrize("sigma", [5.0, 100.0, 1e4])
+def test_the_line_to_minus_one_is_as_long_as_its_number_and_ends_on_the_curve(sigma: float) -> None:
+    lesson, outcome = at("lqg", case="doyle", q=5.0, sigma=sigma)
+    figure = plane(lesson, outcome, "nyquist")
+    line = figure.curves[-1]
+    end = complex(float(line.xs[1]), float(line.y[1]))
+    assert (line.xs[0], line.y[0]) == (-1.0, 0.0) and abs(end + 1) == pytest.approx(outcome.metrics["nearest"], rel=1e-9)
+    curve = figure.curves[2].xs + 1j * figure.curves[2].y
+    assert np.abs(curve - end).min() < 0.02
+
+
+def test_the_nyquist_figure_is_about_minus_one() -> None:
+    for case in ("doyle", "platform"):
+        figure = plane(*at("lqg", case=case), "nyquist")
+        assert figure.x_range == (-2.0, 1.0)
+
+
+# --- robust observer ---------------------------------------------------------------------------------------------------
+@pytest.mark.parametrize("choice", ["1", "2", "3", "4"])
+def test_an_order_has_a_bar_or_a_circle_and_the_bar_is_the_share_of_the_table(choice: str) -> None:
+    lesson, outcome = at("robust-observer", example=choice)
+    figure, table = plane(lesson, outcome, "missed"), shown(lesson, outcome, "ranks")
+    bars, circles = {int(bar.xs[0]): float(bar.y[1]) for bar in figure.curves}, {int(point.x) for point in figure.points}
+    assert len(figure.names) == len(table.rows)
+    for k, row in enumerate(table.rows):
+        assert (k in circles) == (row[2] == row[3]) and (k in bars) != (k in circles)
+        assert k not in bars or f"{bars[k]:.3g} %" == row[4]
+
+
+# --- record ------------------------------------------------------------------------------------------------------------
+@pytest.mark.parametrize("values", [{}, {"factor": 0.01}, {"factor": 100.0}, {"data": "furnace"}])
+def test_nothing_of_nis_is_drawn_above_its_edge_and_what_is_larger_has_an_arrow(values: dict[str, object]) -> None:
+    lesson, outcome = at("record", **values)
+    figure, judged = plane(lesson, outcome, "nis"), outcome.study.judged
+    larger = int(np.count_nonzero(np.nan_to_num(judged.nis.values) / judged.nis.dof > TOP))
+    assert figure.y_range == (0.0, TOP) and all(np.all(curve.y <= TOP) for curve in figure.curves)
+    arrows = [point for point in figure.points if point.role == "error"]
+    assert all(point.mark == "up" and point.y == TOP for point in figure.points)
+    assert bool(arrows) == bool(larger) and len(arrows) <= larger
+    assert (f"{larger} of" in figure.caption("en")) == bool(larger)
+
+
+@pytest.mark.parametrize(("name", "figure"), [
+    ("kalman", "tests"), ("sandbox", "numbers"), ("robust-observer", "missed"), ("record", "nis")])
+def test_the_figures_are_drawn_for_any_knobs(name: str, figure: str) -> None:
+    lesson = LESSONS[name]
+    for seed in range(3):
+        rng = np.random.default_rng(seed)
+        found = shown(*at(name, **{knob.name: at_random(knob, rng) for knob in lesson.knobs}), figure)
+        assert found.table()[1] and found.title("zh") and found.caption("zh")
