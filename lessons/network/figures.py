@@ -12,6 +12,7 @@ from observer_lab.text import Text, format_number, same, superscript, text, text
 
 from ..toolkit.figures import TIME_TAB
 from .cases import CASE_KINDS, RUN_SAMPLES
+from .gaps import GAP_TAB, gaps
 from .job import RUN_COUNT
 from .study import (
     AUTONOMOUS_TOLERANCE,
@@ -35,9 +36,10 @@ NEVER = text_in("network", "none")
 
 
 def figures(outcome: Outcome[Study]) -> FigureSet:
-    """Time, covariance, separation, lost inputs: at most three in a tab."""
+    """Time, covariance, gaps, separation, lost inputs: at most three in a tab."""
     return FigureSet(tab_figures(TIME_TAB, lambda: (_state(outcome), _input(outcome), _ages(outcome))),
                  tab_figures(MEAN_TAB, lambda: (_teeth(outcome), _means(outcome), _limits(outcome))),
+                 tab_figures(GAP_TAB, lambda: (gaps(outcome),)),
                  tab_figures(WALL_TAB, lambda: (_error(outcome), _spectrum(outcome), _blocks(outcome))),
                  tab_figures(INPUT_TAB, lambda: (_growth(outcome),)))
 

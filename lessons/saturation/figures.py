@@ -34,7 +34,8 @@ def figures(outcome: Outcome[Study]) -> tuple[Figure, ...]:
     story, design, metrics = outcome.study, outcome.design, outcome.metrics
     angle, position = state_figures(MODEL, story.shown, 2)
     known = Curve(text("had x been known"), MODEL.watched[0].of(story.known), "reference", "dot", 1.6)
-    angle = replace(angle, curves=(*angle.curves, known), caption=_angle_words(outcome), window=(-20.0, 20.0))
+    angle = replace(angle, curves=(*angle.curves, known, *_limits(metrics["ceiling"], len(angle.x))), caption=_angle_words(outcome),
+                    window=(-20.0, 20.0))
     if design["fog"]:
         angle = replace(angle, curves=tuple(c for c in angle.curves if c.role == "estimate"), caption=text(
             "Fog hides the pole: only its estimate is drawn."))
@@ -49,6 +50,13 @@ def figures(outcome: Outcome[Study]) -> tuple[Figure, ...]:
     return (*(within(figure, EDGES[figure.id]) for figure in lines),
             _loop(outcome), starts_figure(story.starts, metrics["ceiling"], design["angle0"], design["error0"], not untouched(design),
                                           _span(outcome)))
+
+
+def _limits(ceiling: float, count: int) -> tuple[Curve, ...]:
+    """The largest angles that any controller recovers from rest, to both sides, where the figure shows them."""
+    if ceiling > EDGES["state0"]:
+        return ()
+    return tuple(Curve(text("limit from rest"), np.full(count, side * ceiling), "disturbance", "dash", 1.6) for side in (-1.0, 1.0))
 
 
 def _loop(outcome: Outcome[Study]) -> DiagramFigure:

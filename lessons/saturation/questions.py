@@ -8,21 +8,24 @@ import numpy as np
 from scipy.linalg import expm
 
 from observer_lab.course.figures.records import Curve, Point
-from observer_lab.course.guiding.questions import Asked, DrawnQuestion, question_of_bar_groups, question_of_poles, question_over_time
+from observer_lab.course.guiding.questions import Asked, DrawnQuestion, question_of_poles, question_over_time
 from observer_lab.text import text
 
-from .knobs import APPLIED
 from .study import ANGLE, CART_PLANT
-from .tasks import FAST_POLES
 
 SHIFT = 1.4  # of a pole that moves
-LESS = 0.4  # of the error's departure, in the option that says that it becomes smaller
+LATER = 1.6  # how much later the pole falls, in the option that says that the error becomes smaller
 SOONER = 1.2  # how much faster the pole falls, in the option that says so
 SHOWN_S, SHOWN_DEG = 2.5, 20.0  # s and degrees of the angle's plot
 
 
 def _sorted(*poles: np.ndarray) -> list[complex]:
     return np.sort_complex(np.concatenate([np.asarray(each, dtype=complex) for each in poles])).tolist()
+
+
+def _angle(x: np.ndarray) -> np.ndarray:
+    """The pole's angle of states (n_t, 4) in degrees, held at the edge of the plot."""
+    return np.clip(np.degrees(x[:, ANGLE]), -SHOWN_DEG, SHOWN_DEG)
 
 
 def fog(asked: Asked) -> DrawnQuestion:
@@ -51,28 +54,23 @@ def recall(asked: Asked) -> DrawnQuestion:
 
 
 def predict(asked: Asked) -> DrawnQuestion:
-    """What the applied force gives: nothing, a smaller departure, an observer without effect, or one that still counts."""
-    start = {"fed": APPLIED, "angle0": 4.0, "error0": 8.0}
-    home = [asked.at(**start, **more).metrics["comes_home"] for more in ({}, {"observer_poles": FAST_POLES})]
-    departs = min(asked.after.metrics["separation_meter"], 1.0)
-    return question_of_bar_groups(
-        text("with the applied force; the last two from 4° with an error of 8°"), text("yes (1) or no (0)"), (),
-        (text("error leaves its law"), text("recovers, this observer"), text("recovers, faster observer")),
-        ((1, 0, 0), (LESS, 0, 0), (0, 1, 1), (0, 0, 1)), (departs, *home))
+    """The angle with the applied force: as now, falling a little later, as if x were known, or caught by this observer."""
+    before, after = asked.entry.study.shown, asked.after.study.shown
+    few = before.t <= SHOWN_S
+    t, now = before.t[few], _angle(before.x[few])
+    return question_over_time(text("angle of the pole"), t, (Curve(text("now"), now, "muted", "dot"),), (
+        now, np.interp(t / LATER, t, now), _angle(asked.after.study.known[few]), _angle(after.x[few])),
+        Curve(text("with the applied force"), _angle(after.x[few])), "θ [°]")
 
 
 def surprise(asked: Asked) -> DrawnQuestion:
     """The angle from an exact start: as if x were known, falling sooner than now, or as from a smaller error."""
     before, after = asked.entry.study.shown, asked.after.study.shown
     few = before.t <= SHOWN_S
-    t = before.t[few]
-
-    def angle(x: np.ndarray) -> np.ndarray:
-        return np.clip(np.degrees(x[few, ANGLE]), -SHOWN_DEG, SHOWN_DEG)
-    now = angle(before.x)
+    t, now = before.t[few], _angle(before.x[few])
     return question_over_time(text("angle of the pole"), t, (Curve(text("now"), now, "muted", "dot"),), (
-        angle(asked.after.study.known), np.interp(SOONER * t, t, now), angle(asked.at(error0=3.0).study.shown.x)),
-        Curve(text("without an error"), angle(after.x)), "θ [°]")
+        _angle(asked.after.study.known[few]), np.interp(SOONER * t, t, now), _angle(asked.at(error0=3.0).study.shown.x[few])),
+        Curve(text("without an error"), _angle(after.x[few])), "θ [°]")
 
 
 QUESTIONS = MappingProxyType({"fog": fog, "recall": recall, "predict": predict, "surprise": surprise})

@@ -47,7 +47,7 @@ def _core(outcome: Outcome[Study], run: Run, copy: Run) -> LineFigure:
     return LineFigure("core", text("core temperature (nobody can measure it)"), run.t, (
         Curve(TRUE, run.x[:, 0]), Curve(COPY, copy.xhat[:len(run.t), 0], "second", "dot"),
         *_reduced(outcome.study, 0), Curve(OBSERVER_LABEL, run.xhat[:, 0], "estimate", "dash")), "T₁ [K]", tab=TIME_TAB,
-        window=(0.0, 50.0), caption=joined(known, copied, _of_both(m)))
+        window=(0.0, 25.0), caption=joined(known, copied, _of_both(m)))
 
 
 def _reduced(seen: Study, state: int) -> tuple[Curve, ...]:
@@ -75,7 +75,7 @@ def _case(outcome: Outcome[Study], run: Run, copy: Run) -> LineFigure:
     reading = (Curve(text("sensor"), run.y[:, 0], "muted", "solid", 1.0),) if outcome.design["noise"] else ()
     return LineFigure("case", text("case temperature (the sensor sits here)"), run.t, (
         *reading, Curve(TRUE, run.x[:, 1]), Curve(COPY, copy.xhat[:len(run.t), 1], "second", "dot"),
-        *_reduced(outcome.study, 1), Curve(OBSERVER_LABEL, run.xhat[:, 1], "estimate", "dash")), "T₂ [K]", tab=TIME_TAB, window=(0.0, 25.0),
+        *_reduced(outcome.study, 1), Curve(OBSERVER_LABEL, run.xhat[:, 1], "estimate", "dash")), "T₂ [K]", tab=TIME_TAB, window=(0.0, 15.0),
         caption=text("In the last tenth of the run the observer's case is off by {gap}.", gap=gap))
 
 

@@ -228,3 +228,15 @@ def test_the_stage_lights_a_lamp_where_a_packet_has_come() -> None:
     assert o.stage.x[at, 0] == pytest.approx(o.study.x[:, 0])
     lit, dark = (CASE_KINDS[SCALAR_CASE].body.pose([0.0, heard, 1.0], 1.0)["sensor lamp"] for heard in (1.0, 0.0))
     assert lit.colour != dark.colour and lit.scale != dark.scale
+
+
+@pytest.mark.parametrize("loss", [0.0, 0.3, 0.75, 0.9])
+def test_the_products_of_a_gap_shrink_only_below_the_limit(loss: float) -> None:
+    """Every term of the mean is growth times probability; the caption says whether their sum is finite."""
+    outcome = LESSON.compute(LESSON.apply(LESSON.start(), {"loss": loss}))
+    gaps = next(figure for figure in LESSON.figures(outcome) if figure.id == "gaps")
+    growth, chance, product, _ = (curve.y for curve in gaps.curves)
+    ratio = loss * outcome.study.watched.sampled.radius ** 2
+    assert product[1] == pytest.approx(np.log10(ratio) if loss else -9 + growth[1], abs=1e-9)
+    assert product[3] == pytest.approx(max(growth[3] + chance[3], -12.0), abs=1e-9) or loss == 0
+    assert ("finite" in gaps.caption("en")) == (ratio < 1)

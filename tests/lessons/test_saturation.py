@@ -357,3 +357,13 @@ def test_the_hidden_pole_of_the_path_comes_upright_with_its_estimate_and_would_f
     free = solve_ivp(lambda _, x: CART_PLANT.A @ x, (0, 1.5), outcome.run.x[0], rtol=1e-9, atol=1e-12)
     assert free.y[1, -1] > FALLEN
     assert np.abs(outcome.run.e[-1]).max() < 1e-9 and np.abs(np.degrees(outcome.run.x[-1, 1])) < 0.5
+
+
+def test_the_angle_has_lines_at_the_largest_angle_that_any_controller_recovers_from_rest() -> None:
+    """They stand where the figure reaches, to both sides, and move with the force limit."""
+    for limit, shown in ((2.0, True), (4.0, True), (15.0, False)):
+        outcome = LESSON.compute(LESSON.apply(LESSON.start(), {"u_max": limit}))
+        angle = next(figure for figure in LESSON.figures(outcome) if figure.id == "state0")
+        lines = [curve.y[0] for curve in angle.curves if curve.name("en") == "limit from rest"]
+        ceiling = outcome.metrics["ceiling"]
+        assert lines == (pytest.approx([-ceiling, ceiling]) if shown else [])

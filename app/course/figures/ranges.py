@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -12,12 +13,15 @@ from .records import LineFigure
 LOG_AXIS_FLOOR = 1e-12  # the lowest value that a logarithmic axis shows
 
 
-def round_up_nicely(value: float) -> float:
-    """The least of 1, 2, 2.5, 5 × 10^k that is not below `value`."""
+NICE_STEPS, FINE_STEPS = (1.0, 2.0, 2.5, 5.0, 10.0), (1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)
+
+
+def round_up_nicely(value: float, steps: Sequence[float] = NICE_STEPS) -> float:
+    """The least of 1, 2, 2.5, 5 × 10^k, or of other `steps` of a decade, that is not below `value`."""
     if not value > 0 or not math.isfinite(value):
         return 1.0
     decade = 10.0 ** math.floor(math.log10(value))
-    for step in (1.0, 2.0, 2.5, 5.0, 10.0):
+    for step in steps:
         if value <= step * decade * (1 + 1e-9):
             return step * decade
     return 10.0 * decade
@@ -40,7 +44,8 @@ def axis_range(figure: LineFigure) -> tuple[float, float]:
     high = max((float(np.max(y)) for y in data), default=1.0)
     if figure.window is not None:
         low, high = min(low, figure.window[0]), max(high, figure.window[1])
-    low, high = (-round_up_nicely(-low * 1.02) if low < 0 else 0.0), (round_up_nicely(high * 1.02) if high > 0 else 0.0 if low < 0 else 1.0)
+    low, high = (-round_up_nicely(-low * 1.02, FINE_STEPS) if low < 0 else 0.0,
+                 round_up_nicely(high * 1.02, FINE_STEPS) if high > 0 else 0.0 if low < 0 else 1.0)
     return (low, high) if low < high else (0.0, 1.0)  # numbers that are zero to a chart
 
 
