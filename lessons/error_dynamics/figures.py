@@ -49,8 +49,11 @@ def _beside(quiet: np.ndarray, count: int) -> np.ndarray:
 def _size(outcome: Outcome[Study], run: Run, quiet: Run) -> LineFigure:
     after = outcome.metrics["settled_after"]
     said = error_words(run, after if np.isfinite(after) else None)
+    unstruck = outcome.study.unstruck
+    calm = () if unstruck is None else (
+        Curve(text("without the kick or pull"), _beside(np.linalg.norm(unstruck.e, axis=1), len(run.t)), "muted", "dot"),)
     return LineFigure("error", text("size of the error"), run.t, (
-        Curve(text("with this input"), np.linalg.norm(run.e, axis=1), "error"),
+        *calm, Curve(text("with this input"), np.linalg.norm(run.e, axis=1), "error"),
         Curve(text("without input"), _beside(np.linalg.norm(quiet.e, axis=1), len(run.t)), "reference", "dash", 1.6)),
         "‖e‖", log_y=True, tab=ERROR_TAB, window=(1e-6, 1.0), caption=said)
 

@@ -53,12 +53,16 @@ class Setting:
 
 @dataclass(frozen=True, eq=False)
 class Study:
-    """The same run without any input, and the matrix that drives the error; the plant as it is measured, and as it is believed."""
+    """The same run without any input, and the matrix that drives the error; the plant as it is measured, and as it is believed.
+
+    `unstruck` is the run without its kick and pull, None where it has neither.
+    """
 
     quiet: Run
     error: np.ndarray
     plant: Plant
     belief: Plant
+    unstruck: Run | None = None
 
     @property
     def forgets(self) -> bool:
@@ -127,7 +131,7 @@ def compute(here: Setting, design: Design) -> Outcome[Study]:
     return Outcome(design, {"L": L}, {"observer": poles, "plant": plant.poles}, metrics, checks, run,
                    _boards(here, design, poles, error), stage(model, run, design), _formulas(design, plant, belief, L),
                    _live(metrics, bool(kicks(design, model))),
-                   Study(quiet, error, plant, belief))
+                   Study(quiet, error, plant, belief, simulate(replace(steered, impulses=())) if steered.impulses else None))
 
 
 def _metrics(run: Run, quiet: Run) -> dict[str, float]:

@@ -29,5 +29,5 @@ def gaps(outcome: Outcome[Study]) -> PlaneFigure:
         Curve(text("probability"), lines[1], "muted", "dash", 1.8, k),
         Curve(text("product"), lines[2], "plant", x=k),
         Curve(same("1"), np.zeros(2), "reference", "dot", 1.2, np.array([-0.5, LONGEST_GAP + 0.5]))),
-        tuple(Point(float(at), float(value), "plant", "dot") for at, value in zip(k, lines[2], strict=True)), "k", "",
+        tuple(Point(float(at), float(value), "plant", "dot") for at, value in zip(k, lines[2], strict=True)), "k", text("factor"),
         (-0.5, LONGEST_GAP + 0.5), (1.1 * low, 1.1 * high), caption=said, tab=GAP_TAB, powers="y")

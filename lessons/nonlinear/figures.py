@@ -91,8 +91,8 @@ def _squares(outcome: Outcome[Study], id: str, title: Text, dof: int, values: Ma
     s = outcome.study
     band = band_of(dof, s.runs)
     curves = [Curve(name_of(n), np.clip(values[n], LOG_AXIS_FLOOR, LOG_AXIS_CEILING), role, dash) for n, role, dash in CURVE_STYLES]  # type: ignore[arg-type]
-    curves += [Curve(text("95 % band"), np.full(len(s.t), band[1]), "muted", "dot", 1.4),
-               Curve(text("lower edge"), np.full(len(s.t), band[0]), "muted", "dot", 1.4)]
+    curves += [Curve(text("expected: {dof}", dof=dof), np.full(len(s.t), float(dof)), "reference", "dash", 1.4),
+               *(Curve(text("95 % band"), np.full(len(s.t), edge), "muted", "dot", 1.4) for edge in reversed(band))]
     inside = listed(same(f"{n.upper()} {100 * shares(values[n], band)[0]:.0f} %") for n in FILTERS)
     return LineFigure(id, title, s.t, tuple(curves), id.upper(), log_y=True, window=(0.1, 1e3), tab=CONSISTENCY_TAB,
                       caption=text("Mean of {runs} runs; samples inside [{low:.3g}, {high:.3g}]: {inside}.", runs=s.runs, low=band[0],

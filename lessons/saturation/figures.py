@@ -53,9 +53,7 @@ def figures(outcome: Outcome[Study]) -> tuple[Figure, ...]:
 
 
 def _limits(ceiling: float, count: int) -> tuple[Curve, ...]:
-    """The largest angles that any controller recovers from rest, to both sides, where the figure shows them."""
-    if ceiling > EDGES["state0"]:
-        return ()
+    """The largest angles that any controller recovers from rest, to both sides."""
     return tuple(Curve(text("limit from rest"), np.full(count, side * ceiling), "disturbance", "dash", 1.6) for side in (-1.0, 1.0))
 
 

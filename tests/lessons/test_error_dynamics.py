@@ -165,3 +165,13 @@ def test_an_input_acts_in_whatever_units_the_plant_is_written(unit):
     found = own.compute(own.apply(own.start(), {"amplitude": own.knob("amplitude").high * 1e-13}))
     assert "which is rounding" in str(found.live) and found.checks[0].holds
     assert "the outputs part" in str(next(f for f in own.figures(found) if f.id == "proof").caption)
+
+
+def test_a_kick_at_the_start_is_seen_beside_the_error_without_it() -> None:
+    """At the start there is no time before the kick, so the curve without it shows how far the error jumps."""
+    struck, calm = (LESSON.compute(LESSON.apply(LESSON.start(), {"kick": at})) for at in (0.0, -1.0))
+    error = next(figure for figure in LESSON.figures(struck) if figure.id == "error")
+    curves = {curve.name("en"): curve.y for curve in error.curves}
+    np.testing.assert_allclose(curves["without the kick or pull"], np.linalg.norm(calm.run.e, axis=1), rtol=1e-9, atol=1e-12)
+    assert curves["with this input"][1] > 1.2 * curves["without the kick or pull"][1]
+    assert len(next(figure for figure in LESSON.figures(calm) if figure.id == "error").curves) == 2
