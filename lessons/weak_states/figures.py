@@ -8,7 +8,7 @@ from observer_lab.course.figures.claims import claim
 from observer_lab.course.figures.records import Curve, LineFigure, MatrixFigure, PlaneFigure, Point, TableFigure, over_frequency
 from observer_lab.course.lazy import FigureSet, tab_figures
 from observer_lab.course.lesson import Design, Outcome
-from observer_lab.text import NO_WORDS, format_number, joined, same, subscript, text, text_in
+from observer_lab.text import format_number, joined, same, subscript, text, text_in
 
 from ..toolkit.shares import apart, more
 from .balanced_platform import STATE_COUNT, closed_forms, relative, sigmas
@@ -101,8 +101,7 @@ def _staircase(outcome: Outcome[Study]) -> PlaneFigure:
             x, y = bars(index[part], values[part], floor, 0.33)
             curves.append(Curve(name, y, role, x=x, width=2.6))
     pair = int(outcome.design["pair"]) - 1
-    points = [Point(float(index[k]), float(values[k]), "error", "dot", name)
-              for k, name in ((2 * pair, NO_WORDS), (2 * pair + 1, text("on the stage")))]
+    points = [Point(float(index[k]), float(values[k]), "error", "dot") for k in (2 * pair, 2 * pair + 1)]
     ratio = s.hankel[:-1] / s.hankel[1:]
     widest = int(np.argmax(ratio))
     after = same("") if widest == 7 else text("; after 8 it is {ratio:.0f}", ratio=ratio[7])
