@@ -29,6 +29,7 @@ from observer_lab.engine.kernels import prepare_kernels
 from observer_lab.lessons import LESSONS
 from observer_lab.page.column.knob_widgets import label_of
 from observer_lab.page.record.recorded_screen import WINDOWS
+from observer_lab.page.words import phrases
 from observer_lab.session.state.saved_state import SavedState
 from observer_lab.session.state.token import write_token
 from observer_lab.static_pages.points import Points, values_of
@@ -266,6 +267,8 @@ def _pole(pair: Pair, lesson: Lesson, scene: Scene, points: Points) -> Iterator[
             mouse.move(x0 + share * (x1 - x0), y0 + share * (y1 - y0))
             pair.published.wait_for_timeout(60)
         mouse.up()
+        for page in pair.pages:  # a run stays where it was under a hand; one that is opened rests where it tells most
+            page.get_by_role("button", name=phrases.REWIND(pair.language)).click()
         found = pair.differences()
         told = [name for name in found if not name.startswith(("answer", "card"))]  # a design that was opened is nothing that was done
         yield "pole", f"{lesson.id}/{scene.id}/{knob.name} = {aim}", told

@@ -37,16 +37,24 @@ def enter(show: Presenter) -> None:
     if show.picture.guided and not show.state.done and not show.state.chosen and not show.lesson_state.entered:
         enter_scene(show, show.state.scene)
     elif show.lesson_state.entered:
-        perform_reading(show)
+        begin_opened(show)
 
 
-def perform_reading(show: Presenter) -> None:
-    """Perform what an open scene to be read speaks of, where a link brought the scene as it begins."""
+def begin_opened(show: Presenter) -> None:
+    """Begin a scene that a link brought: its run rests where it tells most, and what is read of is performed where it begins."""
     scene = show.picture.scene
-    if scene is None or not isinstance(scene.do, Read) or not scene.play or scene.id in show.state.done or show.design.plant:
+    if scene is None or scene.id in show.state.done or show.design.plant:
         return
-    if show.design == entry_design(show, show.state.scene):
+    if scene_rests(scene) and show.state.t == 0.0 and not show.state.moving:
+        show.change(replace(show.state, t=telling_moment(show)))
+        show.view.pose(show.state.t)
+    elif isinstance(scene.do, Read) and scene.play and show.design == entry_design(show, show.state.scene):
         _perform(show, scene)
+
+
+def scene_rests(scene: Scene) -> bool:
+    """Whether a scene begins in the midst of its run: it asks for no answer, presses no button and performs nothing."""
+    return not isinstance(scene.do, Choose | Press) and not scene.play
 
 
 def greet(show: Presenter) -> None:
@@ -70,7 +78,7 @@ def enter_scene(show: Presenter, index: int) -> None:
     show.adopt_design(kept or entry_design(show, index))
     show.lesson_state.began = show.design
     show.view.camera(scene.view)
-    if kept is not None or (not isinstance(scene.do, Choose | Press) and not scene.play):
+    if kept is not None or scene_rests(scene):
         show.state = replace(show.state, t=telling_moment(show))
     show.view.pose(show.state.t)
     if kept is None and isinstance(scene.do, Read) and scene.play:

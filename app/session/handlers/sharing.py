@@ -14,7 +14,7 @@ from ...text import error_words, joined
 from ..runtime.error_words import NOT_DONE, error_kind
 from ..state.saved_state import NO_STATE, SavedState, read_state, write_state
 from ..state.token import is_token, read_token, write_token
-from .guide import entry_design, perform_reading
+from .guide import begin_opened, entry_design
 from .presenter import Presenter
 
 LEAD_S, STALE_S = 1.0, 10.0  # s after its last edit in which a page keeps what a hand has made there; in which a lead may be behind it
@@ -47,7 +47,7 @@ def take(show: Presenter, words: object) -> None:
     what the lesson raises."""
     _take(show, _read(show, words))
     if show.shown is not None:
-        perform_reading(show)
+        begin_opened(show)
 
 
 def follow_lead(show: Presenter, token: str) -> None:

@@ -137,7 +137,7 @@
     if (!state.run || (!wanted && !player.playing)) return;
     player.go(wanted);
     label();
-    pose(wanted && (from >= state.run.end - 1e-9 || from === state.t) ? 0 : from);
+    pose(wanted && (from >= state.run.end - 1e-9 || [state.t, state.rest].includes(from)) ? 0 : from);
   };
 
   // --- scenes --------------------------------------------------------------------------------------------------------------------
@@ -260,8 +260,8 @@
     page: by => toLesson(lessons[lessons.indexOf(lesson) + Number(by)] ?? lesson), view: () => show(state, true),
   };
   const act = word => {
-    const colon = word.indexOf(':'), name = colon < 0 ? word : word.slice(0, colon);
-    acts[name]?.(colon < 0 ? '' : word.slice(colon + 1));
+    const [name, ...rest] = word.split(':');
+    acts[name]?.(rest.join(':'));
   };
   const heard = ({uuid, updates: {value}}) => {
     const entity = `gui:${uuid}`, made = (total(`${entity}\n`) ?? overlay?.get(`${entity}\n`))?.type;
