@@ -30,8 +30,9 @@ from .viewpoint import BOARD_ASIDE, BOARD_HEIGHT, BOARD_MARGIN, BOARD_WIDTH
 
 BOARD_PLACES = MappingProxyType({"left": ((-BOARD_ASIDE, 1.5), 0.13), "right": ((BOARD_ASIDE, 1.5), -0.13), "middle": ((0.0, 1.5), 0.0)})
 SNAP = 0.02  # of the window's height: nearer to the real axis than this is on it
+NUMBERS_WIDE = 0.28  # stage units inside the right edge for the numbers of the imaginary axis
 NAME_FRAME = Frame(
-    -BOARD_WIDTH / 2 - BOARD_MARGIN, BOARD_WIDTH / 2, -BOARD_HEIGHT / 2, BOARD_HEIGHT / 2 + BOARD_MARGIN
+    -BOARD_WIDTH / 2 - BOARD_MARGIN, BOARD_WIDTH / 2 - NUMBERS_WIDE, -BOARD_HEIGHT / 2, BOARD_HEIGHT / 2 + BOARD_MARGIN
 )  # what names may fill, clear of those of the axes
 HIDDEN_SEGMENT = ((0.0, 0.0, -9.0), (0.0, 0.0, -9.0))  # of a line that is not seen: viser keeps a node that has at least one
 UPRIGHT = (math.sqrt(0.5), math.sqrt(0.5), 0.0, 0.0)  # pictures lie flat until they are turned
@@ -127,8 +128,8 @@ class BoardView:
             self._label(f"re{re:g}", f"{re:g}".replace("-", "−"), (x, y, -BOARD_HEIGHT / 2 - 0.02), "top-center", depth_test=True)
         for im in ticks(-b.im_high, b.im_high, 4):
             if im != 0:
-                x, y, z = self.local(complex(b.re_high, im))
-                self._label(f"im{im:g}", f"{im:g}j".replace("-", "−"), (x + 0.04, y, z), "center-left", depth_test=True)
+                x, y, z = self.local(complex(b.re_high, im), 0.07)  # before the board also where it turns away
+                self._label(f"im{im:g}", f"{im:g}j".replace("-", "−"), (x - 0.03, y, z), "center-right", depth_test=True)
 
     def show(self, board: Board, veiled: bool, calm: bool = True, rests: bool = True) -> None:
         """Move the poles to where the design has them; while they are veiled, none is seen and no hand can take hold of one.

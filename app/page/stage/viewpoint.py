@@ -22,9 +22,9 @@ LOWER = 0.02  # of the way to what is looked at: aim this much lower above the r
 BOARDS_BEHIND = 0.9  # stage units from what the composed view looks at to the boards
 BOARD_WIDTH, BOARD_HEIGHT, BOARD_MARGIN, BOARD_ASIDE = 2.56, 2.0, 0.12, 1.58  # of the s-plane; glass around it; its middle from the stage's
 LEAST_FOOT, FOOT_GAP = 1.2, 0.3  # stage units: boards stand no lower; they stand so far above the body
-TITLE_HIGH, NUMBERS_WIDE = MappingProxyType({False: 0.26, True: 0.42}), 0.24  # stage units above a board, in large print, and beside it
+TITLE_HIGH = MappingProxyType({False: 0.26, True: 0.42})  # stage units that the title takes above a board, and in large print
 FLOOR_SHARE = MappingProxyType({False: 0.76, True: 0.72})  # of half the canvas: the floor in front, above the run, in large print
-TOP_SHARE, SIDE_SHARE = 0.965, 0.97  # of half the canvas: the titles, what is at a side
+TOP_SHARE, SIDE_SHARE = 0.945, 0.965  # of half the canvas: the titles, what is at a side
 FRONT = 1.0  # stage units from the plant to the front of its base
 LOOKS_DOWN = 0.115  # stage units that the composed view falls in each unit ahead
 LETTER_SHARES = 1 / 48, 1 / 84, 1 / 66  # of the window's height: a letter in large print, on a phone, elsewhere
@@ -60,7 +60,7 @@ class Composition:
 def composition(half: float, high: float, lecture: bool = False) -> Composition:
     """The boards just above a body that reaches `half` to either side and so `high`, seen from as near as shows all of it."""
     foot, floor = max(LEAST_FOOT, high + FOOT_GAP), FLOOR_SHARE[lecture]
-    top, spread = foot + BOARD_HEIGHT + BOARD_MARGIN + TITLE_HIGH[lecture], BOARD_ASIDE + BOARD_WIDTH / 2 + BOARD_MARGIN + NUMBERS_WIDE
+    top, spread = foot + BOARD_HEIGHT + BOARD_MARGIN + TITLE_HIGH[lecture], BOARD_ASIDE + BOARD_WIDTH / 2 + BOARD_MARGIN
     slope, (target_y, boards_y) = math.tan(SIGHT / 2), (0.6, 0.6 + BOARDS_BEHIND)
     falls = LOOKS_DOWN * (FRONT + boards_y)
     tall = ((top + falls) / slope - TOP_SHARE * boards_y + floor * FRONT) / (TOP_SHARE + floor)
