@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from contextlib import nullcontext
+from dataclasses import replace
 from functools import cache
 from types import SimpleNamespace
 from typing import Any, NamedTuple
@@ -19,9 +20,11 @@ from observer_lab.course.scenes import Scene, entry_values
 from observer_lab.lessons import LESSONS
 from observer_lab.page.stage.body_extent import body_corners, reach
 from observer_lab.page.stage.map_board import NEARER, place, written
+from observer_lab.page.stage.part_names import PartNames
 from observer_lab.page.stage.pole_boards import BOARD_HEIGHT, BOARD_PLACES, BOARD_WIDTH, board_contains
 from observer_lab.page.stage.stage import StageView, factors, factors_at
 from observer_lab.page.stage.viewpoint import BOARD_MARGIN, SIGHT, Viewpoint
+from observer_lab.plants import MODELS
 
 CANVASES = {"laptop": (929, 768), "small laptop": (870, 720), "wall": (1306, 1080), "hall": (1306, 1080)}  # px of the guide's stage
 IN_LARGE_PRINT = "hall"
@@ -196,3 +199,17 @@ def test_what_is_unseen_is_sent_as_the_estimate_alone() -> None:
         sent[fog] = {call.args[0] for call in calls}
     assert {"/plant/pole", "/plant/ball"} <= sent[False] and not any(name.startswith("/plant/fog") for name in sent[False])
     assert not {"/plant/pole", "/plant/ball"} & sent[True] and {"/ghost/pole", "/ghost/ball", "/plant/cart", "/plant/fog 0"} <= sent[True]
+
+
+def test_a_ghost_has_its_name_only_where_it_stands_apart_from_the_plant() -> None:
+    body = next(model.body for model in MODELS.values() if any(each.ghost for each in model.body.names))
+    name = next(each for each in body.names if each.ghost)
+    names, frame = PartNames(MagicMock(), MagicMock()), dict[tuple[str, str], Any]()
+    names.show(body, True, "en", False)
+    here = body.pose([0.0] * 12, body.gain)
+    place = here[name.part].position
+    apart = {**here, name.part: replace(here[name.part], position=(place[0] + 1.0, place[1], place[2]))}
+    for ghost, seen in ((here, False), (apart, True)):
+        names.place(here, ghost, frame)
+        heights = np.asarray(frame["/named/lines", "points"], dtype=float).reshape(-1, 2, 3)[: len(body.names), 0, 2]
+        assert (heights > -1.0).sum() == len(body.names) - (not seen)

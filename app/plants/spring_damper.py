@@ -106,7 +106,7 @@ def body(parameters: Parameters = Parameters()) -> Body:
                                                         "green arrow is the force"), names=(
         PartName(text("block"), "block", (0.0, -0.5, 0.85)),
         PartName(text("spring and damper"), "spring", (0.3, -0.3, 0.75)),
-        PartName(GHOST_NAME, "block", (-0.2, -0.6, -0.75), True),
+        PartName(GHOST_NAME, "block", (-0.75, -0.3, 0.75), True),
     ))
 
 

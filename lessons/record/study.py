@@ -20,6 +20,7 @@ from observer_lab.text import NO_WORDS, Text, error_words, joined, text
 from .data import Given, record_of
 from .fusion import Fusion, fused
 from .knobs import MAX_ORDER, NO_BIAS, NO_GATE, ONE_SENSOR, OPENING_SHARE
+from .trace import with_trace
 
 DEVIATIONS = 3.0  # of a pole: within them the true one is expected
 
@@ -194,7 +195,7 @@ def _stage(study: Study, smoothed: bool) -> Stage:
     size = np.maximum(np.abs(shown - level).max(axis=0), 1e-12)
     strongest = np.abs(record.u[first:]).max(axis=0, initial=1e-12)
     body = tubes_body(record.output_names, size.tolist(), tuple(range(record.y.shape[1])), strongest.tolist())
-    return Stage(body, study.t - study.t[0], shown - level, study.estimate(smoothed) - level, record.u[first:])
+    return with_trace(Stage(body, study.t - study.t[0], shown - level, study.estimate(smoothed) - level, record.u[first:]))
 
 
 def _formulas(study: Study, gains: dict[str, np.ndarray]) -> tuple[Formula, ...]:

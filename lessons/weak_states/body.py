@@ -22,8 +22,8 @@ from .balanced_platform import STATE_COUNT, Motion, System, believed, relative
 
 NOMINAL = Parameters()
 SWING_S, SWING_COUNT, FRAMES = 1.5, 4, 240  # s that one swing takes on the stage, swings, samples
-TRAVEL, SMALLER = 0.17, 0.75  # how far a test mass may swing on the stage, and its drawn size: the ghost must not hide in it
-MAX_DRAWN_MOTION = np.array([2.0e-3, 2.0e-3, 9e-3, 1.2e-3, 1.2e-3])  # m, m, rad, m, m: how far a motion is drawn
+TRAVEL, SMALLER = 0.22, 0.75  # how far a test mass may swing on the stage, and its drawn size: the ghost must not hide in it
+MAX_DRAWN_MOTION = np.array([3.6e-3, 3.6e-3, 16e-3, 2.2e-3, 2.2e-3])  # m, m, rad, m, m: how far a motion is drawn
 
 
 @lru_cache(maxsize=256)

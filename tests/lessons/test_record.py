@@ -171,3 +171,20 @@ def test_a_matlab_file_of_a_record_with_gaps_proves_itself(tmp_path: Path) -> No
     exported(tmp_path, "matlab", "own.m", with_gaps())
     done = subprocess.run(["octave-cli", "--quiet", "--no-init-file", "--eval", "own(false)"], cwd=tmp_path, capture_output=True, text=True)
     assert done.stdout.count("agree to 1e-06") == 1, done.stderr[-2000:]
+
+
+def test_the_panel_shows_the_output_of_the_run_and_the_bar_where_it_is() -> None:
+    """The brightest row of a column lies as high as the output then; knobs of the filter alone leave the picture as it is."""
+    outcome = LESSON.compute(LESSON.start())
+    stage = outcome.stage
+    assert stage is not None and stage.picture is not None
+    image, y = stage.picture.image.astype(int), stage.x[:, 0]
+    drawn = np.abs(image - image[0, 0]).sum(axis=2) > 0
+    middle = np.array([np.flatnonzero(column).mean() for column in drawn.T])
+    at = np.interp(np.linspace(0, len(y) - 1, len(middle)), np.arange(len(y)), y)
+    assert np.corrcoef(-middle, at)[0, 1] > 0.97
+    across = [stage.body.pose(stage.x[k].tolist(), 1.0)["now"].position[0] for k in (0, len(y) // 2, len(y) - 1)]
+    wide = stage.picture.size[0]
+    assert across == pytest.approx([-wide / 2, wide * (stage.t[len(y) // 2] / stage.t[-1] - 0.5), wide / 2])
+    again = LESSON.compute(LESSON.apply(LESSON.start(), {"factor": 10.0})).stage
+    assert again is not None and again.picture is not None and np.array_equal(again.picture.image, stage.picture.image)

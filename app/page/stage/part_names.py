@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -14,8 +15,10 @@ from ..viser_private.stage_frames import Frame, flatten_segments
 from .scene_labels import SceneLabels
 from .trails import HIDDEN_SEGMENT, Pair
 
-LINES = "/named/lines"
-THIN = 0.012  # stage units
+LINES, HALO = "/named/lines", "/named/halo"
+THIN, ROUND_IT, BEHIND = 0.012, 0.034, 0.012  # stage units: a line, the light around it before a dark part, how far behind it that is
+AWAY: Vector = (0.0, BEHIND, 0.0)
+APART, BELOW = 0.05, (0.0, 0.0, -9.0)  # stage units between a part and its ghost from which on the ghost has a name; out of sight
 
 
 class PartNames:
@@ -25,7 +28,7 @@ class PartNames:
         self._scene, self._letters = scene, letters
         self._shown: tuple[PartName, ...] = ()
         self._labels: list[viser.LabelHandle] = []
-        self._lines: viser.LineSegmentsHandle | None = None
+        self._lines: list[viser.LineSegmentsHandle] = []
 
     def show(self, body: Body | None, ghostly: bool, language: str, dark: bool) -> bool:
         """The names of a body, of its ghost's parts only where there is a ghost, none for None. Whether any came or went."""
@@ -36,8 +39,9 @@ class PartNames:
         self._shown = wanted
         self._labels = [self._letters.write(f"/named/{i}", label_in_language(name.words, language), (0.0, 0.0, 0.0), _anchor(name.away))
                         for i, name in enumerate(wanted)]
-        self._lines = self._scene.add_line_segments(LINES, np.array([HIDDEN_SEGMENT], np.float32), rgb(palette(dark)["label"]),
-                                                    thickness=THIN)
+        colours = palette(dark)
+        self._lines = [self._scene.add_line_segments(path, np.array([HIDDEN_SEGMENT], np.float32), rgb(colours[role]), thickness=thick)
+                       for path, role, thick in ((LINES, "label", THIN), (HALO, "glass", ROUND_IT))]
         return True
 
     def place(self, poses: Mapping[str, Pose], ghost: Mapping[str, Pose], frame: Frame) -> None:
@@ -45,19 +49,22 @@ class PartNames:
         pairs: list[Pair] = []
         for name, label in zip(self._shown, self._labels, strict=True):
             there = (ghost if name.ghost else poses)[name.part].position
+            if name.ghost and name.part in poses and math.dist(there, poses[name.part].position) < APART:
+                there = BELOW  # it lies in the plant
             at = _moved(there, name.away)
             frame[label.name, "position"] = at
             pairs.append((there, at))
-        if self._lines is not None:
+        if self._lines:
             frame[LINES, "points"] = flatten_segments([*pairs, HIDDEN_SEGMENT])
+            frame[HALO, "points"] = flatten_segments([*((_moved(a, AWAY), _moved(b, AWAY)) for a, b in pairs), HIDDEN_SEGMENT])
 
     def clear(self) -> None:
         """Take all of them off the stage."""
         for label in self._labels:
             self._letters.remove(label)
-        if self._lines is not None:
-            self._lines.remove()
-        self._shown, self._labels, self._lines = (), [], None
+        for line in self._lines:
+            line.remove()
+        self._shown, self._labels, self._lines = (), [], []
 
 
 def _moved(place: Sequence[float], by: Vector) -> Vector:

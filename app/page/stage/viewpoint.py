@@ -194,8 +194,12 @@ class Viewpoint:
     def _fit(self, place: tuple[Sequence[float], Sequence[float]]) -> tuple[float, float]:
         """How many times farther off a narrow window looks from, and how far below the target it aims: what lies over it is below."""
         composed = self.composed
-        narrow = (NARROW_PLANT if place == self._plant else composed.narrow * away(composed.place) / away(place) if place in
-                  (composed.place, composed.boards) else NARROW * FAR / away(place))
+        if place == self._plant:
+            narrow = NARROW_PLANT
+        elif place in (composed.place, composed.boards):
+            narrow = composed.narrow * away(composed.place) / away(place)
+        else:
+            narrow = NARROW * FAR / away(place)
         back = max(retreat(self._aspect, narrow), ABOVE if self._below else 1.0)
         lower = SHEET_AIM_SHARE if self._below else 0.0 if place == composed.place else self._lower
         return back, lower * back * away(place)

@@ -128,5 +128,5 @@ def chain_body(left: float, right: float, forces: Sequence[tuple[float, float]])
     return Body(parts, pose, arrows, anchors, 1.0, text("Two blocks on a rail; the green arrows are the forces"), names=(
         PartName(text("block 1"), "block 1", (0.0, -0.4, 0.8)),
         PartName(text("block 2"), "block 2", (0.0, -0.4, 0.8)),
-        PartName(GHOST_NAME, "block 2", (0.5, -0.6, -0.75), True),
+        PartName(GHOST_NAME, "block 2", (0.9, -0.3, 0.62), True),
     ))
