@@ -12,6 +12,7 @@ from playwright.sync_api import Page
 from tab import Tab, eventually
 
 from observer_lab.lessons import LESSONS
+from observer_lab.page.stage.viewpoint import BOARD_HEIGHT, BOARD_MARGIN
 
 LEAST = 4.5  # WCAG 2.2, 1.4.3
 PALE = """least => {
@@ -79,11 +80,12 @@ def test_the_judge_of_contrast_knows_pale_from_dark(blank: Page) -> None:
     assert sorted(key.split(" | ")[0] for key in pale) == ["faded", "orange", "pale"]
 
 
-ON_TITLE = """() => {  // the box of pixels in which the title of a board begins
+TITLE_FOOT = BOARD_HEIGHT / 2 + BOARD_MARGIN + 0.06  # stage units above the middle of a board
+ON_TITLE = """([foot, top]) => {  // the box of pixels in which the title of a board begins
   const page = window.__viserMutable, held = page.nodeRefFromName['/board/observer'], node = 'current' in held ? held.current : held;
   const view = page.canvas.getBoundingClientRect();
   const at = z => node.localToWorld(node.position.clone().set(0, -0.06, z)).project(page.camera);
-  const [low, high] = [at(1.48), at(1.6)].map(({x, y}) => [view.x + (x + 1) / 2 * view.width, view.y + (1 - y) / 2 * view.height]);
+  const [low, high] = [at(foot), at(top)].map(({x, y}) => [view.x + (x + 1) / 2 * view.width, view.y + (1 - y) / 2 * view.height]);
   return {x: low[0] - 40, y: high[1], width: 80, height: low[1] - high[1]};
 }"""
 
@@ -98,7 +100,7 @@ def test_labels_of_the_stage_stand_on_the_ground_of_the_theme(walking: Tab, tmp_
 
         def seen(dark: bool = dark) -> tuple[float, float]:  # how light the ground of the title is, and its letters
             walking.picture(tmp_path / "page.png")
-            box = walking.page.evaluate(ON_TITLE)
+            box = walking.page.evaluate(ON_TITLE, [TITLE_FOOT + 0.02, TITLE_FOOT + 0.1])
             with Image.open(tmp_path / "page.png") as page:
                 title = page.crop((box["x"], box["y"], box["x"] + box["width"], box["y"] + box["height"]))
             grey = np.asarray(title.convert("L"), dtype=float)

@@ -96,7 +96,7 @@ def test_on_a_phone_a_long_verdict_is_in_sight(opened: Callable[..., Page]) -> N
 
 def test_the_card_of_another_scene_begins_at_its_top_in_a_hall_too(opened: Callable[..., Page]) -> None:
     """However far a hand has slid the column, and though figures there snap to its edge in the lab."""
-    page, path = opened("virtual-sensor", size=SIZES[1]), LESSONS["virtual-sensor"].path
+    page, path = opened("observability", size=SIZES[1]), LESSONS["observability"].path
     page.get_by_role("button", name="Present", exact=True).click(timeout=PATIENCE)
     page.wait_for_selector(".ol-present", state="attached", timeout=PATIENCE)
     expect(page.locator(".ol-cover")).to_be_hidden(timeout=PATIENCE)
