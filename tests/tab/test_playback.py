@@ -12,8 +12,20 @@ from fakes import Tab, toy, toy_compute
 from observer_lab.course.error_window import find_error_window
 from observer_lab.course.scenes import Choose, Press, Read
 from observer_lab.lessons import LESSONS
-from observer_lab.session.commands.commands import ChangeSpeed, Command, DrawByHand, Kick, Play, Predict, Reveal, Rewind, Seek, Undo
-from observer_lab.session.commands.guide import GoToScene
+from observer_lab.session.commands.commands import (
+    ChangeSpeed,
+    Command,
+    DrawByHand,
+    Kick,
+    PageSeen,
+    Play,
+    Predict,
+    Reveal,
+    Rewind,
+    Seek,
+    Undo,
+)
+from observer_lab.session.commands.guide import ChooseOption, GoToScene
 from observer_lab.session.handlers.playback import CROWDED, FRAME_S, LATE_POSES_IN_A_ROW, PLAYBACK_SPEEDS, PREDICT_FIRST, REFILL_BEFORE_S
 from observer_lab.session.state.history import MERGE_WINDOW_S
 
@@ -305,3 +317,14 @@ def test_a_run_that_rests_where_the_page_has_put_it_plays_from_its_start_and_whe
     tab.do(Seek(rests / 2))
     tab.do(Play())
     assert (tab.picture.state.t, tab.picture.state.playing) == (rests / 2, True)
+
+
+def test_the_clock_shows_the_moment_at_which_a_calm_answer_rests() -> None:
+    id = "record"
+    tab = Tab({id: LESSONS[id]}, id, mode="guide")
+    tab.do(PageSeen(0.0))
+    tab.do(GoToScene(next(k for k, scene in enumerate(LESSONS[id].path) if scene.id == "surprise")))
+    tab.do(ChooseOption(0))
+    tab.clock.advance(0.2)
+    tab.session.step(0.0)
+    assert tab.picture.state.t > 0.0 and tab.view.of("pose")[-1] == tab.picture.state.t

@@ -216,6 +216,7 @@ def tick(show: Presenter, now: float) -> None:
     show.last_tick = show.clock()
     show.state = replace(show.state, performance=None, playing=runs, t=0.0 if runs else telling_moment(show), loop=None)
     show.rest()
+    show.view.pose(show.state.t)
     _mark_done(show, scene)
 
 
