@@ -120,7 +120,7 @@ MARKS_NM, MARK, NUMBER = (-3.0, -1.5, 0.0, 1.5, 3.0), (0.56, 0.64), 0.84  # load
 
 
 def on_dial(torque: float, away: float) -> Vector:
-    """A point of the dial for a load in N m: above the middle for none, to the right for one that presses the arm down."""
+    """A point of the dial for a load in N m. No load is above the middle; one that presses the arm down is to the right."""
     turn = radians(90.0) * max(-1.2, min(1.2, torque / FULL_TORQUE_NM))
     return FACE[0] + away * sin(turn), FACE[1] - 0.06, FACE[2] + away * cos(turn)
 

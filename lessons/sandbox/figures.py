@@ -85,7 +85,7 @@ def lights(rows: tuple[tuple[Text, bool | None, Text], ...]) -> TableFigure:
 
 
 def modes_plane(found: Structure) -> PlaneFigure:
-    """A pair of bars for each mode, how far it is from being hidden from y and out of reach of u, the weakest first."""
+    """Two bars for each mode, the weakest mode first: its distance from being unobservable, and from being uncontrollable."""
     title = text("modes, and how far from hidden (PBH, units divided out)")
     for report in (found.seen, found.reached):
         if isinstance(report, Refusal):

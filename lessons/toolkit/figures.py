@@ -54,7 +54,7 @@ def _agreement(gap: float, size: float, unit: str, growing: bool) -> Text:
 
 
 def block_colours(n: int, triangular: bool) -> tuple[tuple[tuple[Text, str], ...], np.ndarray]:
-    """The categories of a loop's matrix in (x, e) and each cell's: those of the plant, of the observer and what the error adds."""
+    """The categories of a loop's matrix in (x, e), and the category of each cell: plant, observer, or effect of the error."""
     names = (same("A − BK"), same("BK"), *((same("A − LC"),) if triangular else (text("from e"), text("from x"))))
     kinds = np.array([[0, 1], [-1 if triangular else 3, 2]])
     return tuple(zip(names, ("plant", "force", "estimate", "error"), strict=False)), np.kron(kinds, np.ones((n, n), dtype=int))

@@ -174,7 +174,7 @@ def test_a_matlab_file_of_a_record_with_gaps_proves_itself(tmp_path: Path) -> No
 
 
 def test_the_panel_shows_the_output_of_the_run_and_the_bar_where_it_is() -> None:
-    """The brightest row of a column lies as high as the output then; knobs of the filter alone leave the picture as it is."""
+    """The trace is as high as the output at each moment. A knob of the filter alone does not change the picture."""
     outcome = LESSON.compute(LESSON.start())
     stage = outcome.stage
     assert stage is not None and stage.picture is not None

@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Self, TypeAlias
 
-from ...text import Text
+from ...text import Text, label_in_language
 
 Cell = str | float
 Sheet = tuple[list[str], Sequence[Sequence[Cell]]]  # heads, and rows below them
@@ -72,3 +72,29 @@ def distinct(names: list[str]) -> list[str]:
     """The names, later ones of a kind with a number behind them: a, b, a (2)."""
     counts = [names[:k].count(name) for k, name in enumerate(names)]
     return [f"{name} ({count + 1})" if count else name for name, count in zip(names, counts, strict=True)]
+
+
+class WordTable(FigureRecord):
+    """A figure whose data are heads and rows of words."""
+
+    @abstractmethod
+    def cells(self) -> tuple[tuple[Text, ...], tuple[tuple[Text | str, ...], ...]]:
+        """The heads, and the rows below them."""
+
+    def axes(self, language: str = "en") -> tuple[str, str]:
+        return "", ""
+
+    def table(self, language: str = "en") -> Sheet:
+        heads, rows = self.cells()
+        return [head(language) for head in heads], [tuple(label_in_language(cell, language) for cell in row) for row in rows]
+
+    def entries(self) -> Iterator[Entry]:
+        heads, rows = self.table()
+        for i, row in enumerate(rows):
+            yield from ((name, float(i), "", cell) for name, cell in zip(heads, row, strict=True))
+
+    def parts(self) -> Iterator[Part]:
+        heads, rows = self.cells()
+        yield from numbered("column", heads)
+        for number, row in enumerate(rows, 1):
+            yield from numbered(f"row.{number}", row)

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
 
-from ...text import NO_WORDS, Text, label_in_language
-from .figure_record import Entry, FigureRecord, Part, Sheet, numbered
+from ...text import NO_WORDS, Text
+from .figure_record import WordTable
 
 MIDDLE = (0.36, 0.64)  # of a track: a band with two ends
 UPPER = (0.36, 1.0)  # and one with a lower end alone
@@ -32,7 +31,7 @@ class Gauge:
 
 
 @dataclass(frozen=True, eq=False)
-class GaugeFigure(FigureRecord):
+class GaugeFigure(WordTable):
     """Numbers of different scales, each on a track of its own; `heads` name the columns of their table."""
 
     id: str
@@ -56,26 +55,12 @@ class GaugeFigure(FigureRecord):
         """The rows of its table."""
         return tuple((each.name, each.value, each.accepted, each.verdict) for each in self.gauges)
 
-    def axes(self, language: str = "en") -> tuple[str, str]:
-        return "", ""
-
-    def table(self, language: str = "en") -> Sheet:
-        return ([head(language) for head in self.heads],
-                [tuple(label_in_language(cell, language) for cell in row) for row in self.rows])
-
-    def entries(self) -> Iterator[Entry]:
-        columns, rows = self.table()
-        for i, row in enumerate(rows):
-            yield from ((name, float(i), "", cell) for name, cell in zip(columns, row, strict=True))
-
-    def parts(self) -> Iterator[Part]:
-        yield from numbered("column", self.heads)
-        for number, row in enumerate(self.rows, 1):
-            yield from numbered(f"row.{number}", row)
+    def cells(self) -> tuple[tuple[Text, ...], tuple[tuple[Text | str, ...], ...]]:
+        return self.columns, self.rows
 
 
 def place_of(value: float, low: float, high: float, band: tuple[float, float] = MIDDLE) -> float:
-    """Where a positive number stands on a logarithmic track whose band runs from `low` to `high`."""
+    """The place of a positive number on a logarithmic track with a band from `low` to `high`."""
     if not value > 0 or not 0 < low < high:
         return -1.0
     share = math.log(value / low) / math.log(high / low)

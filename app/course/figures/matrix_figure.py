@@ -65,7 +65,7 @@ class MatrixFigure(FigureRecord):
 
     @property
     def fills(self) -> np.ndarray:
-        """How deep the colour of each cell is, 0 to 1: in a category by whether it is zero to rounding, else by its magnitude's decades."""
+        """The depth of each cell's colour, 0 to 1. In a category a zero is pale; else it goes by the decades of the magnitude."""
         sizes = np.abs(finite(self.matrix))
         share = sizes / (float(sizes.max(initial=0.0)) or 1.0)
         nothing = share < ZERO_ENTRY_RTOL

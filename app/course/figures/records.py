@@ -19,7 +19,7 @@ from .curves import Dash as Dash
 from .curves import Point as Point
 from .curves import finite as finite
 from .diagram import DiagramFigure as DiagramFigure
-from .figure_record import Entry, FigureRecord, Part, PinnedFigure, Sheet, distinct, numbered
+from .figure_record import Entry, FigureRecord, Part, PinnedFigure, Sheet, WordTable, distinct, numbered
 from .gauges import GaugeFigure as GaugeFigure
 from .matrix_figure import MATRICES as MATRICES
 from .matrix_figure import MatrixFigure as MatrixFigure
@@ -189,7 +189,7 @@ class MapFigure(FigureRecord):
 
 
 @dataclass(frozen=True, eq=False)
-class TableFigure(FigureRecord):
+class TableFigure(WordTable):
     """A table: what is asked beside what is reached, numbers beside names."""
 
     id: str
@@ -203,22 +203,8 @@ class TableFigure(FigureRecord):
     def kind(self) -> str:
         return "table"
 
-    def axes(self, language: str = "en") -> tuple[str, str]:
-        return "", ""
-
-    def table(self, language: str = "en") -> Sheet:
-        return ([column(language) for column in self.columns],
-                [tuple(label_in_language(cell, language) for cell in row) for row in self.rows])
-
-    def entries(self) -> Iterator[Entry]:
-        columns, rows = self.table()
-        for i, row in enumerate(rows):
-            yield from ((name, float(i), "", cell) for name, cell in zip(columns, row, strict=True))
-
-    def parts(self) -> Iterator[Part]:
-        yield from numbered("column", self.columns)
-        for number, row in enumerate(self.rows, 1):
-            yield from numbered(f"row.{number}", row)
+    def cells(self) -> tuple[tuple[Text, ...], tuple[tuple[Text | str, ...], ...]]:
+        return self.columns, self.rows
 
 
 Figure = LineFigure | PlaneFigure | MatrixFigure | MapFigure | TableFigure | DiagramFigure | GaugeFigure

@@ -51,7 +51,7 @@ def _gauge(gauge: Gauge, language: str, top: float, size: float) -> tuple[str, f
 
 
 def _needle(gauge: Gauge, y: float, across: float) -> str:
-    """A needle where the number is, or an arrow at the end beyond which it lies."""
+    """The needle of a number on the track, or an arrow at one end for a number outside."""
     if gauge.at is None:
         return ""
     x, colour, r = SIDE_PX + min(max(gauge.at, 0.0), 1.0) * across, COLOURS[gauge.role], NEEDLE_PX

@@ -65,7 +65,7 @@ def greet(show: Presenter) -> None:
 
 
 def enter_scene(show: Presenter, index: int) -> None:
-    """Show a scene: its values on the knobs, and the run where it shows most, or at its start where it is asked about or played.
+    """Show a scene: its values on the knobs, its run where it shows most. A question and a press begin at the start of the run.
 
     Beyond the ends of the path nothing happens.
     """
