@@ -31,6 +31,7 @@ IN_LARGE_PRINT = "hall"
 RUN_BAR = 0.1  # of the canvas' height, at its foot: the row of the run
 MOMENTS = 12
 LEAST_FILLED = 0.57  # of the canvas' height or width: what stands on the stage, and the map in front of it
+ABOVE_SHEET = 0.17  # of half the canvas' height, above its middle: the upper edge of a sheet with the row of the run
 LEAST_PLANT = 0.48  # of the canvas' width, beside or below boards
 LEAST_LETTER = 0.0145  # of the canvas' height: a letter on a board, 11 px of 768
 
@@ -213,3 +214,19 @@ def test_a_ghost_has_its_name_only_where_it_stands_apart_from_the_plant() -> Non
         names.place(here, ghost, frame)
         heights = np.asarray(frame["/named/lines", "points"], dtype=float).reshape(-1, 2, 3)[: len(body.names), 0, 2]
         assert (heights > -1.0).sum() == len(body.names) - (not seen)
+
+
+def test_boards_and_their_plant_are_in_sight_above_a_sheet() -> None:
+    """On a phone and on a tablet that is held upright the sheet leaves the upper two fifths."""
+    def law(case: OnStage, size: tuple[int, int]) -> None:
+        camera = Camera(size)
+        client: Any = SimpleNamespace(camera=camera, atomic=nullcontext)
+        view = Viewpoint(client)
+        view.compose(True, False, False, below=True, body=opened(case.lesson.id)[1])
+        view.camera("all")
+        em, foot = view.letters(False), view.composed.foot
+        points = np.concatenate([seen(camera, case.body), *(seen(camera, board_corners(board.side, foot, em)) for board in case.boards)])
+        (left, low), (right, high) = points.min(axis=0), points.max(axis=0)
+        assert high <= 1.0 and low >= ABOVE_SHEET and max(-left, right) <= size[0] / size[1], f"{left:.2f} {right:.2f} {low:.2f} {high:.2f}"
+    cases = [case for case in scenes_on_stage() if case.boards and case.map is None]
+    holds_for_all(itertools.product(cases, ((390, 844), (820, 1180))), law, lambda case, size: f"{case.lesson.id} {case.scene.id} {size}")

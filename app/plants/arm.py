@@ -179,9 +179,8 @@ def body() -> Body:
         anchors,
         1.0,
         text("A geared arm, to scale, and a dial of the load torque, which nothing measures; the arrow at the hand is the load"),
-        labels=((text("load torque"), (FACE[0], -0.5, 0.34)),
-                *((same(f"{torque:g}"), on_dial(torque, NUMBER)) for torque in MARKS_NM[2:4]),
-                (same("3 N m"), on_dial(MARKS_NM[-1], NUMBER + 0.12))),
+        labels=((text("load torque [N m]"), (FACE[0], -0.5, 0.34)),
+                *((same(f"{torque:g}"), on_dial(torque, NUMBER)) for torque in MARKS_NM[2:])),
         names=(
             PartName(text("motor"), "motor", (-0.5, 0.0, 0.7)),
             PartName(text("arm: its angle is measured"), "hand", (0.5, -0.2, 0.3)),

@@ -17,10 +17,12 @@ FAR = 12.2  # stage units: from where a canvas as NARROW is looked at
 NARROW_PLANT = 1.15  # the same of a canvas that just shows the whole plant from near
 SIGHT = 0.62  # radians of the field of view: the boards stay readable
 ABOVE = 1.78  # times farther away that shows the whole stage in what a sheet leaves of it, however wide that is
+ABOVE_BOARDS, BOARDS_AIM_SHARE = 2.25, 0.16  # the same two where boards stand, whose picture is full
 SHEET_AIM_SHARE = 0.14  # of the way to what is looked at: aim this much lower where a sheet lies over the lower half
 LOWER = 0.02  # of the way to what is looked at: aim this much lower above the run in large print
 BOARDS_BEHIND = 0.9  # stage units from what the composed view looks at to the boards
 BOARD_WIDTH, BOARD_HEIGHT, BOARD_MARGIN, BOARD_ASIDE = 2.56, 2.0, 0.12, 1.58  # of the s-plane; glass around it; its middle from the stage's
+SPREAD = BOARD_ASIDE + BOARD_WIDTH / 2 + BOARD_MARGIN  # stage units from the middle to the outer edge of a board
 LEAST_FOOT, FOOT_GAP = 1.2, 0.3  # stage units: boards stand no lower; they stand so far above the body
 TITLE_HIGH = MappingProxyType({False: 0.26, True: 0.42})  # stage units that the title takes above a board, and in large print
 FLOOR_SHARE = MappingProxyType({False: 0.76, True: 0.72})  # of half the canvas: the floor in front, above the run, in large print
@@ -43,12 +45,18 @@ Place = tuple[Sequence[float], Sequence[float]]  # position and target of the ey
 class Composition:
     """The picture of a plant with its boards: from where it is seen, how high the boards stand, and the narrowest canvas for it.
 
-    `narrow` is width over height.
+    `narrow` is width over height; the body reaches `half` to either side.
     """
 
     place: Place
     foot: float
     narrow: float
+    half: float
+
+    def retreat(self, aspect: float) -> float:
+        """How many times farther away a canvas of this shape looks from, so that boards and body are in it."""
+        shown, whole = SIDE_SHARE * math.tan(SIGHT / 2) * max(aspect, 0.2), away(self.place)
+        return max(1.0, (SPREAD / shown - BOARDS_BEHIND) / whole, (self.half / shown + FRONT + self.place[1][1]) / whole)
 
     @property
     def boards(self) -> Place:
@@ -60,16 +68,16 @@ class Composition:
 def composition(half: float, high: float, lecture: bool = False) -> Composition:
     """The boards just above a body that reaches `half` to either side and so `high`, seen from as near as shows all of it."""
     foot, floor = max(LEAST_FOOT, high + FOOT_GAP), FLOOR_SHARE[lecture]
-    top, spread = foot + BOARD_HEIGHT + BOARD_MARGIN + TITLE_HIGH[lecture], BOARD_ASIDE + BOARD_WIDTH / 2 + BOARD_MARGIN
+    top = foot + BOARD_HEIGHT + BOARD_MARGIN + TITLE_HIGH[lecture]
     slope, (target_y, boards_y) = math.tan(SIGHT / 2), (0.6, 0.6 + BOARDS_BEHIND)
     falls = LOOKS_DOWN * (FRONT + boards_y)
     tall = ((top + falls) / slope - TOP_SHARE * boards_y + floor * FRONT) / (TOP_SHARE + floor)
     shown = SIDE_SHARE * slope  # of a canvas as wide as high, in each unit ahead, to either side
-    away_y = max(tall, spread / (shown * USUAL_ASPECT) - boards_y, half / (shown * USUAL_ASPECT) + FRONT)
+    away_y = max(tall, SPREAD / (shown * USUAL_ASPECT) - boards_y, half / (shown * USUAL_ASPECT) + FRONT)
     aim = (floor * slope * (away_y - FRONT) - LOOKS_DOWN * (FRONT + target_y)
            + top + LOOKS_DOWN * BOARDS_BEHIND - TOP_SHARE * slope * (away_y + boards_y)) / 2  # what is left is shared above and below
     place = (0.0, -away_y, aim + LOOKS_DOWN * (away_y + target_y)), (0.0, target_y, aim)
-    return Composition(place, foot, max(spread / (away_y + boards_y), half / (away_y - FRONT)) / shown)
+    return Composition(place, foot, max(SPREAD / (away_y + boards_y), half / (away_y - FRONT)) / shown, half)
 
 
 def aspect_of(camera: viser.CameraHandle) -> float:
@@ -89,7 +97,7 @@ def letters(camera: viser.CameraHandle, lecture: bool, composed: Composition = U
     where boards are large in the window.
     """
     aspect = aspect_of(camera)
-    depth = away(composed.place) * retreat(aspect, composed.narrow) + BOARDS_BEHIND
+    depth = away(composed.place) * composed.retreat(aspect) + BOARDS_BEHIND
     hall, phone, usual = (share * 2 * math.tan(SIGHT / 2) * depth for share in LETTER_SHARES)
     return hall if lecture else phone if aspect < PHONE else max(usual, LEAST_LETTER)
 
@@ -187,21 +195,23 @@ class Viewpoint:
     def nearness(self) -> float:
         """How far the plant is from where the stage is seen, over how far the boards are in the composed view."""
         (back, _), composed = self._fit(self._seen_from), self.composed
-        whole = away(composed.place) * retreat(self._aspect, composed.narrow) + BOARDS_BEHIND
+        whole = away(composed.place) * composed.retreat(self._aspect) + BOARDS_BEHIND
         eye, target = map(np.asarray, self._seen_from)
         return back * float(np.linalg.norm(eye - target)) / whole
 
     def _fit(self, place: tuple[Sequence[float], Sequence[float]]) -> tuple[float, float]:
         """How many times farther off a narrow window looks from, and how far below the target it aims: what lies over it is below."""
         composed = self.composed
-        if place == self._plant:
-            narrow = NARROW_PLANT
-        elif place in (composed.place, composed.boards):
-            narrow = composed.narrow * away(composed.place) / away(place)
+        if place in (composed.place, composed.boards):
+            back = composed.retreat(self._aspect)
         else:
-            narrow = NARROW * FAR / away(place)
-        back = max(retreat(self._aspect, narrow), ABOVE if self._below else 1.0)
-        lower = SHEET_AIM_SHARE if self._below else 0.0 if place == composed.place else self._lower
+            back = retreat(self._aspect, NARROW_PLANT if place == self._plant else NARROW * FAR / away(place))
+        whole = place == composed.place
+        if self._below:
+            back = max(back, ABOVE_BOARDS if whole else ABOVE)
+            lower = BOARDS_AIM_SHARE if whole else SHEET_AIM_SHARE
+        else:
+            lower = 0.0 if whole else self._lower
         return back, lower * back * away(place)
 
     def _look(self) -> None:
