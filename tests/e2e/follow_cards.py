@@ -198,7 +198,7 @@ class Newcomer:
 
     def _pull_by_keys(self) -> None:
         """Hold an arrow key on the slider that pulls the plant, and let go."""
-        slider = self.page.locator("input[data-pull]:visible").first
+        slider = self.page.locator("input[data-springs]:visible").first
         if not slider.count():
             raise Stuck("no slider pulls the plant")
         self.actions.append("pull by keys")
@@ -315,12 +315,11 @@ def start(page: Page, address: str, language: str = "en") -> Newcomer:
     return person
 
 
-def open_lesson(page: Page, address: str, lesson: Lesson, language: str = "en") -> Newcomer:
+def open_lesson(person: Newcomer, address: str, lesson: Lesson) -> None:
     """Open the first card of a lesson by its link."""
-    person = Newcomer(page, language)
-    page.goto(f"{address}#{write_token(lesson, SavedState(lesson.start(), language, mode='guide', scene=lesson.path[0].id))}")
-    page.wait_for_selector(".ol-card", timeout=PATIENCE)
-    return person
+    opened = SavedState(lesson.start(), person.language, mode="guide", scene=lesson.path[0].id)
+    person.page.goto(f"{address}#{write_token(lesson, opened)}")
+    person.page.wait_for_selector(".ol-card", timeout=PATIENCE)
 
 
 def main() -> int:
@@ -341,7 +340,8 @@ def main() -> int:
             context = browser.new_context(viewport={"width": wide, "height": high}, reduced_motion="reduce")
             page = context.new_page()
             page.add_init_script(f"({UNDRAWN})()")
-            person = open_lesson(page, address, LESSONS[id], asked.lang)
+            person = Newcomer(page, asked.lang)
+            open_lesson(person, address, LESSONS[id])
             steps = list(walk(person, LESSONS[id], not asked.all))
             context.close()
             bad = [f"  {id} {scene}: {problem}" for scene, problem in steps if problem] + [f"  moved: {each}" for each in person.moved]

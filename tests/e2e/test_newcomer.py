@@ -1,6 +1,7 @@
 """A newcomer gets on by the words on the screen, and the first drag moves the world.
 
-One lesson or a few here; all of them by `python tests/e2e/newcomer.py` and, every card of every path, `follow_cards.py --all`.
+One lesson or a few here; all of them by `python tests/e2e/newcomer.py` and, every card of every path, `follow_cards.py --all`, by
+keys `key_hand.py`.
 """
 
 from __future__ import annotations
@@ -8,7 +9,8 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import pytest
-from follow_cards import open_lesson, start, walk
+from follow_cards import Newcomer, open_lesson, start, walk
+from key_hand import KeyHand
 from newcomer import WANTED, play, stands_still
 from playwright.sync_api import Page
 from tab import Tab, eventually
@@ -23,6 +25,7 @@ CURSORS = """() => document.querySelector('.ol-clock') &&
 
 MOST_ACTIONS = 4  # of a newcomer's hand, from the page of lessons to the end of the first drag
 SAMPLED = ("separation", "hidden-modes", "kalman")  # lessons whose core path is walked here: crosses, a list, sliders
+BY_KEYS = ("error-dynamics",)  # whose whole path is: poles, a pull, sliders
 
 
 @pytest.fixture
@@ -45,11 +48,21 @@ def test_a_newcomer_drags_with_the_fourth_action_and_comes_to_the_end_of_the_fir
 @pytest.mark.parametrize("name", SAMPLED)
 def test_the_core_path_of_a_lesson_is_done_by_what_its_cards_say(page: Page, guide: str, name: str) -> None:
     lesson = LESSONS[name]
-    person = open_lesson(page, guide, lesson)
+    person = Newcomer(page)
+    open_lesson(person, guide, lesson)
     found = list(walk(person, lesson, core=True))
     assert [each for each in found if each[1]] == []
     assert person.moved == [], "nothing of the page moves under a hand"
     assert len(found) == sum(scene.core for scene in lesson.path)
+
+
+@pytest.mark.parametrize("name", BY_KEYS)
+def test_every_scene_of_a_lesson_is_done_by_keys(page: Page, guide: str, name: str) -> None:
+    person = KeyHand(page)
+    open_lesson(person, guide, LESSONS[name])
+    found = list(walk(person, LESSONS[name], core=False))
+    assert [each for each in found if each[1]] == []
+    assert len(found) == len(LESSONS[name].path) and any("arrows on observer" in each for each in person.actions)
 
 
 def test_a_lesson_opens_in_motion_where_motion_is_welcome_and_the_first_drag_moves_the_ghost(new_tab: Callable[..., Tab]) -> None:

@@ -159,6 +159,22 @@ def test_a_pole_is_dragged_to_a_computed_place(page: Page, folder: Path) -> None
     eventually(lambda: page.inner_text(".ol-answer"), lambda said: "decays more slowly" in said, "what is said of the slower observer")
 
 
+def test_a_pole_goes_to_a_computed_place_by_keys(page: Page, folder: Path) -> None:
+    page.goto((folder / "index.html").as_uri() + "?scene=drag")
+    at_scene(page, "drag")
+    slider = page.locator('[data-slider="observer.4.0"]')
+    slider.wait_for(state="attached")
+    eventually(lambda: page.evaluate("() => observerLabSlide.values['observer.4.0']"), bool, "where the slowest pole stands")
+    before = float(slider.input_value())
+    slider.focus()
+    page.keyboard.press("ArrowRight")
+    eventually(lambda: page.inner_text(".ol-answer"), lambda said: "decays more slowly" in said, "what is said of the slower observer")
+    eventually(lambda: float(slider.input_value()), lambda now: now > before + 0.5, "the slider stands at the computed place")
+    placed = float(slider.input_value())
+    page.keyboard.press("ArrowLeft")
+    eventually(lambda: float(slider.input_value()), lambda now: now < placed, "and the other way, again to one")
+
+
 @pytest.mark.parametrize("name", ["predict", "drag", "command"])
 def test_the_page_shows_what_the_live_one_does(browser: Browser, guide: str, folder: Path, name: str) -> None:
     """On entry, with every answer, a pole at another place, each knob at each of its points."""

@@ -16,7 +16,7 @@ from observer_lab.session.state.token import read_token
 
 PLANTS = ("separation", "error-dynamics", "saturation", "arm", "hidden-modes")  # deck, block, pole and cart, arm, two masses
 WAY = 50.0  # px that a hand goes
-HAND = "() => observerLabPull.held === null && [...document.querySelectorAll('input[data-pull]')].every(each => each.value === '0')"
+HAND = "() => observerLabSlide.held === null && [...document.querySelectorAll('input[data-springs]')].every(each => each.value === '0')"
 
 
 def first_grip(lesson: Lesson) -> Grip:
@@ -72,7 +72,7 @@ def test_mouse_and_keys_pull_five_plants(new_tab: Callable[..., Tab]) -> None:
         pulls(tab, grip, hand, f"the mouse pulls in {id}")
         tab.key("z")
         eventually(lambda grip=grip: record(tab, grip), lambda forces: not forces, f"one undo takes the pull in {id} back")
-        slider = tab.page.locator("input[data-pull]").first
+        slider = tab.page.locator("input[data-springs]").first
         assert slider.evaluate("each => each.labels[0].textContent").startswith(("force of a hand", "torque of a hand"))
         slider.focus()
         for _ in range(3):

@@ -118,6 +118,12 @@ class SwitchWidget:
         self._back.show(value, picture)
 
 
+def pole_step(knob: Poles) -> float:
+    """How far a press of an arrow moves a pole."""
+    decade = math.floor(math.log10(knob.re_high - knob.re_low))
+    return 0.1 if 0 <= decade <= 1 else 10.0 ** (decade - 2)
+
+
 def typed_decimals(knob: Poles) -> int:
     """How many decimals of a pole a person may type; a press of an arrow moves it by a larger step."""
     return max(3, 4 - math.floor(math.log10(knob.re_high - knob.re_low)))
@@ -129,9 +135,7 @@ class PolesWidget:
     def __init__(self, gui: viser.GuiApi, knob: Poles, language: str, post: Post) -> None:
         self._knob, self._poles, self._post = knob, knob.default, post
         self._rows: list[tuple[viser.GuiVector2Handle, ReadBack]] = []
-        decade = math.floor(math.log10(knob.re_high - knob.re_low))
-        self._digits = typed_decimals(knob) + 1
-        step = 0.1 if 0 <= decade <= 1 else 10.0 ** (decade - 2)
+        self._digits, step = typed_decimals(knob) + 1, pole_step(knob)
         for i in range(len(knob.default)):
             row = gui.add_vector2(f"{knob.symbol}{i + 1}", (0.0, 0.0), min=(knob.re_low, -knob.im_high),
                                   max=(knob.re_high, knob.im_high), step=step, hint=label_of(knob, language))

@@ -31,6 +31,7 @@ from .hand_in_box import HandInBox, is_listed
 from .knob_rows import KnobRows
 from .live_panel import LivePanel
 from .plant_picker import PlantRow
+from .pole_sliders import PoleSliders
 from .prediction_panel import PredictionPanel, SecondPredictionPanel
 from .record_picker import RecordPicker
 
@@ -59,6 +60,7 @@ class Panel:
         self._part("knobs")
         self._rows = KnobRows(gui, picture, post)
         self._pulls = PullSliders(client, picture, post)
+        self._poles = PoleSliders(client, picture, post)
         self._again = SecondPredictionPanel(gui, picture, post)
         if self._lesson.adapt is not None:
             self._plants = PlantRow(gui, picture, post)
@@ -172,6 +174,7 @@ class Panel:
         if self._running is not None:
             self._running.show(picture)
         self._pulls.show(picture)
+        self._poles.show(picture)
         if self._plants is not None:
             self._plants.show(picture)
         if self._records is not None:

@@ -33,6 +33,7 @@ from ..charts.charts import Chart
 from ..charts.print_sizes import Sizes
 from ..charts.seed_cloud import RUN_SEEDS, seeds_html
 from ..column.knob_widgets import NumberWidget, Widget, make_widget
+from ..column.pole_sliders import PoleSliders
 from ..replay.pull_sliders import PullSliders
 from ..viser_private import viser_internals
 from ..viser_private.hidden_input import hidden_input
@@ -64,6 +65,7 @@ class GuidePanel:
                     gui, knob, picture.state.language, lambda name, value: post(SetKnobs({name: value})),
                     lambda name, value: post(DrawByHand(name, value)))
         self._pulls = PullSliders(client, picture, post)
+        self._poles = PoleSliders(client, picture, post)
         self._formulas = gui.add_html("")
         self._verdict = gui.add_html("")
         self._question = gui.add_html("")
@@ -103,6 +105,7 @@ class GuidePanel:
         for name, (_, widget) in self._widgets.items():
             widget.show(picture.design[name], name in scene.knobs, picture)
         self._pulls.show(picture)
+        self._poles.show(picture)
         if picture.resting:
             write_content(self._formulas, formulas_html(picture))
         write_content(self._verdict, verdict_html(picture, self._hand))

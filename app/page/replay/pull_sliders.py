@@ -32,7 +32,7 @@ class PullSliders:
             return
         self._hand = viser_internals.node_id(hidden_input(client.gui, self._heard))
         self._sliders = client.gui.add_html("")
-        viser_internals.run_script(client, "pull")
+        viser_internals.run_script(client, "slide", values={}, heard=0)
         self.show(picture)
 
     def show(self, picture: Picture) -> None:
@@ -47,8 +47,8 @@ class PullSliders:
     def _slider(self, knob: Pull) -> str:
         label = html.escape(f"{knob.label(self._lang)} [{knob.unit}]")
         return (f'<label class="ol-pull"><span>{label}</span><input type="range" min="{-STEPS}" max="{STEPS}" value="0" '
-                f'data-pull="{knob.name}" data-most="{knob.most:g}" data-unit="{html.escape(knob.unit, quote=True)}" '
-                f'data-to="{self._hand}"></label>')
+                f'data-slider="{knob.name}" data-from="0" data-springs data-most="{knob.most:g}" '
+                f'data-unit="{html.escape(knob.unit, quote=True)}" data-to="{self._hand}"></label>')
 
     def _heard(self, said: str) -> None:
         """A knob, the share of the largest force, and whether the hand lets go; what is nonsense is passed over."""

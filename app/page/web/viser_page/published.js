@@ -1,7 +1,7 @@
 // Runs before viser's page: stands in the place of the server with states that were recorded. A state is a patch on the base of its look,
 // so any may follow any; what a hand does leads to the state that was recorded for it, or to the nearest.
-({lessons, looks, words, folder, web, speeds, shapes, stops, lecture}) => {
-  const viser = window.observerLabViser, OWNER = '0', STEP = 100, KEY = 'observer-lab-published', root = document.documentElement;
+({lessons, looks, words, web, speeds, shapes, board, stops, lecture}) => {
+  const viser = window.observerLabViser, {load, read} = window.observerLabPacked, OWNER = '0', STEP = 100, KEY = 'observer-lab-published', root = document.documentElement;
   const keep = () => { try { localStorage.setItem(KEY, JSON.stringify(memory)); } catch (error) { /* a frame without storage */ } };
   const kept = () => { try { return JSON.parse(localStorage.getItem(KEY)) ?? {}; } catch (error) { return {}; } };
   const calm = () => matchMedia('(prefers-reduced-motion: reduce)').matches;
@@ -21,30 +21,7 @@
     location.assign(address(changes));
   };
 
-  // --- files -----------------------------------------------------------------------------------------------------------------
-  const waiting = {}, loaded = {}, TYPES = {'<f4': Float32Array, '<i4': Int32Array, '<u4': Uint32Array, '<i2': Int16Array};
-  window.observerLabData = (name, text) => waiting[name]?.(text);
-  const load = name => loaded[name] ??= new Promise((take, fail) => {
-    waiting[name] = take;
-    const onerror = () => fail(Error(`no file ${name}`));
-    document.head.append(Object.assign(document.createElement('script'), {src: `${folder}/${name}.js`, onerror}));
-  }).then(async text => {
-    const packed = Uint8Array.from(atob(text), letter => letter.charCodeAt(0));
-    const bytes = await new Response(new Blob([packed]).stream().pipeThrough(new DecompressionStream('gzip'))).arrayBuffer();
-    const size = Number(new DataView(bytes).getBigUint64(0, true));
-    const {arrays, content} = JSON.parse(new TextDecoder().decode(new Uint8Array(bytes, 8, size)));
-    return {...content, arrays: arrays.map(([kind, count, place]) => new (TYPES[kind] ?? Uint8Array)(bytes, 8 + size + place, count))};
-  });
   const ahead = Promise.all([look, language].map(file => load(`${lesson}/${file}`)));  // while viser's page begins
-  const filled = (value, arrays) => {  // with the arrays that it names
-    if (value === null || typeof value !== 'object') return value;
-    for (const name of Object.keys(value)) value[name] = filled(value[name], arrays);
-    return value.$ === undefined ? value : arrays[value.$];
-  };
-  const read = (file, arrays = file.arrays) => {
-    file.whole ??= filled(file.values, arrays);
-    return pairs => new Map(pairs.map(([place, k]) => [file.places[place].join('\n'), file.whole[k]]));
-  };
 
   // --- what stands -------------------------------------------------------------------------------------------------------------
   let base = null, ground = new Map(), props = new Map(), at = 0, scene = null, state = {over: new Map(), held: {}}, touched = new Set();
@@ -203,10 +180,10 @@
     touched.add(place);
     move(nearest([entry, ...moved], each => far(total(place, each.over), value)), knob);
   };
-  let grabbed = null, force = 0;
+  let grabbed = null, force = 0, from = [];
   const grab = ({phase, name, end_screen_pos: [, y], start_screen_pos: [, before]}) => phase === 'end' && /^\/(plant|hand)/.test(name)
     && pull(Object.keys(scene.states).find(each => each.startsWith('pull:'))?.split(':')[1], 3 * (before - y));
-  const drag = ({phase, name, instance_index: index, end_screen_pos: [x, y]}) => {
+  const hold = (phase, name, taken, way) => {  // a pole of a board to the computed place that is nearest by `way`
     const key = `scene:${name}\nbatched_positions`, points = over => {
       const all = total(key, over) ?? [];
       return Array.from({length: all.length / 3}, (_, k) => [...all.slice(3 * k, 3 * k + 3)]);
@@ -214,16 +191,28 @@
     const home = points(scene.states.entry.over), away = (all, point) => !all.some(each => far([each[0], each[2]], [point[0], point[2]]) < 1e-3);
     const lost = over => home.filter(point => away(points(over), point)).map(String);
     if (phase === 'start' || !grabbed) {
-      const point = points(state.over)[index ?? 0], mine = point && !away(home, point) ? [String(nearest(home, each => far(each, point)))] : lost(state.over);
+      const point = taken(points(state.over)), mine = point && !away(home, point) ? [String(nearest(home, each => far(each, point)))] : lost(state.over);
       grabbed = states().filter(each => Object.keys(each.held).length === 1 && lost(each.over).some(each => mine.includes(each)));
     }
-    const pixels = point => far(viser.onScreenOf(name, point), [x, y]);
-    const reached = over => Math.min(...points(over).filter(point => away(home, point)).map(pixels));
+    const reached = over => Math.min(...points(over).filter(point => away(home, point)).map(way));
     if (grabbed.length) {
       const best = nearest(grabbed, each => reached(each.over));
-      if (best !== state) move(best, Object.keys(best.held)[0]);
+      if (best !== state && reached(best.over) < Infinity) move(best, Object.keys(best.held)[0]);
     }
     if (phase === 'end') grabbed = null;
+  };
+  const drag = ({phase, name, instance_index: index, end_screen_pos: at}) =>
+    hold(phase, name, all => all[index ?? 0], point => far(viser.onScreenOf(name, point), at));
+  const slide = ([id, k, axis], share, ended) => {  // by keys: beyond where the pole stood, the way that the slider went
+    const all = [...document.querySelectorAll(`[data-slider^="${id}.${k}."]`)], asked = Number(axis);
+    if (!grabbed) from = all.map(each => (window.observerLabSlide.values[each.dataset.slider] - each.min) / (each.max - each.min));
+    const stood = from.map((part, a) => board[a] * (a ? part : part - .5)), to = [...stood], sides = point => [point[0], point[2]];
+    to[asked] = board[asked] * (asked ? share : share - .5);
+    const side = Math.sign(to[asked] - stood[asked]), beyond = point => side * (sides(point)[asked] - stood[asked]) > 1e-3;
+    hold(ended ? 'end' : 'move', `/board/${id}/grips`, here => nearest(here, each => far(sides(each), stood)),
+      point => (beyond(point) ? far(sides(point), to) : Infinity));
+    touched.add('slide\n');
+    if (ended) show(state);  // the slider stands where the pole does
   };
   const pull = (knob, share) => {
     const all = states().filter(({name}) => name.startsWith(`pull:${knob}:`)), size = ({name}) => Number(name.split(':')[2]);
@@ -265,11 +254,12 @@
   };
   const heard = ({uuid, updates: {value}}) => {
     const entity = `gui:${uuid}`, made = (total(`${entity}\n`) ?? overlay?.get(`${entity}\n`))?.type;
-    const knob = Object.entries(scene.knobs).find(([, widgets]) => widgets.includes(entity)), pulled = /^(\w+):(-?[\d.e-]+):([01])$/.exec(value);
+    const knob = Object.entries(scene.knobs).find(([, widgets]) => widgets.includes(entity)), pulled = /^([\w.]+):(-?[\d.e-]+):([01]):\d+$/.exec(value);
     if (uuid === state.told?.slider) { go(false); pose(Number(value)); }
     else if (knob) turnKnob(knob[0], `${entity}\nvalue`, value);
     else if (made === 'GuiButtonMessage') close();
     else if (made !== 'GuiButtonGroupMessage') return;
+    else if (pulled?.[1].includes('.')) slide(pulled[1].split('.'), Number(pulled[2]), pulled[3] === '1');
     else if (pulled) { if (pulled[3] === '1') { pull(pulled[1], Number(pulled[2]) || force); force = 0; } else force = Number(pulled[2]) || force; }
     else if (overlay?.has(`${entity}\n`)) toLesson(value);
     else act((Object.entries(said).find(([, label]) => label === value)?.[0] ?? String(value)).replace('pause', 'play'));
