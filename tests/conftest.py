@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 import pytest
 from dealing import dealt
 from hypothesis import HealthCheck, Phase, settings
+from sampling import WHOLE, left_out
 
 if TYPE_CHECKING:
     from redis_server import RedisServer
@@ -42,14 +43,22 @@ def folder_of(item: pytest.Item) -> str:
     return item.path.relative_to(HERE).parts[0]
 
 
+def law_of(item: pytest.Item) -> str:
+    """The test of which an item is a case: its file within the tests, and its name."""
+    return f"{item.path.relative_to(HERE).as_posix()}::{item.name.partition('[')[0]}"
+
+
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--whole", action="store_true", help="run what the suite samples on all lessons")
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     if not config.getoption("--whole"):
-        config.hook.pytest_deselected(items=[item for item in items if item.get_closest_marker("whole")])
-        items[:] = [item for item in items if not item.get_closest_marker("whole")]
+        marked = {k for k, item in enumerate(items) if item.get_closest_marker("whole")}
+        named = config.getoption("keyword") or any("::" in word for word in config.args)  # who names tests gets all of them
+        out = marked | (set() if named else left_out(items, law_of))
+        config.hook.pytest_deselected(items=[items[k] for k in sorted(out)])
+        items[:] = [item for k, item in enumerate(items) if k not in out]
     strange = sorted({item.nodeid.split("[")[0] for item in items if len(item.name) > LONGEST or " at 0x" in item.name})
     if strange:
         raise pytest.UsageError(f"a test's name must be short and the same in every worker; these want ids=: {', '.join(strange)}")
@@ -90,11 +99,29 @@ def place(request: pytest.FixtureRequest, tmp_path: Path) -> Path | str:
     return server.address
 
 
+@pytest.fixture(autouse=True)
+def own_outcomes(request: pytest.FixtureRequest) -> Iterator[None]:
+    """A test that puts something else in place of a part of the lab shares no outcome with others."""
+    if "monkeypatch" not in request.fixturenames:
+        yield
+        return
+    from shared_outcomes import forget
+
+    forget()
+    yield
+    forget()
+
+
 def pytest_collection_finish() -> None:
+    from shared_outcomes import share
+
+    share()
     gc.freeze()  # thousands of tests and all they import stay to the end: nobody needs to look whether they are garbage
 
 
 def pytest_configure(config: pytest.Config) -> None:
+    if config.getoption("--whole"):
+        os.environ[WHOLE] = "1"
     config.pluginmanager.register(NoWarnings(), "no warnings")
     logging.getLogger("asyncio").addHandler(Unheard(logging.ERROR))
 

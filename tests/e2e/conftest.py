@@ -128,6 +128,42 @@ def still_page(browser: Browser) -> Iterator[Callable[..., Page]]:
 
 
 @pytest.fixture(scope="session")
+def left_well(browser: Browser) -> Iterator[list[Page]]:
+    """Pages of the guide that tests have left well, for the next one: what is compiled once is not compiled again."""
+    pages: list[Page] = []
+    yield pages
+    for page in pages:
+        page.context.close()
+
+
+@pytest.fixture
+def guide_page(browser: Browser, left_well: list[Page], request: pytest.FixtureRequest) -> Iterator[Callable[..., Page]]:
+    """Opens calm pages as `still_page` does, for tests that hang nothing into them: one that was left well has forgotten all it kept."""
+    pages: list[Page] = []
+
+    def opened(width: int = 1366, height: int = 768, dark: bool = False) -> Page:
+        if left_well:
+            page = left_well.pop()
+            page.goto("/".join((*page.url.split("/")[:3], "health")))  # of the same origin, and plain
+            page.evaluate("() => { localStorage.clear(); sessionStorage.clear(); }")
+            page.context.clear_cookies()
+            page.set_viewport_size({"width": width, "height": height})
+        else:
+            context = browser.new_context(viewport={"width": width, "height": height}, reduced_motion="reduce")
+            context.add_init_script(f"({UNDRAWN})()")
+            page = context.new_page()
+        page.emulate_media(color_scheme="dark" if dark else "light", reduced_motion="reduce")
+        pages.append(page)
+        return page
+    yield opened
+    for page in pages:
+        if not left_well and request.node.stash.get(PASSED, False) and not page.is_closed():
+            left_well.append(page)
+        else:
+            page.context.close()
+
+
+@pytest.fixture(scope="session")
 def spare(browser: Browser) -> Iterator[list[Tab]]:
     """A tab that a test has left well, for the next one: to load the page costs as much as most tests."""
     tabs: list[Tab] = []

@@ -35,10 +35,10 @@ THEMES = (("light", "en"), ("dark", "zh"))
 
 
 @pytest.fixture
-def opened(still_page: Callable[..., Page], guide: str) -> Callable[..., Page]:
+def opened(guide_page: Callable[..., Page], guide: str) -> Callable[..., Page]:
     """Opens the guide of a lesson in a window of some size and theme, at its first scene or at one that is named."""
     def make(name: str = "separation", language: str = "en", size: tuple[int, int] = SIZES[0], dark: bool = False, scene: str = "") -> Page:
-        lesson, page = LESSONS[name], still_page(*size, color_scheme="dark" if dark else "light")
+        lesson, page = LESSONS[name], guide_page(*size, dark=dark)
         saved = SavedState(lesson.start(), language, mode="guide", scene=scene or lesson.path[0].id)
         return shown(page, f"{guide}#{write_token(lesson, saved)}")
     return make
@@ -114,8 +114,8 @@ def test_the_card_of_another_scene_begins_at_its_top_in_a_hall_too(opened: Calla
     page.wait_for_function(f"({slid})() === 0", timeout=PATIENCE)
 
 
-def test_a_newcomer_starts_and_the_page_performs_what_was_predicted(still_page: Callable[..., Page], guide: str) -> None:
-    page = shown(still_page(), guide)
+def test_a_newcomer_starts_and_the_page_performs_what_was_predicted(guide_page: Callable[..., Page], guide: str) -> None:
+    page = shown(guide_page(), guide)
     page.locator(".ol-begin .ol-next").click(timeout=PATIENCE)
     expect(page.locator(".mantine-Modal-content")).to_have_count(0, timeout=PATIENCE)
     assert page.locator(".ol-card").is_visible()

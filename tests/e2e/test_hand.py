@@ -29,8 +29,8 @@ UNDER = """() => {  // what the hand points at
 
 
 @pytest.fixture
-def page(still_page: Callable[..., Page]) -> Page:
-    return still_page()
+def page(guide_page: Callable[..., Page]) -> Page:
+    return guide_page()
 
 
 def opened(page: Page, server: str, lesson_id: str, scene: str) -> None:

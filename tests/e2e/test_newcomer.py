@@ -29,8 +29,8 @@ BY_KEYS = ("error-dynamics",)  # whose whole path is: poles, a pull, sliders
 
 
 @pytest.fixture
-def page(still_page: Callable[..., Page]) -> Page:
-    return still_page()
+def page(guide_page: Callable[..., Page]) -> Page:
+    return guide_page()
 
 
 def test_a_newcomer_drags_with_the_fourth_action_and_comes_to_the_end_of_the_first_lesson(page: Page, guide: str) -> None:

@@ -253,7 +253,7 @@ def test_a_path_is_short_and_complete(id: str) -> None:
 
 
 @pytest.mark.slow
-@each("id", list(PATHS))
+@pytest.mark.parametrize("id", list(PATHS))
 def test_every_action_can_be_done_and_forth_and_back_shows_the_same(id: str) -> None:
     walker, states, verdicts = Walker(id), [], []
     path = LESSONS[id].path
