@@ -104,7 +104,7 @@ def eventually(look: Callable[[], T], wanted: Callable[[T], Any], what: str, pat
         except Error as gone:
             seen = gone
         assert time.monotonic() < deadline, f"{what}: not within {patience:g} s; last seen {str(seen)[:300]}"
-        time.sleep(0.1)
+        time.sleep(0.03)
 
 
 class Tab:

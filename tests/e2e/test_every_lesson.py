@@ -1,4 +1,4 @@
-"""What holds for every lesson on the screen: the suite samples the lessons, `pytest tests/e2e/test_every_lesson.py --whole` has all."""
+"""What holds for every lesson on the screen, on one walk: words, names, widths, console; `--whole` has all."""
 
 from __future__ import annotations
 
@@ -18,7 +18,6 @@ from observer_lab.page.words import phrases
 from observer_lab.session.handlers.playback import PREDICT_FIRST
 from observer_lab.text import name_of
 
-SAMPLED = ("virtual-sensor", "separation", "saturation", "kalman", "weak-states", "network", "sandbox")  # all by `--whole`
 GLYPHS = """() => {
   const pen = new OffscreenCanvas(48, 48).getContext('2d', {willReadFrequently: true});
   pen.font = '40px ' + getComputedStyle(document.querySelector('.ol-question') || document.body).fontFamily;
@@ -114,8 +113,7 @@ def look_at(tab: Tab, lesson: Lesson, language: str, path: Path | None = None) -
     assert tab.page.locator("math").count() > 0, "no equation on the page"
 
 
-@pytest.mark.parametrize("lesson", [pytest.param(lesson, id=id, marks=() if id in SAMPLED else pytest.mark.whole)
-                                    for id, lesson in LESSONS.items()])
+@pytest.mark.parametrize("lesson", LESSONS.values(), ids=LESSONS)
 def test_a_lesson_from_the_question_to_the_run(lesson: Lesson, walking: Tab, artefacts: Path) -> None:
     """Veiled until predicted, answering to a slider, playing after the prediction, sound in both languages.
 
