@@ -150,7 +150,7 @@ def test_words_on_a_map_cover_no_other_words_empty_or_computed() -> None:
         em = eye.em * NEARER
         said = {name: eye.box(what.words, what.at, what.anchor, em) for name, what in written(figure, language, em).items()}
         assert any(name.endswith("empty") for name in said) == empty
-        said["factors"] = eye.box(factors(body, language), FACTORS_AT[True], "bottom-right", eye.em)
+        said["factors"] = eye.box(factors(body, language), FACTORS_AT, "bottom-right", eye.em)
         names = list(said)
         assert not [(a, b) for i, a in enumerate(names) for b in names[:i] if said[a].meets(said[b])]
         (left, far, _), (right, _, _) = eye.at(place(0.0, 1.0)), eye.at(place(1.0, 1.0))

@@ -10,7 +10,7 @@ import numpy as np
 
 from observer_lab.course.figures.claims import claim
 from observer_lab.course.figures.diagram import DiagramFigure
-from observer_lab.course.figures.records import Curve, Figure, LineFigure, PlaneFigure, Point, TableFigure
+from observer_lab.course.figures.records import Curve, Figure, LineFigure, MatrixFigure, PlaneFigure, Point, TableFigure
 from observer_lab.course.lesson import Outcome
 from observer_lab.plants.arm import ANGLE_INDEX, CURRENT_INDEX, LOAD_INDEX, MODEL, MOTOR_DATA, SPEED_INDEX
 from observer_lab.text import NO_WORDS, Text, format_number, joined, text
@@ -37,7 +37,18 @@ def figures(outcome: Outcome[Study]) -> tuple[Figure, ...]:
     lines = (_angle(outcome), _load(outcome), _speed(outcome), voltage, _current(outcome), _gear(outcome))
     angle, load, speed, voltage, current, gear = (within(figure, BEYOND[figure.id]) for figure in lines)
     return (load, angle, speed, error, voltage, current, gear, _loop(outcome), _speeds(outcome), _sheet(), _rest(outcome),
-            _diagram(outcome))
+            _diagram(outcome), _model(outcome))
+
+
+def _model(outcome: Outcome[Study]) -> MatrixFigure:
+    """The matrix A that the observer has: what each state's rate depends on; that of the load on nothing."""
+    names = "i", "ω", "θ", "τ"
+    kept = slice(None) if outcome.design["load_state"] else slice(LOAD_INDEX)
+    said = text("The entry in a row says how a rate depends on a state. The last row is zero: the model has no law for the load.")
+    without = text("The entry in a row says how a rate depends on a state. This observer has no row for the load.")
+    return MatrixFigure("model", text("matrix A of the observer's model"), ARM_PLANT.A[kept, kept],
+                        tuple(f"d{name}/dt" for name in names[kept]), names[kept], lit=(LOAD_INDEX,) if outcome.design["load_state"] else (),
+                        caption=said if outcome.design["load_state"] else without, tab=NUMBERS_TAB)
 
 
 def _diagram(outcome: Outcome[Study]) -> DiagramFigure:

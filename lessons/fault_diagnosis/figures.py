@@ -9,6 +9,7 @@ from observer_lab.course.lazy import FigureSet, tab_figures
 from observer_lab.course.lesson import Outcome
 from observer_lab.text import NO_WORDS, Text, format_number, joined, listed, same, text, text_in
 
+from .bank_figure import VERDICT_TAB, bank
 from .cusum import cusum
 from .diagnosis import DETECTION_POWER
 from .observer_bank import COIL_IDS, DT, FAULT_PLACES, MEMBER_NAMES, PLACE_NAMES, SAMPLE_COUNT, guard
@@ -19,12 +20,12 @@ from .runs import KEEP_LOOP_OPEN, NONE, SWITCH_LOOP
 from .sensitivity import TONES, least, least_force
 from .study import between, unknown_coil
 
-RESIDUAL_TAB, VERDICT_TAB, LOOP_TAB = text("Residuals"), text("Verdict"), text("Loop")
+RESIDUAL_TAB, LOOP_TAB = text("Residuals"), text("Loop")
 RATE_TAB, REACH_TAB = text("False alarms"), text("Reach")
 TIMES_S = DT * np.arange(SAMPLE_COUNT)
 TIMES_S.setflags(write=False)
 THRESHOLD_FLOOR = 0.1  # of the threshold: nothing lower is drawn
-CURVE_STYLES: tuple[tuple[str, Dash], ...] = (("plant", "solid"), ("estimate", "dash"), ("force", "dot"), ("error", "solid"))
+CURVE_STYLES: tuple[tuple[Dash, float], ...] = (("solid", 2.0), ("dash", 2.0), ("dot", 2.0), ("solid", 1.2))
 CURRENT_MARK = "▶ "
 
 
@@ -40,7 +41,7 @@ def figures(outcome: Outcome[Study]) -> FigureSet:
                 _reading(s),
             ),
         ),
-        tab_figures(VERDICT_TAB, lambda: (isolation(s), _members())),
+        tab_figures(VERDICT_TAB, lambda: (bank(s, decisive(s)), isolation(s), _members())),
         tab_figures(PAIR_TAB, lambda: pair_figures(outcome)),
         tab_figures(LOOP_TAB, lambda: (_pitch(s), _across(s), _forces(s))),
         tab_figures(RATE_TAB, lambda: (_rates(s), _counts(s), _cusum(s))),
@@ -50,9 +51,10 @@ def figures(outcome: Outcome[Study]) -> FigureSet:
 
 # --- residuals ---------------------------------------------------------------------------------------------------------
 def _residuals(s: Study, name: str, title: Text, which: range) -> LineFigure:
-    curves = [Curve(same(MEMBER_NAMES[i]), np.maximum(s.verdict.values[:, i], THRESHOLD_FLOOR), *CURVE_STYLES[i % 4]) for i in which]
+    at = decisive(s)
+    curves = [Curve(same(MEMBER_NAMES[i]), np.maximum(s.verdict.values[:, i], THRESHOLD_FLOOR),
+                    "error" if s.verdict.values[at, i] > 1 else "plant", *CURVE_STYLES[i % 4]) for i in which]
     curves.append(Curve(text("threshold"), np.ones(SAMPLE_COUNT), "reference", "dash", 1.4))
-    at = _decisive(s)
     loud = [MEMBER_NAMES[i] for i in which if s.verdict.values[at, i] > 1]
     when = f"{DT * at:.2f} s"
     said = (text("At {when} over the threshold: {loud}.", when=when, loud=listed(map(same, loud))) if loud else
@@ -61,7 +63,7 @@ def _residuals(s: Study, name: str, title: Text, which: range) -> LineFigure:
                       tab=RESIDUAL_TAB)
 
 
-def _decisive(s: Study) -> int:
+def decisive(s: Study) -> int:
     """The sample that is talked about: the verdict's, else the last of those with most alarms."""
     if s.verdict.decided is not None:
         return s.verdict.decided
@@ -90,7 +92,7 @@ def _reading(s: Study) -> LineFigure:
 # --- verdict -----------------------------------------------------------------------------------------------------------
 def isolation(s: Study) -> MatrixFigure:
     """Fault against residual, and below it what this run shows; that row and the one that fits it now are lit."""
-    signature, at = np.asarray(guard().bank.signature, dtype=bool), _decisive(s)
+    signature, at = np.asarray(guard().bank.signature, dtype=bool), decisive(s)
     now, values = s.verdict.named[at], s.verdict.values[at]
     expected = signature.T
     kinds = np.vstack([np.where(expected, 0, -1), np.where(values > 1, 1, -1)])

@@ -32,13 +32,14 @@ from .study import (
 MEAN_TAB, WALL_TAB, INPUT_TAB = text("Covariance"), text("Separation"), text("Lost inputs")
 JUST = 1e-3  # of a period: how long before a sample its upper corner is drawn
 CIRCLE_ANGLES_RAD = np.linspace(0, 2 * np.pi, 73)
+FIRST_SAMPLES = 40  # that one can tell apart
 NEVER = text_in("network", "none")
 
 
 def figures(outcome: Outcome[Study]) -> FigureSet:
     """Time, covariance, gaps, separation, lost inputs: at most three in a tab."""
     return FigureSet(tab_figures(TIME_TAB, lambda: (_state(outcome), _input(outcome), _ages(outcome))),
-                 tab_figures(MEAN_TAB, lambda: (_teeth(outcome), _means(outcome), _limits(outcome))),
+                 tab_figures(MEAN_TAB, lambda: (_teeth(outcome), _first(outcome), _means(outcome), _limits(outcome))),
                  tab_figures(GAP_TAB, lambda: (gaps(outcome),)),
                  tab_figures(WALL_TAB, lambda: (_error(outcome), _spectrum(outcome), _blocks(outcome))),
                  tab_figures(INPUT_TAB, lambda: (_growth(outcome),)))
@@ -132,6 +133,19 @@ def _teeth(outcome: Outcome[Study]) -> LineFigure:
                  peak=_big(peak), samples=RUN_SAMPLES, mean=mean)
     return LineFigure("teeth", text("how unsure the filter is"), times(outcome), tuple(curves), "σ²/σ₀²",
                       log_y=True, window=(0.5, 10.0), tab=MEAN_TAB, caption=words)
+
+
+def _first(outcome: Outcome[Study]) -> LineFigure:
+    """The variance over the first samples, packet by packet, and which packets are lost."""
+    s, shown = outcome.study, 2 * FIRST_SAMPLES
+    grows, lost = s.teeth.ravel()[:shown], int(np.sum(~s.heard[:FIRST_SAMPLES]))
+    floor = 0.8 * float(grows.min())
+    comb = _steps(np.where(s.heard, floor, 0.7 * floor))[:shown]
+    return LineFigure("first", text("how unsure the filter is: the first packets"), times(outcome)[:shown],
+                      (Curve(text("variance"), grows), Curve(text("steps down: no packet arrives"), comb, "disturbance")),
+                      "σ²/σ₀²", log_y=True, window=(0.2, 10.0), tab=MEAN_TAB,
+                      caption=text("{lost} of the first {samples} packets are lost. Each lets the variance grow; the next packet that "
+                                   "arrives reduces it.", lost=lost, samples=FIRST_SAMPLES))
 
 
 def _bound(values: np.ndarray) -> np.ndarray:

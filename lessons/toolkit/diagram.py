@@ -17,6 +17,7 @@ from .latex import gain_words
 PLANT_LAW, OBSERVER_LAW = r"\dot x = Ax + Bu,\quad y = Cx", r"\dot{\hat x} = A\hat x + Bu + %s\,(y - C\hat x)"
 SAMPLED_PLANT, SAMPLED_OBSERVER = r"x_{k+1} = Ax_k + Bu_k,\quad y_k = Cx_k", r"\hat x_k = \hat x_k^- + %s\,(y_k - C\hat x_k^-)"
 FED_BACK, FED_REFERENCE = r"u = -K\hat x,\quad ", r"u = r - K\hat x,\quad "
+MOST_ENTRIES_IN_DIAGRAM, TALLEST_COLUMN = 8, 2  # of a gain below a diagram
 SUM, LIMIT_BOX = (330.0, 150.0), (72.0, 36.0, 36.0, 28.0)
 
 
@@ -79,9 +80,9 @@ def loop(plant: Plant, run: Signals, L: np.ndarray, K: np.ndarray | None = None,
               law or _with_input(SAMPLED_PLANT if sampled else PLANT_LAW, plant.D, sampled)),
         Block("observer", (130.0, 130.0, 100.0, 44.0), text("observer"),
               _with_input((SAMPLED_OBSERVER if sampled else OBSERVER_LAW) % gain, (model or plant).D, sampled)),
-        Block("L", (262.0, 134.0, 30.0, 32.0), gain, gain_words(gain, L), off=opened),
+        Block("L", (262.0, 134.0, 30.0, 32.0), gain, _gain_words(gain, L), off=opened),
         *(() if K is None else (Block("K", (10.0, 100.0, 40.0, 32.0), "−K",
-                                      (FED_REFERENCE if reference else FED_BACK) + gain_words("K", K)),)),
+                                      (FED_REFERENCE if reference else FED_BACK) + _gain_words("K", K)),)),
         *(() if limit is None else (Block("limit", LIMIT_BOX, text("limit"), r"|u| \le u_{\max}"),)),
     ]
     if press is not None:
@@ -99,6 +100,13 @@ def loop(plant: Plant, run: Signals, L: np.ndarray, K: np.ndarray | None = None,
     return DiagramFigure("diagram", text("the loop, with its signals now"), run.t, tuple(blocks), wires, (SUM,),
                          (("+", (350.0, 136.0)), ("−", (350.0, 168.0))),
                          text("The thicker a line, the larger its signal now. A number in brackets says how many signals share the line."))
+
+
+def _gain_words(symbol: str, M: np.ndarray) -> str:
+    """A gain as LaTeX in one line or two: a tall column transposed, the size of a matrix with many entries."""
+    if M.size > MOST_ENTRIES_IN_DIAGRAM:
+        return rf"{symbol}\quad ({M.shape[0]}\times {M.shape[1]})"
+    return gain_words(rf"{symbol}^{{\mathsf T}}", M.T) if M.shape[1] == 1 and len(M) > TALLEST_COLUMN else gain_words(symbol, M)
 
 
 def _with_input(law: str, D: np.ndarray, sampled: bool) -> str:

@@ -139,6 +139,12 @@ class Chart:
         if self._html is not None and shape != (self._high, self._large):
             self._html.content = self._drawing(self._figure)
 
+    def draw_as_high_as(self, high: float) -> None:
+        """Draw a plane or a map in another height."""
+        if self._html is not None and high != self._high:
+            self._high = high
+            self._html.content = self._drawing(self._figure)
+
     def _drawing(self, figure: Figure) -> str:
         return draw(figure, self._language, self._large, self._high, self._hand)
 

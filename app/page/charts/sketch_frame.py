@@ -7,14 +7,13 @@ import json
 
 from ...course.figures.records import PlaneFigure
 from ...course.guiding.questions import DrawnQuestion
-from .print_sizes import Sizes
 from .svg import axes_of_plane
 
 
-def sketch_frame(question: DrawnQuestion, figure: PlaneFigure, drawn: str, sizes: Sizes, language: str, key: str, how: str,
+def sketch_frame(question: DrawnQuestion, figure: PlaneFigure, drawn: str, high: float, language: str, key: str, how: str,
                  send: str) -> str:
     """The figure as it is `drawn`, open to a hand, with what to do and the button `send`; in this browser its name is `key`."""
-    axes = axes_of_plane(figure, language, sizes.question())
+    axes = axes_of_plane(figure, language, high)
     columns = [round(axes.at(x, 0.0)[0], 1) for x in question.columns]
     told = {"question": key, "columns": columns, "top": axes.frame.top, "foot": axes.frame.bottom, "bars": question.bars}
     name = html.escape(how, quote=True)

@@ -48,7 +48,7 @@ MOST_NAMES, NAME_COLOUR_SHARE = (
 )  # names of curves that stand beside them, more stand in a key; how much of a curve's colour is its name's
 BOLD = 1.08  # how much wider bold words are
 LEAST_BAR_PX = 2.5  # px that a bar is high at least
-TITLE_PX = 13.0  # px of a drawing's title; in large print it is as large as its other words
+TITLE_PX = 14.0  # px of a drawing's title; in large print it is as large as its other words
 BARS = re.compile("▮+")  # the level of a number in a table: a bar as many parts long
 TIMES_TEN = "·10"  # a number parts before its power of ten as those of a cell do
 
@@ -77,10 +77,10 @@ def draw(figure: Figure, language: str, large: bool = False, high: float = H, ha
 
 
 def _svg(drawn: tuple[str, float], figure: Figure, language: str, large: bool) -> str:
-    """A drawing under its title, which stands in lines in large print and in smaller letters otherwise where it is too long."""
+    """A drawing under its title, which stands in lines where it is too long for one."""
     (body, height), title = drawn, figure.title(language)
-    lines = fold_lines(title, W / (BOLD * LARGE_PRINT_PX)).split("\n") if large else [title]
-    size = LARGE_PRINT_PX if large else min(TITLE_PX, TITLE_PX * W / max(text_width(title, BOLD * TITLE_PX), 1.0))
+    size = LARGE_PRINT_PX if large else TITLE_PX
+    lines = fold_lines(title, W / (BOLD * size)).split("\n")
     more = ROW_HEIGHT_PX * (len(lines) - 1)
     said = "".join(
         f'<text x="{W / 2}" y="{16 + k * ROW_HEIGHT_PX - more:.1f}" text-anchor="middle" font-size="{size:.1f}" font-weight="600">'

@@ -15,7 +15,7 @@ import numpy as np
 
 SVG_DASHES = MappingProxyType({"solid": "", **{dash: f' stroke-dasharray="{pattern}"' for dash, pattern in (
     ("dash", "7 4"), ("dot", "2 3"), ("pin1", "3 3"), ("pin2", "12 3"), ("pin3", "9 3 2 3"), ("pin4", "6 2 2 2 2 2"))}})
-WORDS_PX, LARGE_PRINT_PX = 11.0, 14.6  # px of the words in a drawing, and in one of large print
+WORDS_PX, LARGE_PRINT_PX = 12.0, 14.6  # px of the words in a drawing, and in one of large print
 KEY_ROW, LARGE_ROW = 16.0, 19.0  # px from one row of a key to the next, and in large print
 ANCHORS, CURVE_STEP_PX = 28, 6.0  # points of a curve that its name is tried at; px between the points that are looked at
 SUPERSCRIPTS = "⁰¹²³⁴⁵⁶⁷⁸⁹⁻"

@@ -41,6 +41,7 @@ from ..viser_private.write_once import write_content
 from ..votes.room_panel import RoomPanel, room_command
 from ..words import phrases
 from ..words.menu import menu_edit
+from .figure_room import room_for_drawing
 from .pointing_hand import hand_target
 from .scene_card import card_html, formulas_html, mode_row, question_html, verdict_html
 
@@ -116,6 +117,8 @@ class GuidePanel:
         self._tell_notes(picture)
         self._point(picture)
         for name, chart in self.charts.items():
+            if name in scene.figures:
+                chart.draw_as_high_as(room_for_drawing(picture, Sizes(picture.state)))
             chart.set_visible(name in scene.figures)
 
     def _point(self, picture: Picture) -> None:

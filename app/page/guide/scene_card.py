@@ -26,6 +26,7 @@ from ..words.menu import menu_html
 from ..words.mode_switch import mode_switch
 from ..words.prediction import options_html
 from ..words.prose import explained_html, formula_html, render_markdown, with_minus
+from .figure_room import room_for_question
 from .moving_lines import moving_lines
 
 
@@ -188,16 +189,19 @@ def question_html(picture: Picture, sizes: Sizes, hand: str) -> str:
     if cloud:
         return cloud
     figure = picture.question.drawn(chosen, answered, state.sketches.get(scene.id))
-    drawn = draw(figure, state.language, sizes.large_words, sizes.question(chosen is not None or answered))
-    return drawn if chosen is not None or answered or not picture.question.columns else sketch_html(picture, figure, drawn, sizes, hand)
+    asks = chosen is None and not answered
+    asked = prediction_of(picture.lesson, scene, state.language)
+    high = room_for_question(picture.scene_words.text, asked.options, sizes) if asks else sizes.question(True)
+    drawn = draw(figure, state.language, sizes.large_words, high)
+    return sketch_html(picture, figure, drawn, high, hand) if asks and picture.question.columns else drawn
 
 
-def sketch_html(picture: Picture, figure: PlaneFigure, drawn: str, sizes: Sizes, hand: str) -> str:
+def sketch_html(picture: Picture, figure: PlaneFigure, drawn: str, high: float, hand: str) -> str:
     """A question's figure into which a hand draws its prediction, and the button that sends it."""
     question, scene, lang = picture.question, picture.scene, picture.state.language
     assert question is not None and scene is not None
     send = f'<button type="button" class="ol-do" data-to="{hand}" disabled>{html.escape(phrases.PREDICT_THIS(lang))}</button>'
-    return sketch_frame(question, figure, drawn, sizes, lang, f"{picture.lesson.id}/{scene.id}", phrases.SKETCH(lang), send)
+    return sketch_frame(question, figure, drawn, high, lang, f"{picture.lesson.id}/{scene.id}", phrases.SKETCH(lang), send)
 
 
 def formulas_html(picture: Picture) -> str:

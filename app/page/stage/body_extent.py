@@ -11,6 +11,7 @@ from ...course.lesson import Stage
 from ...plants.bodies.body import Ball, Box, Cylinder, Pose, Shape
 
 MOMENTS = 8  # of a run that are looked at
+BASE_TOP = 0.2  # stage units: what a plant stands on is no higher
 SIGNS = np.array(list(product((-1.0, 1.0), repeat=3)))  # of a box's corners
 
 
@@ -56,3 +57,10 @@ def reach(stage: Stage) -> tuple[float, float]:
     """How far to either side and how high a body reaches in its run, in stage units."""
     points = body_corners(stage, MOMENTS)
     return float(np.abs(points[:, 0]).max()), float(points[:, 2].max())
+
+
+def front_corner(stage: Stage) -> tuple[float, float]:
+    """Where the base of a body ends on the right and in front, in stage units."""
+    points = body_corners(stage, 1)
+    base = points[points[:, 2] < BASE_TOP]
+    return float(base[:, 0].max()), float(base[:, 1].min())

@@ -18,7 +18,7 @@ from ..charts.text_layout import fold_lines
 from ..viser_private import viser_internals
 from ..viser_private.stage_frames import Frame, Value, changed_values, flatten_segments
 from ..words import phrases
-from .body_extent import reach
+from .body_extent import front_corner
 from .lighting import PLANT, light_up
 from .part_names import PartNames
 from .pinned_ghosts import PinGhosts
@@ -26,10 +26,10 @@ from .pulling_hand import Pulled, PullingHand
 from .scene_labels import SceneLabels, colour_labels, stagger_names
 from .solids import Solids
 from .trails import ErrorLines
-from .viewpoint import body_scale
 
 FACTORS = 10.0  # letters: a line with what is exaggerated is no longer
-FACTORS_AT = (2.9, -0.6, 0.02), (2.9, -0.6, 0.5)  # where the end of its last line stands, and where a map lies in front
+FACTORS_AT = (2.9, -0.6, 0.5)  # where the end of its last line stands, where a map lies in front
+FACTORS_GAP = 0.1  # stage units elsewhere between it and the front of the plant's base
 MIN_ARROW_LENGTH = 0.05  # stage units: shorter arrows are not drawn
 LARGEST_CLOUD, ONE_OF_SEVERAL = 0.9, 0.5  # stage units: of a cloud that stands alone, and of one of several about one body
 UPRIGHT = (math.sqrt(0.5), math.sqrt(0.5), 0.0, 0.0)  # pictures lie flat until they are turned, then the last row is above
@@ -48,10 +48,11 @@ def factors(body: Body, language: str) -> str:
 
 
 def factors_at(stage: Stage, charted: bool) -> Vector:
-    """Where the end of these words stands: nearer where the camera is nearer, before a small body."""
-    scale = 1.0 if charted else body_scale(reach(stage))
-    x, y, z = FACTORS_AT[charted]
-    return scale * x, scale * y, z
+    """Where these words end: on the right, on the floor before the base, or above it where a map lies in front."""
+    if charted:
+        return FACTORS_AT
+    x, y = front_corner(stage)
+    return x, y - FACTORS_GAP, 0.0
 
 
 class StageView:
@@ -124,7 +125,8 @@ class StageView:
                                       receive_shadow=False)
             for i, _ in enumerate(body.anchors(stage.xhat[0].tolist(), body.gain))]
         said = factors(body, language)
-        self._letters.write("/factor", said, factors_at(stage, self.charted), "bottom-right", visible=bool(said))
+        self._letters.write("/factor", said, factors_at(stage, self.charted), "bottom-right" if self.charted else "top-right",
+                            visible=bool(said))
         self._say(stage, language)
         self._called = [(label_in_language(words, language), place) for words, place in body.labels]
         self._names = [self._letters.write(f"/name/{i}", *name, "top-center") for i, name in enumerate(stagger_names(self._called, em))]

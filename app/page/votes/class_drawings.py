@@ -27,7 +27,7 @@ def drawing_html(picture: Picture, vote: Vote) -> str:
     figure = picture.question.drawn(None, False)
     send = f'<button type="button" class="ol-do" disabled data-room="sketch:{vote.number}">{html.escape(phrases.SEND(lang))}</button>'
     drawn = draw(figure, lang, sizes.large_words, sizes.question())
-    return sketch_frame(picture.question, figure, drawn, sizes, lang, f"vote/{vote.number}", phrases.DRAW_HOW(lang), send)
+    return sketch_frame(picture.question, figure, drawn, sizes.question(), lang, f"vote/{vote.number}", phrases.DRAW_HOW(lang), send)
 
 
 def drawings_html(picture: Picture, vote: Vote) -> str:

@@ -4,7 +4,7 @@
 ({large}) => {
   const viser = window.observerLabViser, {chart: CHART, column: COLUMN, view: VIEW} = viser.parts;
   const lab = window.observerLabFill ??= {}, LEAST = .3, MUCH = .35, HALF = .5, SMALL = .24, TALLEST = 1.5;  // shares; height over width
-  const CLEAR = 6, ASKED = 160, AIR = .7;  // px; px that a question's figure has at least; letters
+  const CLEAR = 6, SHEET = 896, ASKED = 160, AIR = .7;  // px; px of the widest window with a sheet; px that a question's figure has at least; letters
   const DRAWN = `${CHART},.ol-table,.ol-figure,:has(${CHART},.ol-table,.ol-figure)`;
   const [SPARE, SLACK] = [26, 66];  // px left below grown charts, so that a caption may take a line more; px from which they grow again
   lab.large = large;
@@ -28,6 +28,10 @@
       const held = lab.heights.get(chart), made = held?.now === chart.height ? held.made : chart.height;
       return {chart, made, most: Math.max(made, Math.round(TALLEST * chart.width))};
     });
+    if (!own.length && captions.length === 1 && innerWidth > SHEET && view.querySelector('.ol-card')) {
+      const drawn = captions[0].parentElement.previousElementSibling?.querySelector('.ol-figure>svg');
+      if (drawn) shrink(view, drawn, room - rect(captions[0]).bottom + rect(drawn).bottom - CLEAR);
+    }
     if (!own.length) airy(view, captions.at(-1), room - SPARE);
     if (!own.length || (left >= 0 && left <= SLACK)) return;
     const usual = sizes.reduce((sum, {chart, made}) => sum + chart.height - made, 0), more = Math.floor(Math.max(0, left + usual - SPARE) / own.length);
@@ -47,7 +51,7 @@
     if (drawn.style.maxHeight !== left) drawn.style.maxHeight = left;
   };
 
-  // In large print the first map of a column is as high as the card leaves it, so that it is seen whole.
+  // The first map of a column in large print, and a lone drawing of a scene, is as high as the card leaves it, so that it is seen whole.
   const shrink = (view, drawn, room) => {
     if (!drawn) return;
     const left = `${Math.round(Math.max(SMALL * view.clientHeight, room - (rect(drawn).top - rect(view.firstElementChild).top) - CLEAR))}px`;
