@@ -42,13 +42,13 @@ def figures(outcome: Outcome[Study]) -> tuple[Figure, ...]:
 
 def _model(outcome: Outcome[Study]) -> MatrixFigure:
     """The matrix A that the observer has: what each state's rate depends on; that of the load on nothing."""
-    names = "i", "ω", "θ", "τ"
-    kept = slice(None) if outcome.design["load_state"] else slice(LOAD_INDEX)
+    names, whole = ("i", "ω", "θ", "τ"), bool(outcome.design["load_state"])
+    kept = slice(None) if whole else slice(LOAD_INDEX)
     said = text("The entry in a row says how a rate depends on a state. The last row is zero: the model has no law for the load.")
     without = text("The entry in a row says how a rate depends on a state. This observer has no row for the load.")
     return MatrixFigure("model", text("matrix A of the observer's model"), ARM_PLANT.A[kept, kept],
-                        tuple(f"d{name}/dt" for name in names[kept]), names[kept], lit=(LOAD_INDEX,) if outcome.design["load_state"] else (),
-                        caption=said if outcome.design["load_state"] else without, tab=NUMBERS_TAB)
+                        tuple(f"d{name}/dt" for name in names[kept]), names[kept], lit=(LOAD_INDEX,) if whole else (),
+                        caption=said if whole else without, tab=NUMBERS_TAB)
 
 
 def _diagram(outcome: Outcome[Study]) -> DiagramFigure:

@@ -144,7 +144,7 @@ def _first(outcome: Outcome[Study]) -> LineFigure:
     return LineFigure("first", text("how unsure the filter is: the first packets"), times(outcome)[:shown],
                       (Curve(text("variance"), grows), Curve(text("steps down: no packet arrives"), comb, "disturbance")),
                       "σ²/σ₀²", log_y=True, window=(0.2, 10.0), tab=MEAN_TAB,
-                      caption=text("{lost} of the first {samples} packets are lost. Each lets the variance grow; the next packet that "
+                      caption=text("Lost here: {lost} of {samples}. Each lost packet lets the variance grow; the next one that "
                                    "arrives reduces it.", lost=lost, samples=FIRST_SAMPLES))
 
 

@@ -13,6 +13,8 @@ from observer_lab.course.figures.records import PlaneFigure
 from observer_lab.course.lesson import Lesson, Outcome
 from observer_lab.engine import Plant
 from observer_lab.lessons import LESSONS
+from observer_lab.lessons.fault_diagnosis.bank_figure import HIGHEST
+from observer_lab.lessons.fault_diagnosis.figures import decisive
 from observer_lab.lessons.record.figures import TOP
 from observer_lab.plants.examples import EXAMPLES, example
 from observer_lab.plants.own_plant import canonical_text
@@ -61,6 +63,34 @@ def test_the_ellipses_of_one_step_stand_in_one_window_about_one_point(k: float) 
 def test_the_loop_of_the_filter_says_the_size_of_its_gain_and_not_two_dozen_numbers() -> None:
     laws = {block.id: block.law for block in shown(*at("kalman"), "diagram").blocks}
     assert laws["L"] == r"M\quad (6\times 4)"
+
+
+# --- fault diagnosis, network, arm -------------------------------------------------------------------------------------
+@pytest.mark.parametrize("values", [{}, {"place": "HL", "kind": "bias", "bias": 3.0}, {"place": "VR", "kind": "drift", "drift": 4.0}])
+def test_each_observer_of_the_bank_has_a_bar_as_high_as_its_test_value_and_an_arrow_beyond_the_edge(values: dict[str, object]) -> None:
+    lesson, outcome = at("fault-diagnosis", **values)
+    figure, verdict = plane(lesson, outcome, "bank"), outcome.study.verdict
+    *bars, line = figure.curves
+    row = verdict.values[decisive(outcome.study)]
+    assert [float(bar.y[1]) for bar in bars] == pytest.approx([min(value, HIGHEST) for value in row])
+    assert [bar.role == "error" for bar in bars] == [bool(value > 1) for value in row] and set(line.y) == {1.0}
+    assert [point.x for point in figure.points] == [k for k, value in enumerate(row) if value > HIGHEST]
+
+
+@pytest.mark.parametrize("loss", [0.0, 0.3, 0.75])
+def test_the_variance_grows_where_the_comb_says_that_no_packet_arrives_and_nowhere_else(loss: float) -> None:
+    lesson, outcome = at("network", loss=loss)
+    variance, comb = shown(lesson, outcome, "first").curves
+    lost = comb.y[::2] < comb.y.max() - 1e-12
+    assert list(lost) == list(~outcome.study.heard[:len(lost)])
+    before, after = variance.y[1:-1:2], variance.y[2::2]  # before and behind the packet of each sample but the first
+    assert np.array_equal(after < before * (1 - 1e-9), ~lost[1:])
+
+
+def test_the_last_row_of_the_arm_s_model_is_zero_and_is_not_there_without_a_state_for_the_load() -> None:
+    figure = shown(*at("arm"), "model")
+    assert figure.matrix.shape == (4, 4) and not figure.matrix[list(figure.lit)].any() and figure.matrix[:3].any(axis=1).all()
+    assert shown(*at("arm", load_state=False), "model").matrix.shape == (3, 3)
 
 
 # --- sandbox -----------------------------------------------------------------------------------------------------------
