@@ -49,11 +49,11 @@ SENSOR_CHOICES: Mapping[str, tuple[tuple[int, str, str], ...]] = MappingProxyTyp
     "angle": ((1, "angle", "rad"),),
     "both": ((0, "position", "m"), (1, "angle", "rad")),
 })
-STAGE_SCALE = 1.4  # stage units per metre
-RAIL_TOP, WHEEL = 0.36, 0.13  # top of the rail, radius of a wheel
-CART = (0.8, 0.56, 0.28)
+STAGE_SCALE = 1.6  # stage units per metre
+RAIL_TOP, WHEEL = 0.36, 0.16  # top of the rail, radius of a wheel
+CART = (1.0, 0.66, 0.36)
 PIVOT = RAIL_TOP + 2 * WHEEL + CART[2] - 0.02
-MAX_DRAWN_POSITION = 1.35  # farthest drawn position of the cart
+MAX_DRAWN_POSITION = 0.9  # farthest drawn position of the cart
 FLAT = 1.5  # rad, farthest drawn angle of the pole
 
 
@@ -152,7 +152,7 @@ def plant(parameters: Parameters = Parameters(), sensor: Sensor = "position") ->
 
 
 POINTING_AWAY: Quaternion = (cos(0.7853981633974483), -sin(0.7853981633974483), 0.0, 0.0)  # a wheel's axle points away
-WHEELS = tuple((sx * 0.26, sy * 0.26) for sy in (-1, 1) for sx in (-1, 1))
+WHEELS = tuple((sx * 0.32, sy * 0.28) for sy in (-1, 1) for sx in (-1, 1))
 BODY_PARTS = (
     Part("base", Box((4.3, 1.1, 0.1)), DARK_GREY),
     *(Part(f"rail {side}", Box((4.0, 0.1, 0.08)), METAL) for side in ("front", "back")),
@@ -162,9 +162,9 @@ BODY_PARTS = (
     Part("cart", Box(CART), PLANT_COLOUR, twin=True),
     *(Part(f"wheel {i}", Cylinder(WHEEL, 0.08), DARK_GREY) for i in range(4)),
     *(Part(f"hub {i}", Box((0.05, 0.16, 0.1)), METAL) for i in range(4)),
-    Part("pivot", Cylinder(0.09, 0.5), STEEL),
-    Part("pole", Rod(0.04), PLANT_COLOUR, twin=True),
-    Part("ball", Ball(0.16), PLANT_COLOUR, twin=True),
+    Part("pivot", Cylinder(0.11, 0.6), STEEL),
+    Part("pole", Rod(0.05), PLANT_COLOUR, twin=True),
+    Part("ball", Ball(0.2), PLANT_COLOUR, twin=True),
 )
 FIXED_POSES = MappingProxyType({
     "base": Pose((0.0, 0.0, 0.05)),
@@ -216,11 +216,11 @@ def body(parameters: Parameters = Parameters()) -> Body:
 
 
 FOG_PUFFS: Mapping[str, tuple[Vector, Vector]] = MappingProxyType({  # middles and half sizes, behind the estimate, which stays in sight
-    "fog 0": ((-1.05, 0.5, 1.55), (0.75, 0.28, 0.62)),
-    "fog 1": ((-0.35, 0.6, 1.75), (0.8, 0.3, 0.68)),
-    "fog 2": ((0.45, 0.5, 1.7), (0.85, 0.28, 0.7)),
-    "fog 3": ((1.15, 0.55, 1.5), (0.7, 0.28, 0.58)),
-    "fog 4": ((0.05, 0.45, 1.4), (1.2, 0.2, 0.45)),
+    "fog 0": ((-1.15, 0.5, 1.9), (0.8, 0.28, 0.7)),
+    "fog 1": ((-0.4, 0.6, 2.15), (0.85, 0.3, 0.78)),
+    "fog 2": ((0.5, 0.5, 2.1), (0.9, 0.28, 0.8)),
+    "fog 3": ((1.25, 0.55, 1.85), (0.75, 0.28, 0.66)),
+    "fog 4": ((0.05, 0.45, 1.75), (1.3, 0.2, 0.5)),
 })
 FOG_OPACITY = 0.3
 

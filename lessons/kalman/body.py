@@ -1,7 +1,7 @@
 """Draw the deck, and above it the 2σ ellipsoids of its velocities before and after one sample.
 
-The record that the stage plays is the deck's state (6), then three ellipsoids of seven numbers: half axes (3) as a share of the
-longest, rotation (w, x, y, z). Right v_x, away ω, up v_z.
+The record that the stage plays is the deck's state (6), then three ellipsoids of seven numbers: half axes (3) in stage units,
+rotation (w, x, y, z). Right v_x, away ω, up v_z.
 """
 
 from __future__ import annotations
@@ -24,7 +24,8 @@ VELOCITY_INDEX = (3, 5, 4)  # v_x to the right, ω away from the viewer, v_z up
 ELLIPSOIDS = ("last", "prediction", "estimate")
 NUMBERS = 7  # of one ellipsoid
 HUNG_AT: Vector = (0.0, 0.0, 2.8)  # stage units: where the ellipsoids hang
-LONGEST, LEAST = 0.6, 0.02  # stage units: half axes are drawn no longer and no shorter
+LONGEST, LEAST = 0.7, 0.02  # stage units: half axes are drawn no longer and no shorter
+SETTLED = 0.36  # stage units: half axes of the settled prediction of a filter with the right Q and R
 ARM = 0.74  # stage units: half length of an axis
 
 PARTS = (
@@ -35,13 +36,14 @@ PARTS = (
 )
 
 
-def ellipsoids(last: np.ndarray, prior: np.ndarray, posterior: np.ndarray | None) -> np.ndarray:
-    """The numbers that the stage shows: P(k−1), P⁻(k) and P(k) of the velocities, over the σ of the prediction.
+def ellipsoids(last: np.ndarray, prior: np.ndarray, posterior: np.ndarray | None, settled: np.ndarray) -> np.ndarray:
+    """The numbers that the stage shows: P(k−1), P⁻(k) and P(k) of the velocities, over the σ of a `settled` prediction.
 
-    Before the sample, without `posterior`, the last estimate is drawn within the prediction; after it, the new estimate.
+    Before the sample, without `posterior`, the last estimate is drawn within the prediction; after it, the new estimate. All are
+    smaller by one factor where one would be too large for the stage.
     """
     pick = np.ix_(VELOCITY_INDEX, VELOCITY_INDEX)
-    size = np.sqrt(np.maximum(np.diag(prior)[list(VELOCITY_INDEX)], 1e-300))
+    size = np.sqrt(np.maximum(np.diag(settled)[list(VELOCITY_INDEX)], 1e-300))
     halves, turns = np.zeros((3, 3)), np.tile([1.0, 0.0, 0.0, 0.0], (3, 1))
     for i, P in enumerate((last if posterior is None else None, prior, posterior)):
         if P is not None:
@@ -49,7 +51,7 @@ def ellipsoids(last: np.ndarray, prior: np.ndarray, posterior: np.ndarray | None
             V = V * np.sign(V[np.argmax(np.abs(V), axis=0), range(3)])  # their signs are the library's, the picture's are not
             halves[i] = np.sqrt(np.maximum(values, 0.0))
             turns[i] = Rotation.from_matrix(V * np.sign(np.linalg.det(V))).as_quat(canonical=True)[[3, 0, 1, 2]]
-    return np.hstack([halves / halves.max(), turns]).ravel()
+    return np.hstack([halves * min(SETTLED, LONGEST / halves.max()), turns]).ravel()
 
 
 def _axis(way: Vector) -> Pose:
@@ -62,7 +64,7 @@ AXES = MappingProxyType(
 
 
 def _ellipsoid(numbers: Sequence[float]) -> Pose:
-    half = [LONGEST * float(h) for h in numbers[:3]]
+    half = [float(h) for h in numbers[:3]]
     thick = tuple(max(h, LEAST) if any(half) else 1e-3 for h in half)
     return Pose(HUNG_AT, tuple(map(float, numbers[3:])), thick)  # type: ignore[arg-type]
 

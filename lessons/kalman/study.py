@@ -110,7 +110,8 @@ def compute(design: Design) -> Outcome[Study]:
 def _stage(design: Design, s: Study, t: np.ndarray, spread: np.ndarray) -> Stage:
     """The deck and its ghost over time; above them the ellipsoids of the step that is looked at."""
     last, prior, posterior = s.covariances_at(int(design["k"]))
-    tail = np.tile(ellipsoids(last, prior, posterior if design["phase"] == UPDATE else None), (len(t), 1))
+    tail = np.tile(ellipsoids(last, prior, posterior if design["phase"] == UPDATE else None, tuned().steady.solution),
+                   (len(t), 1))
     shown = [np.hstack([x[:, :STATE_COUNT], tail]) for x in (s.truth.x, s.track.means)]
     return Stage(DECK_BODY, t, shown[0], shown[1], s.truth.u, spread)
 

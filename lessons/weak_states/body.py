@@ -14,7 +14,7 @@ import numpy as np
 
 from observer_lab.course.lesson import Stage
 from observer_lab.plants.bodies.body import Body, PartName, Pose, bound_displacement, pose_between
-from observer_lab.plants.bodies.deck_body import MASS_REST, STAGE_SCALE, platform_body
+from observer_lab.plants.bodies.deck_body import STAGE_SCALE, platform_body
 from observer_lab.plants.platform.model import Parameters
 from observer_lab.text import text
 
@@ -22,7 +22,7 @@ from .balanced_platform import STATE_COUNT, Motion, System, believed, relative
 
 NOMINAL = Parameters()
 SWING_S, SWING_COUNT, FRAMES = 1.5, 4, 240  # s that one swing takes on the stage, swings, samples
-TRAVEL, SMALLER = 0.22, 0.75  # how far a test mass may swing on the stage, and its drawn size: the ghost must not hide in it
+REST, TRAVEL, LARGER = 0.55, 0.42, 1.3  # stage units of a test mass above its base plate, and how far it may swing; how large it is drawn
 MAX_DRAWN_MOTION = np.array([3.6e-3, 3.6e-3, 16e-3, 2.2e-3, 2.2e-3])  # m, m, rad, m, m: how far a motion is drawn
 
 
@@ -34,12 +34,12 @@ def _placed(a: float, s: float, h: float) -> Body:
 def _pose(x: Sequence[float], gain: float) -> Mapping[str, Pose]:
     a, s, h, mu = x[STATE_COUNT:]
     poses = dict(_placed(a, s, h).pose(x[:STATE_COUNT], gain))
-    size = SMALLER * min(max((mu / NOMINAL.mu) ** (1 / 3), 0.6), 1.4)
+    size = LARGER * min(max((mu / NOMINAL.mu) ** (1 / 3), 0.6), 1.4)
     for side, sign, place in (("left", -1.0, x[3]), ("right", 1.0, x[4])):
         foot, ball = poses[f"servo {side}"].position, poses[f"test mass {side}"]
         apart = [b - f for b, f in zip(ball.position, foot, strict=True)]
         rise = bound_displacement((place - x[1] - sign * s * x[2]) * STAGE_SCALE * gain, TRAVEL)
-        longer = (MASS_REST + rise) / math.hypot(*apart)
+        longer = (REST + rise) / math.hypot(*apart)
         there = (foot[0] + longer * apart[0], foot[1] + longer * apart[1], foot[2] + longer * apart[2])
         poses[f"test mass {side}"] = replace(ball, position=there, scale=(size, size, size))
         poses[f"servo {side}"] = pose_between(foot, there)

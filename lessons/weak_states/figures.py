@@ -11,14 +11,18 @@ from observer_lab.course.lesson import Design, Outcome
 from observer_lab.text import format_number, joined, same, subscript, text, text_in
 
 from ..toolkit.shares import apart, more
-from .balanced_platform import STATE_COUNT, closed_forms, relative, sigmas
-from .body import share
+from .balanced_platform import STATE_COUNT, believed, closed_forms, relative, sigmas
+from .body import MAX_DRAWN_MOTION, share
 from .reduced_regulator import PAIRS
 from .study import RELATIVE, REPORT, Ranks, Study
 
 RANK_TAB, HANKEL_TAB = text("Rank"), text("Hankel values")
 MOTION_TAB, LQG_TAB = text("Motions"), same("LQG")
 NOTHING_CUT = text("All ten states are kept: there is only one design. Keep fewer and compare.")
+PAIR_NAMES = text("height"), text("across"), text("tilt"), text("masses in step"), text("masses apart")  # of the kinds of motion
+PARTS = text("height"), text("across"), text("tilt"), text("left mass"), text("right mass")  # as `relative` has them
+PART_BAR_WIDTH, PART_BAR_GAP = 20.0, 0.19  # px; places from the middle of a part
+BAR_WIDTH, ABOVE_BARS = 17.0, 0.8  # px; decades from a bar to the circle above it
 LEAST = 1e-40  # a singular value drawn in place of zero
 LOG_AXIS_FLOOR = 1e-11  # drawn in place of zero on a logarithmic axis
 TOLERANCES = np.linspace(-18.0, 0.0, 145)  # log₁₀
@@ -29,7 +33,7 @@ def figures(outcome: Outcome[Study]) -> FigureSet:
     return FigureSet(
         tab_figures(RANK_TAB, lambda: (sizes(outcome.design, outcome.study.ranks), _ranks(outcome))),
         tab_figures(HANKEL_TAB, lambda: (_staircase(outcome), _error(outcome), _forms(outcome))),
-        tab_figures(MOTION_TAB, lambda: (_motions(outcome), _shapes(outcome))),
+        tab_figures(MOTION_TAB, lambda: (_pair(outcome), _motions(outcome), _shapes(outcome))),
         tab_figures(LQG_TAB, lambda: (_spectrum(outcome), _gains(outcome))),
         tab_figures(LQG_TAB, lambda: (_costs(outcome),), "late"),
     )
@@ -94,21 +98,18 @@ def bars(positions: np.ndarray, levels: np.ndarray, floor: float, half: float) -
 def _staircase(outcome: Outcome[Study]) -> PlaneFigure:
     s, order = outcome.study.system, int(outcome.design["order"])
     values, floor = np.log10(np.maximum(s.hankel, 1e-12)), -10.0
-    index = np.arange(1.0, STATE_COUNT + 1)
-    curves = []
-    for name, role, part in ((text("kept"), "plant", slice(0, order)), (text("cut"), "muted", slice(order, None))):
-        if len(values[part]):
-            x, y = bars(index[part], values[part], floor, 0.33)
-            curves.append(Curve(name, y, role, x=x, width=2.6))
+    curves = tuple(Curve(text("kept") if k < order else text("cut"), np.array([floor, max(value, floor)]),
+                         "plant" if k < order else "muted", "solid", BAR_WIDTH, np.full(2, k + 1.0)) for k, value in enumerate(values))
     pair = int(outcome.design["pair"]) - 1
-    points = [Point(float(index[k]), float(values[k]), "error", "dot") for k in (2 * pair, 2 * pair + 1)]
+    points = (Point(2 * pair + 1.5, float(values[2 * pair]) + ABOVE_BARS, "error", "circle"),)
+    names = tuple((2 * k + 1.5, PAIR_NAMES[motion.kind]) for k, motion in enumerate(s.motions))
     ratio = s.hankel[:-1] / s.hankel[1:]
     widest = int(np.argmax(ratio))
     after = same("") if widest == 7 else text("; after 8 it is {ratio:.0f}", ratio=ratio[7])
     return PlaneFigure(
-        "staircase", text("Hankel singular values"), tuple(curves), tuple(points), "i", "σ",
-        (0.3, STATE_COUNT + 0.7), (floor, 4.0), tab=HANKEL_TAB, powers="y",
-        caption=text("The widest gap, a factor of {ratio:.0f}, lies after {widest}{after}. Dots: the pair on the "
+        "staircase", text("Hankel singular values"), curves, points, text("what swings in each pair"), "σ",
+        (0.3, STATE_COUNT + 0.7), (floor, 5.0), tab=HANKEL_TAB, powers="y", names=names,
+        caption=text("The widest gap, a factor of {ratio:.0f}, lies after {widest}{after}. Circle: the pair on the "
                      "stage.",
                      ratio=ratio[widest], widest=widest + 1, after=after))
 
@@ -157,6 +158,23 @@ def _motions(outcome: Outcome[Study]) -> TableFigure:
         (text("pair"), text("motion"), same("Hz"), same("ζ %"), same("≈ σ"), same("σ"), text("held")),
         tuple(rows), tab=MOTION_TAB,
         caption=text("≈ σ: strength of the mode, ‖Cv‖ ‖wᴴB‖ / 2|Re λ|, from its eigenvectors alone."))
+
+
+def _pair(outcome: Outcome[Study]) -> PlaneFigure:
+    """How far each part swings in the pair on the stage, as a share of the farthest, in the plant and in the reduced model."""
+    s, order = outcome.study.system, int(outcome.design["order"])
+    pair = int(outcome.design["pair"]) - 1
+    motion = s.motions[pair]
+    plant, model = (np.abs(relative(s.parameters, v) / MAX_DRAWN_MOTION) for v in (motion.shape, believed(s, order, motion.shape)))
+    bars = tuple(Curve(name, np.array([0.0, float(value)]), role, "solid", PART_BAR_WIDTH, np.full(2, k + side * PART_BAR_GAP))
+                 for name, role, side, shares in ((text("plant"), "plant", -1, plant / plant.max()),
+                                                  (text("reduced model"), "estimate", 1, model / plant.max()))
+                 for k, value in enumerate(shares))
+    return PlaneFigure("pair", text("what swings in the pair {sigmas}", sigmas=sigmas(pair)), bars, (), "",
+                       text("share of the farthest"), (-0.6, len(PARTS) - 0.4), (0.0, 1.1), tab=MOTION_TAB,
+                       names=tuple((float(k), name) for k, name in enumerate(PARTS)),
+                       caption=text("The model with {order} states holds {held:.0f} % of this motion.", order=order,
+                                    held=100 * share(s, motion, order)))
 
 
 def _shapes(outcome: Outcome[Study]) -> MatrixFigure:

@@ -93,6 +93,25 @@ def test_the_last_row_of_the_arm_s_model_is_zero_and_is_not_there_without_a_stat
     assert shown(*at("arm", load_state=False), "model").matrix.shape == (3, 3)
 
 
+# --- weak states -------------------------------------------------------------------------------------------------------
+@pytest.mark.parametrize("order", [4, 8, 10])
+def test_each_hankel_value_has_a_bar_that_is_grey_where_it_is_cut(order: int) -> None:
+    lesson, outcome = at("weak-states", order=order, pair="5")
+    figure, hankel = plane(lesson, outcome, "staircase"), outcome.study.system.hankel
+    assert [10.0 ** float(bar.y[1]) for bar in figure.curves] == pytest.approx(list(hankel), rel=1e-9)
+    assert [bar.role for bar in figure.curves] == ["plant"] * order + ["muted"] * (10 - order)
+    assert [place for place, _ in figure.names] == [1.5, 3.5, 5.5, 7.5, 9.5] and figure.points[0].x == 9.5
+
+
+@pytest.mark.parametrize("pair", ["1", "3", "5"])
+def test_the_bars_of_a_pair_are_the_ways_on_the_stage_and_the_model_loses_a_pair_that_is_cut(pair: str) -> None:
+    full, cut = (plane(*at("weak-states", order=order, pair=pair), "pair").curves for order in (10, 8))
+    plant, model = ([float(bar.y[1]) for bar in full if bar.role == role] for role in ("plant", "estimate"))
+    assert max(plant) == pytest.approx(1.0) and model == pytest.approx(plant, abs=1e-6)
+    left = max(float(bar.y[1]) for bar in cut if bar.role == "estimate")
+    assert left < 0.05 if pair == "5" else left > 0.95
+
+
 # --- sandbox -----------------------------------------------------------------------------------------------------------
 @pytest.mark.parametrize("name", EXAMPLES)
 def test_the_numbers_of_the_sandbox_have_the_verdicts_of_its_table(name: str) -> None:

@@ -8,6 +8,7 @@ import pytest
 from scipy.linalg import expm, solve_discrete_are, solve_discrete_lyapunov
 from scipy.spatial.transform import Rotation
 
+from observer_lab.lessons.kalman.body import SETTLED
 from observer_lab.lessons.kalman.data_sheet import sheet_of
 from observer_lab.lessons.kalman.filters import tuned, watcher
 from observer_lab.lessons.kalman.knobs import MODEL
@@ -36,12 +37,19 @@ def test_the_ellipsoids_above_the_deck_are_the_covariances_of_the_velocities(k):
         last, prior = posterior, posterior if sample == 0 else kf.A @ posterior @ kf.A.T + kf.Q
         S = kf.C @ prior @ kf.C.T + kf.R
         posterior = prior - prior @ kf.C.T @ np.linalg.inv(S) @ kf.C @ prior
-    size = np.sqrt(np.diag(prior[velocities]))
+    size = np.sqrt(np.diag(solve_discrete_are(kf.A.T, kf.C.T, kf.Q, kf.R)[velocities]))
     before, after = (drawn_ellipsoids(outcome(q=1.0, r=1.0, k=k, phase=phase)) for phase in ("predict", "update"))
-    factor = np.trace(before["prediction"]) / 3
+    factor = np.trace(before["prediction"]) / np.trace(prior[velocities] / np.outer(size, size))
     for drawn, true in ((before["last"], last), (before["prediction"], prior), (after["prediction"], prior),
                         (after["estimate"], posterior)):
         assert np.allclose(drawn, factor * true[velocities] / np.outer(size, size), rtol=1e-6, atol=1e-6 * factor)
+
+
+def test_the_ellipsoid_has_one_scale_for_all_settings_so_that_a_larger_r_makes_it_larger():
+    right, wide, narrow = (drawn_ellipsoids(outcome(q=q, r=r, k=60, phase="update"))["prediction"]
+                           for q, r in ((1.0, 1.0), (1.0, 2.0), (0.05, 1.0)))
+    assert np.linalg.det(wide) > 1.2 * np.linalg.det(right) > 1.2**2 * np.linalg.det(narrow)
+    assert np.diag(right) == pytest.approx(SETTLED**2, rel=1e-2)
 
 
 def test_the_ellipsoid_grows_in_predict_and_shrinks_in_correct():

@@ -31,6 +31,7 @@ from observer_lab.lessons.saturation.study import (
     scenario_of,
 )
 from observer_lab.lessons.saturation.tasks import FAST_POLES
+from observer_lab.plants.cart_pendulum import PIVOT
 
 
 def design(**changes: object) -> Design:
@@ -338,7 +339,7 @@ def test_fog_hides_the_pole_and_nothing_else_of_a_run() -> None:
     assert not any(part.unseen for part in clear.stage.body.parts)
     assert [grip.knob for grip, _ in clear.stage.held] == ["pull", "pull_2"] and [grip.knob for grip, _ in fog.stage.held] == ["pull_2"]
     state = fog.stage.x[0].tolist()
-    assert all(z < 0.9 for *_, z in fog.stage.body.anchors(state, 1.0)), "no line leads to the hidden pole"
+    assert all(z < PIVOT for *_, z in fog.stage.body.anchors(state, 1.0)), "no line leads to the hidden pole"
     angle, position = (next(f for f in LESSON.figures(fog) if f.id == id) for id in ("state0", "state1"))
     assert [curve.role for curve in angle.curves] == ["estimate"] and len(position.curves) == 2
     np.testing.assert_allclose(angle.curves[0].y, np.clip(np.degrees(fog.stage.xhat[:, 1]), -49, 49))

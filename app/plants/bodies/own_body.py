@@ -32,6 +32,7 @@ from .body import (
 )
 
 ROW_WIDTH, MOST_IN_ROW, MOST_ARROWS = 4.2, 10, 4
+ARROW_FOOT = 1.05  # stage units above the floor, where an arrow begins: it ends above the step
 GLASS_COLOUR, LIT_COLOUR, UNLIT_COLOUR = (COLOURS[role] for role in ("tube", "lit", "unlit"))
 FRONT, ROW_GAP, ROW_STEP_HEIGHT = -0.35, 0.62, 0.5  # y of the first row, distance to the next, how much higher it stands
 
@@ -77,8 +78,9 @@ def tubes_body(names: Sequence[Text | str], full: Sequence[float], measured: Seq
 
     def arrows(x: Sequence[float], u: Sequence[float], gain: float) -> tuple[Arrow, ...]:
         drawn = min(len(strongest), MOST_ARROWS)
-        return tuple(force_arrow(((j - (drawn - 1) / 2) * 0.5, FRONT - 0.55, 0.5), (0.0, 0.0, 1.0), float(u[j]), strongest[j])
-                     for j in range(drawn))
+        aside = gap / 2 if (rows[0] - drawn) % 2 == 0 else 0.0  # between tubes, before none of them
+        places = [(j - (drawn - 1) / 2) * gap - aside for j in range(drawn)]
+        return tuple(force_arrow((x, FRONT - 0.35, ARROW_FOOT), (0.0, 0.0, 1.0), float(u[j]), strongest[j]) for j, x in enumerate(places))
 
     def anchors(x: Sequence[float], gain: float) -> tuple[Vector, ...]:
         return tuple((across, y - 1.5 * radius, height(k, float(x[k]), gain)) for k, (across, y, _) in enumerate(feet))
