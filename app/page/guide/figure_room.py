@@ -1,5 +1,4 @@
-"""Estimate the room that the card of a scene leaves to its figure, so that the words of the figure need not shrink."""
-
+"""Estimate the room that the card of a scene leaves to its figure."""
 from __future__ import annotations
 
 import math
