@@ -31,8 +31,9 @@ LONGEST = 200  # letters of a test's name
 
 # an example that fails is told as it is: to explain it, every line of every example would be traced, at twice the time. None fails
 # because it took long: what is slow here is the machine
-settings.register_profile("here", deadline=None, suppress_health_check=[HealthCheck.too_slow],
+settings.register_profile("whole", deadline=None, suppress_health_check=[HealthCheck.too_slow],
                           phases=[phase for phase in Phase if phase is not Phase.explain])
+settings.register_profile("here", settings.get_profile("whole"), max_examples=30)  # of a law that does not say itself how many
 settings.load_profile("here")
 
 pytest.register_assert_rewrite("all_replays", "lesson_checks", "pole_requests", "laws")
@@ -54,11 +55,12 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     if not config.getoption("--whole"):
-        marked = {k for k, item in enumerate(items) if item.get_closest_marker("whole")}
+        kept = [item for item in items if not item.get_closest_marker("whole")]
         named = config.getoption("keyword") or any("::" in word for word in config.args)  # who names tests gets all of them
-        out = marked | (set() if named else left_out(items, law_of))
-        config.hook.pytest_deselected(items=[items[k] for k in sorted(out)])
-        items[:] = [item for k, item in enumerate(items) if k not in out]
+        out = set() if named else left_out(kept, law_of)
+        kept = [item for k, item in enumerate(kept) if k not in out]
+        config.hook.pytest_deselected(items=[*{*items} - {*kept}])
+        items[:] = kept
     strange = sorted({item.nodeid.split("[")[0] for item in items if len(item.name) > LONGEST or " at 0x" in item.name})
     if strange:
         raise pytest.UsageError(f"a test's name must be short and the same in every worker; these want ids=: {', '.join(strange)}")
@@ -122,6 +124,7 @@ def pytest_collection_finish() -> None:
 def pytest_configure(config: pytest.Config) -> None:
     if config.getoption("--whole"):
         os.environ[WHOLE] = "1"
+        settings.load_profile("whole")
     config.pluginmanager.register(NoWarnings(), "no warnings")
     logging.getLogger("asyncio").addHandler(Unheard(logging.ERROR))
 

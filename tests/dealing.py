@@ -13,8 +13,8 @@ from typing import TypeVar
 T = TypeVar("T")
 SECONDS = {  # roughly, of a test in a folder or of a whole file; what is not named is short
     "test_kernels.py": 30.0,  # a compiler of low priority, which waits for whatever else runs; 5 where the cache has them
-    "test_package.py": 90.0,
-    "e2e": 6.0, "wire": 1.0, "test_cli_serve.py": 50.0, "test_refusals.py": 20.0}
+    "test_package.py": 45.0,
+    "e2e": 5.0, "wire": 1.0, "test_cli_serve.py": 40.0, "test_refusals.py": 8.0}
 HOUSE = frozenset({"test_architecture.py", "test_public_names.py", "test_reached.py", "test_text.py"})  # one worker reads it for all these
 
 

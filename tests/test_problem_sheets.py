@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 from laws import each
+from sampling import some
 
 from observer_lab.cli.entry import main
 from observer_lab.course.exercises.exam import seed_of
@@ -39,7 +40,7 @@ def printed(arguments: list[str], monkeypatch: pytest.MonkeyPatch) -> list[tuple
     return found
 
 
-@each(("id", "language"), [(id, language) for id in SAMPLED for language in languages()])
+@each(("id", "language"), some("a sheet asks", [(id, language) for id in SAMPLED for language in languages()], 3))
 def test_a_sheet_asks_with_the_numbers_of_a_key_and_answers_apart(id: str, language: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
                                                                   ) -> None:
     lesson = LESSONS[id]

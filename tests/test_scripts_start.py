@@ -5,6 +5,7 @@ from __future__ import annotations
 import subprocess
 import sys
 
+from sampling import some
 from syntax import ROOT
 
 STARTS = """# each in a process of its own, up to its first function; what is installed is loaded once
@@ -30,5 +31,6 @@ for path in sys.argv[1:]:
 def test_every_script_finds_what_it_imports() -> None:
     scripts = [path for path in sorted((ROOT / "tests").rglob("*.py")) if '__name__ == "__main__"' in path.read_text("utf-8")]
     assert len(scripts) > 40
+    scripts = some("scripts find what they import", scripts, 3)
     done = subprocess.run([sys.executable, "-c", STARTS, *map(str, scripts)], cwd="/", capture_output=True, text=True, timeout=300)
     assert done.returncode == 0 and done.stdout == "", done.stdout + done.stderr
