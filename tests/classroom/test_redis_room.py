@@ -11,6 +11,7 @@ import pytest
 import redis
 from redis_server import RedisServer, redis_serving
 
+from observer_lab.classroom import redis_connection
 from observer_lab.classroom.kept_room import open_pages, open_room
 from observer_lab.classroom.redis_connection import RoomProblem, connect
 from observer_lab.classroom.redis_room import GONE_S, RedisRoom
@@ -116,7 +117,8 @@ def test_what_a_room_keeps_in_redis_tells_nothing_of_a_person(server: RedisServe
                      "page", "batches"}
 
 
-def test_an_address_with_a_password_is_in_no_sentence(tmp_path: Path) -> None:
+def test_an_address_with_a_password_is_in_no_sentence(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(redis_connection, "RETRIES", 1)  # each attempt fails
     word = "a-word-that-nobody-sees"
     with redis_serving(tmp_path, "--requirepass", word) as server:
         good = server.address.replace("//", f"//:{word}@")
