@@ -6,6 +6,7 @@ import json
 from collections.abc import Callable
 
 from playwright.sync_api import Page
+from sampling import some
 from tab import Tab, eventually
 
 from observer_lab.course.search.questions import questions
@@ -35,7 +36,7 @@ def opened(page: Page) -> None:
 def test_every_phrase_finds_its_question(tab: Tab) -> None:
     entries = questions()["en"].entries
     opened(tab.page)
-    wanted = {phrase: entry.title for entry in entries for phrase in entry.phrases}
+    wanted = dict(some("phrases find questions", [(phrase, entry.title) for entry in entries for phrase in entry.phrases], 4))
     found = tab.page.evaluate(TYPED, list(wanted))
     later = {phrase: found[phrase][:1] for phrase, title in wanted.items() if not found[phrase] or title not in found[phrase][0]}
     lost = {phrase: found[phrase] for phrase, title in wanted.items() if not any(title in each for each in found[phrase])}

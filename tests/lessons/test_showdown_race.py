@@ -7,8 +7,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from sampling import whole
 from scipy.interpolate import CubicSpline
 
+from observer_lab.lessons.showdown import race as races
 from observer_lab.lessons.showdown.controllers import DT, LQE, ORDER, SISO
 from observer_lab.lessons.showdown.friction import guides, noise, rub
 from observer_lab.lessons.showdown.job import JOB, shown
@@ -96,8 +98,15 @@ def test_the_scene_says_what_six_runs_give() -> None:
     assert found.rms[siso, 1] < found.rms[lqe, 1] and predicted[siso, 1] > predicted[lqe, 1]
 
 
+@pytest.fixture
+def few_runs(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two runs of each controller in the suite, and by `--whole` as many as the page has."""
+    if not whole():
+        monkeypatch.setattr(races, "RACE_RUNS", 2)
+
+
 @pytest.mark.slow
-def test_a_coil_limit_changes_the_motion_and_the_share_of_clipped_commands_is_stated() -> None:
+def test_a_coil_limit_changes_the_motion_and_the_share_of_clipped_commands_is_stated(few_runs: None) -> None:
     _, free = raced()
     _, bound = raced(limited=True, limit=0.02)
     siso = ORDER.index(SISO)
@@ -134,7 +143,7 @@ def test_table_figure_caption_and_live_sentence_follow_the_runs() -> None:
         assert all(outcome.live(language) for language in languages())
 
 
-def test_the_long_comparison_begins_with_the_ranking_where_something_acts() -> None:
+def test_the_long_comparison_begins_with_the_ranking_where_something_acts(few_runs: None) -> None:
     for changes, wanted in (({"friction": 5.0}, True), ({}, False)):
         outcome = LESSON.compute(LESSON.apply(SHAPED, changes))
         first = next((found for _, found in JOB.outcomes(outcome) if found is not None and found.study.trials is not None and (
