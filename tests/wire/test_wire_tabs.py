@@ -186,6 +186,7 @@ def test_the_title_of_a_chart_follows_what_it_shows(enter: Enter, newest: Newest
     tab.update("case", value="Pole on a cart")
     tab.until(lambda: "angle of the pole" in titles(), "the new title")
     assert "place of the ball x" not in titles()
+    tab.settle()  # who leaves in the middle of a picture leaves viser a message that it warns of
 
 
 def test_a_reload_brings_the_tab_back(enter: Enter, newest: Newest) -> None:
