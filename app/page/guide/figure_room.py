@@ -1,4 +1,5 @@
 """Estimate the room that the card of a scene leaves to its figure."""
+
 from __future__ import annotations
 
 import math
