@@ -15,7 +15,7 @@ import numpy as np
 from ..engine import Plant
 from ..text import text
 from .bodies.body import Body
-from .bodies.gauge_body import gauge_body
+from .bodies.gauge_body import gauge_body, gauge_labels
 from .model import Model, Signal, Window
 
 SOURCE = "J. C. Doyle, Guaranteed margins for LQG regulators, IEEE Transactions on Automatic Control 23 (1978)"
@@ -47,6 +47,7 @@ def body() -> Body:
     return replace(
         shape, pose=lambda x, gain: pose((x[0], x[1], PER_SUM * (x[0] + x[1])), gain),
         anchors=lambda x, gain: anchors((x[0], x[1], PER_SUM * (x[0] + x[1])), gain), gain=4.0,
+        labels=gauge_labels(("x₁", "x₂"), "x₁ + x₂"),
         caption=text("Small gauges: the states x₁ and x₂; x₁ is measured and lit; large gauge: x₁ + x₂ and its ghost"))
 
 

@@ -108,7 +108,7 @@ class Chart:
         self._aspect = self._wide(sizes)
         self._high, self._large = sizes.drawing(mates), sizes.large_words
         self._range: tuple[float, float] | None = None
-        self._hand = ""
+        self._in_sight, self._hand = False, ""
         self._plot: viser.GuiUplotHandle | None = None
         self._html: viser.GuiHtmlHandle | None = None
         if isinstance(figure, LineFigure):
@@ -124,7 +124,10 @@ class Chart:
         return (sizes.right - FRAME_PX) / sizes.chart(self._mates)
 
     def set_visible(self, visible: bool) -> None:
-        """Show or hide the figure with its caption."""
+        """Show or hide the figure with its caption; a chart that comes into sight has the range of what it shows now."""
+        if visible and not self._in_sight and isinstance(self._figure, LineFigure):
+            self._take_range(self._figure, steady_range(self._figure, None, True))
+        self._in_sight = visible
         for handle in (self._plot, self._html, self._caption):
             if handle is not None and handle.visible != visible:
                 handle.visible = visible
@@ -224,7 +227,15 @@ class Chart:
             self._plot.title = self._worded(figure)[0]
         if (wanted != self._range or figure.log_y != before.log_y or float(figure.x[-1]) != float(before.x[-1])
                 or figure.y_label != before.y_label):
-            self._range = wanted
-            frame = self._frame(figure)
-            self._plot.scales, self._plot.axes = frame["scales"], frame["axes"]
+            self._take_range(figure, wanted, True)
+        else:
+            self._plot.data = data_of(figure, wanted)
+
+    def _take_range(self, figure: LineFigure, wanted: tuple[float, float], anew: bool = False) -> None:
+        """Draw the curves over another range, unless it is the same and nothing else is to be drawn `anew`."""
+        if self._plot is None or (wanted == self._range and not anew):
+            return
+        self._range = wanted
+        frame = self._frame(figure)
+        self._plot.scales, self._plot.axes = frame["scales"], frame["axes"]
         self._plot.data = data_of(figure, wanted)

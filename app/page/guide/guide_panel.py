@@ -74,7 +74,8 @@ class GuidePanel:
         self._room = RoomPanel(client, picture, self._hand)
         self._seeds = gui.add_html("") if picture.state.room is not None else None
         shown = {name for scene in picture.lesson.path for name in scene.figures}
-        self.charts = {figure.id: Chart(gui, figure, picture.state.language, Sizes(picture.state), picture.horizon, None, 2, post)
+        least = 2 if self._sizes.sheet else 3  # charts grow into what their card leaves, in a column
+        self.charts = {figure.id: Chart(gui, figure, picture.state.language, self._sizes, picture.horizon, None, least, post)
                        for figure in picture.seen if figure.id in shown}
 
     @property

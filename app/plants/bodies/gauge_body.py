@@ -28,6 +28,7 @@ from .body import force_arrow as arrow
 LOWEST_LEVEL, ZERO_LEVEL = 0.26, 1.16  # lowest level of a column, and its level at zero
 MAX_COLUMN_RISE, MAX_COLUMN_FALL = 1.0, 0.78  # how far a column can go from there
 FIRST_GAUGE_X, GAUGE_GAP, LARGE_GAUGE_X = -1.72, 0.36, 1.2  # where the gauges stand
+LABEL_AT = -0.32, 0.1  # y and z of the upper edge of a label
 PER_STATE, PER_G = 0.28, 0.026  # stage units for one unit of a state and of g
 BRIGHT, UNLIT = COLOURS["lit"], COLOURS["unlit"]
 FULL_INPUT = 4.0
@@ -72,7 +73,14 @@ def gauge_body(states: int, measured: Sequence[int]) -> Body:
     last = subscript(f"x{states}")
     return Body(_parts(states, lit), pose, arrows, anchors, 1.0, text("Small gauges: the states x₁ … {last}; {seen} are measured and "
                                                                       "lit; large gauge: g and its ghost ĝ",
-                                                                      last=last, seen=seen), names=_names(states, lit))
+                                                                      last=last, seen=seen),
+                gauge_labels(tuple(subscript(f"x{i + 1}") for i in range(states)), "g"), names=_names(states, lit))
+
+
+def gauge_labels(states: Sequence[str], large: str) -> tuple[tuple[str, Vector], ...]:
+    """What stands before the foot of each gauge."""
+    small = ((name, (FIRST_GAUGE_X + GAUGE_GAP * i, *LABEL_AT)) for i, name in enumerate(states))
+    return (*small, (large, (LARGE_GAUGE_X, *LABEL_AT)))
 
 
 def _names(states: int, lit: frozenset[int]) -> tuple[PartName, ...]:
