@@ -170,7 +170,8 @@ def _pair(outcome: Outcome[Study]) -> PlaneFigure:
                  for name, role, side, shares in ((text("plant"), "plant", -1, plant / plant.max()),
                                                   (text("reduced model"), "estimate", 1, model / plant.max()))
                  for k, value in enumerate(shares))
-    return PlaneFigure("pair", text("what swings in the pair {sigmas}", sigmas=sigmas(pair)), bars, (), "",
+    farthest = Curve(text("the farthest"), np.ones(3), "reference", "dot", 1.4, np.linspace(-0.6, len(PARTS) - 0.4, 3))
+    return PlaneFigure("pair", text("what swings in the pair {sigmas}", sigmas=sigmas(pair)), (*bars, farthest), (), "",
                        text("share of the farthest"), (-0.6, len(PARTS) - 0.4), (0.0, 1.1), tab=MOTION_TAB,
                        names=tuple((float(k), name) for k, name in enumerate(PARTS)),
                        caption=text("The model with {order} states holds {held:.0f} % of this motion.", order=order,
