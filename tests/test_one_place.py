@@ -122,7 +122,7 @@ from observer_lab.page.web.html_page import app_page
 from observer_lab.plants.spring_damper import BODY_PARTS
 from observer_lab.text import text
 curve = Curve(text("x"), np.zeros(3), "plant")
-print("CSS", sheet(True, True))
+print("CSS", sheet(True, ("f",), True))
 print("page", app_page("en").split("<style>")[0])
 print("chart", charts._series(curve, "en", "", 1.0))
 print("SVG", matrices._blends(np.ones((1, 1))))

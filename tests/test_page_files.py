@@ -52,14 +52,15 @@ def test_every_script_is_called_with_just_what_it_takes() -> None:
 def test_every_style_is_used_and_closed(name: str) -> None:
     text = Template(web.file_text(name)).safe_substitute(COLOURS)
     pages = app_page("en") + replay.style() + published_page(["en"], [], [], "") + sheet_html((), {}, "en") + questions_page({}, "en", "")
-    assert text.strip() in sheet(True, True, ("$figure",), True) + pages
+    assert text.strip() in sheet(True, ("$figure",), True) + pages
     assert text.count("{") == text.count("}") and "<" not in text and "%(" not in text
 
 
 def test_the_sheet_says_what_is_asked() -> None:
-    plain, large, veiled = sheet(False, False), sheet(True, False), sheet(False, True)
-    assert len({plain, large, veiled, sheet(True, True)}) == 4
-    assert plain in (large.replace(web.file_text("lecture.css"), ""), veiled.replace(web.file_text("veil.css"), ""))
+    plain, large, veiled, both = (sheet(hall, figures) for figures in ((), ("f",)) for hall in (False, True))
+    veil = Template(web.file_text("veil.css")).substitute(figure="f")
+    assert len({plain, large, veiled, both}) == 4
+    assert plain == large.replace(web.file_text("lecture.css"), "") and veil in veiled and veil in both and "blur" not in plain
 
 
 @given(st.text(), st.text())

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from types import MappingProxyType, ModuleType
 from typing import Any, Generic, Protocol, TypeVar
 
@@ -32,7 +32,7 @@ from .lazy import LazyValue
 from .many_seeds import SeedTrial
 from .own_plant_banner import write_banner
 from .reading.lesson_data import read_folder
-from .scenes import NO_PATH, Scene
+from .scenes import NO_PATH, Scene, veiled_figures
 from .script_record import Code
 
 S = TypeVar("S")  # a lesson's study: what it computes of its own
@@ -235,6 +235,11 @@ class Lesson(Generic[S]):
         `PARTS` says where each is found; `given` are those that have no such place. Raises LessonFileError or ProseError.
         """
         return cls(**read_folder(modules, given))
+
+    @cached_property
+    def veil(self) -> tuple[str, ...]:
+        """The figures that are veiled until the first question is answered."""
+        return veiled_figures(self.path, self.answering, self.figures(self.compute(self.start())))
 
     def fit(self, plant: str) -> Lesson:
         """This lesson for the user's plant (canonical JSON), itself for "". Raises EngineError or KnobError."""

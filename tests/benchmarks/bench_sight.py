@@ -46,7 +46,7 @@ def pages(tab: Tab, lessons: list[str], languages: list[str], large: bool) -> It
                 tab.page.locator(".ol-parts [data-part=predict]").click()
             tab.choose_lesson(words.title, words.question, phrases.LESSON(language))
             hidden = tab.page.evaluate(WAITING) if not tab.page.locator(".ol-parts").is_visible() else []
-            if tab.page.locator(".ol-option:enabled").count():
+            if tab.page.locator(".ol-veil").count():
                 tab.predict(phrases.SKIP(language))
                 tab.reveal(phrases.REVEAL(language))
             tab.answered(rests=True)

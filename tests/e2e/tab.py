@@ -144,7 +144,7 @@ class Tab:
         self.choose_lesson(words.title, words.question)
         self.unfold(phrases.MY_DESIGNS("en"))
         self.page.evaluate(FORGET)
-        eventually(self.page.locator(".ol-option:enabled").count, lambda n: n >= len(words.options), "a lesson that waits for a prediction")
+        eventually(self.page.locator(".ol-veil").count, bool, "a lesson that waits for a prediction")
         self.page.evaluate(ON_BODY)
         self.key("1")
         self.settle()
@@ -260,7 +260,8 @@ class Tab:
         self.choose_lesson(title, question)
 
     def predict(self, letter: str = "A") -> None:
-        """Choose a prediction by pressing its sentence."""
+        """Choose a prediction by pressing its sentence, in the folder that holds it."""
+        eventually(lambda: self.page.evaluate(UNFOLD, phrases.PREDICTION(self.language())), bool, "the folder of the prediction open")
         option = self.page.locator(f'.ol-option[data-value="{letter}"]').first
         group = f'.ol-option[data-to="{option.get_attribute("data-to")}"]:enabled'
         option.click()

@@ -49,6 +49,7 @@ def walk_to(tab: Tab, there: str, argument: str | None = None, wanted: object = 
 
 
 def test_the_whole_lesson_by_keyboard_alone(tab: Tab) -> None:
+    open_folder(tab, "Predict")
     walk_to(tab, OPTION, "B")
     tab.key("Enter")
     eventually(tab.clock, lambda t: t > 0.0, "the choice of a prediction starts the run")
@@ -126,6 +127,7 @@ def test_tasks_of_each_kind_and_an_exam_by_keyboard_alone(tab: Tab) -> None:
     tab.page.evaluate(ON_PAGE)
     tab.key("p")
     eventually(tab.question, lambda words: words == lesson.words["en"].question, "P opens the lesson before")
+    open_folder(tab, "Predict")
     walk_to(tab, OPTION, "ABCD"[lesson.answer])
     tab.key("Enter")
     open_folder(tab, "Tasks")

@@ -20,13 +20,15 @@ COVERED = """name => {  // how many points of the last such element cannot be se
   return [box.top + low, (box.top + box.bottom) / 2, box.bottom - low]
     .filter(y => !shown.at(-1).contains(document.elementFromPoint(box.left + Math.min(40, box.width / 2), y))).length;
 }"""
-VEIL = """() => ['.uplot canvas', '.ol-figure svg', '.ol-formula'].flatMap(name => [...document.querySelectorAll(name)])
+VEIL = """() => ['.uplot canvas', '.ol-figure svg'].flatMap(name => [...document.querySelectorAll(name)])
   .filter(each => each.checkVisibility()).map(each => getComputedStyle(each).filter)"""
+FORMULAS = """() => [...document.querySelectorAll('.ol-formula')].filter(each => each.checkVisibility())
+  .map(each => getComputedStyle(each).filter)"""
 CLOSED = """() => [...document.querySelectorAll('[role=button][aria-expanded=false]')].filter(head => head.checkVisibility()).map(head => {
   const box = head.parentElement, room = getComputedStyle(box);
   return [head.textContent, box.offsetHeight + parseFloat(room.marginTop) + parseFloat(room.marginBottom)];
 })"""
-FIELDS = """() => [...document.querySelectorAll('input')].filter(field => field.checkVisibility() && field.getClientRects().length)
+FIELDS = """() => [...document.querySelectorAll('input:not([type=range])')].filter(field => field.checkVisibility() && field.getClientRects().length)
   .filter(field => /[.,]0+$/.test(field.value) || field.scrollWidth > field.clientWidth + 1).map(field => field.value)"""
 BUBBLES = "() => [...document.querySelectorAll('.mantine-Slider-label')].filter(each => each.checkVisibility()).length"
 SETTINGS = """() => [...document.querySelectorAll('input')].filter(field => field.value.startsWith('ws://')).map(field => {
@@ -43,7 +45,7 @@ def opened(tab: Tab, name: str, size: tuple[int, int] = (1366, 768)) -> None:
     """A lesson whose prediction is skipped."""
     words = LESSONS[name].words["en"]
     tab.open_lesson(words.title, words.question, size)
-    if tab.page.locator(".ol-option:enabled").count():
+    if tab.page.locator(".ol-veil").count():
         tab.predict("skip")
         tab.reveal()
 
@@ -76,7 +78,7 @@ def test_the_pinned_knobs_cover_neither_options_nor_what_has_just_been_said(
         new_tab: Callable[..., Tab], name: str, size: tuple[int, int]) -> None:
     lesson, words, tab = LESSONS[name], LESSONS[name].words["en"], new_tab(*size)
     tab.open_lesson(words.title, words.question, size)
-    if tab.page.locator(".ol-option:enabled").count():
+    if tab.page.locator(".ol-veil").count():
         tab.predict("ABCD"[(lesson.answer + 1) % len(words.options)])
         tab.reveal()
         eventually(lambda: tab.page.evaluate(COVERED, ".ol-wrong"), lambda points: points == 0, "the verdict of the prediction in sight")
@@ -97,14 +99,20 @@ def test_a_second_question_comes_clear_of_the_knobs(walking: Tab) -> None:
 def test_a_veil_hides_in_either_theme(new_tab: Callable[..., Tab], theme: str) -> None:
     tab = new_tab(1366, 768)
     for name in ("duality", "separation"):  # figures drawn as SVG, and charts
-        words = LESSONS[name].words["en"]
+        lesson = LESSONS[name]
+        words, figures = lesson.words["en"], lesson.figures(lesson.compute(lesson.start()))
         tab.choose_lesson(words.title, words.question)
         if tab.button(theme).count():
             tab.press(theme)
-        found = eventually(lambda: tab.page.evaluate(VEIL), bool, "figures")
-        assert all("blur" in filters for filters in found), (name, theme, found)
+        answer = next(figure for figure in figures if figure.id == lesson.answering)
+        other = next(figure for figure in figures if figure.id not in lesson.veil)
+        for figure, veiled in ((answer, True), (other, False)):
+            tab.page.get_by_role("tab", name=figure.tab("en"), exact=True).press("Enter")
+            found = eventually(lambda: tab.page.evaluate(VEIL), bool, "figures")
+            assert all(("blur" in filters) == veiled for filters in found), (name, theme, found)
+        assert all("blur" in filters for filters in eventually(lambda: tab.page.evaluate(FORMULAS), bool, "equations"))
     tab.predict("skip")
-    assert not any("blur" in filters for filters in tab.page.evaluate(VEIL))
+    assert not any("blur" in filters for script in (VEIL, FORMULAS) for filters in tab.page.evaluate(script))
     if tab.button("light").count():
         tab.press("light")
 

@@ -17,7 +17,7 @@ from observer_lab.course.figures.records import Curve, PlaneFigure
 from observer_lab.course.guiding.predictions import prediction_of
 from observer_lab.course.guiding.questions import Asked, DrawnQuestion, Part
 from observer_lab.course.lesson import Lesson
-from observer_lab.course.scenes import Choose, Scene, entry_values
+from observer_lab.course.scenes import Choose, Question, Scene, entry_values
 from observer_lab.lessons import LESSONS
 from observer_lab.page.charts.axes import H
 from observer_lab.page.charts.print_sizes import Sizes
@@ -180,3 +180,15 @@ def test_the_names_below_a_question_do_not_touch(lesson: Lesson, k: int) -> None
             assert y + 0.3 * LARGE_PRINT_PX <= axes.height, "the drawing is as high as its names need, tails of letters included"
             for (_, before, one), (_, after, other) in pairwise(row):
                 assert before + one / 2 < after - other / 2, (language, figure.names, before, after)
+
+
+@each("lesson", LESSONS.values())
+def test_the_veil_lies_over_the_figures_that_answer_and_leaves_others_open(lesson: Lesson) -> None:
+    figures = list(lesson.figures(lesson.compute(lesson.start())))
+    tabs = {figure.id: figure.tab("en") for figure in figures}
+    asked = next(k for k, scene in enumerate(lesson.path) if scene.do == Choose(Question.FIRST))
+    answers = {lesson.answering} | {name for scene in lesson.path[asked:] for name in scene.figures}
+    answers -= {name for scene in lesson.path[:asked] for name in scene.figures} - {lesson.answering}
+    assert {tabs[name] for name in answers & set(tabs)} == {tabs[name] for name in lesson.veil}
+    assert all((tab in {tabs[name] for name in lesson.veil}) == (name in lesson.veil) for name, tab in tabs.items()), "whole tabs"
+    assert 0 < len(lesson.veil) < len(figures)

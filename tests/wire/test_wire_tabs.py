@@ -302,14 +302,24 @@ def test_a_browser_that_answers_late_or_never_is_not_written_to(enter: Enter, ne
 
 
 def test_boards_are_veiled_until_a_prediction(enter: Enter) -> None:
-    """No cross, no name and no bolt is seen on a board before; a word that says why stands there instead."""
+    """No cross, no name and no bolt of a board that the path does not show before its question; a word that says why stands there."""
     tab = enter()
+    tab.update("lesson", value=LESSONS["virtual-sensor"].words["en"].title)
+    tab.until(lambda: tab.has("sensor noise [K]"), "the lesson")
     tab.settle()
 
     def seen() -> set[str]:
         return {name for name, node in tab.nodes.items() if name.startswith("/board/observer/") and node.get("visible", True)}
-    signs = {f"/board/observer/{kind}{i}" for kind in ("pole", "name") for i in range(6)}
+    signs = {f"/board/observer/{kind}{i}" for kind in ("pole", "name") for i in range(2)}
     assert not signs & seen() and "/board/observer/asks" in seen()
     tab.press("skip")
     tab.settle()
-    assert {"/board/observer/pole0", "/board/observer/pole5"} <= seen() and "/board/observer/asks" not in seen()
+    assert {"/board/observer/pole0", "/board/observer/pole1"} <= seen() and "/board/observer/asks" not in seen()
+
+
+def test_no_hand_takes_a_pole_before_the_prediction_where_the_path_shows_its_board(enter: Enter) -> None:
+    tab = enter()
+    tab.settle()
+    assert "/board/observer/pole5" in tab.nodes and "/board/observer/grips" not in tab.nodes
+    tab.press("skip")
+    tab.until(lambda: "/board/observer/grips" in tab.nodes, "the discs by which poles are dragged")

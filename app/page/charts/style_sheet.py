@@ -10,19 +10,19 @@ from ...session.state.view import Picture
 from .. import web
 
 
-def sheet(lecture: bool, veiled: bool, figures: tuple[str, ...] = (), numbers: bool = False) -> str:
-    """The style element for the present state; `figures` and `numbers` are veiled by themselves."""
-    sheets = ["viser_dom.css", "page.css", "guide.css"]
-    sheets += [*(["lecture.css"] if lecture else []), *(["veil.css"] if veiled else []), *(["numbers.css"] if numbers else [])]
-    also = [Template(web.file_text("again.css")).substitute(figure=figure) for figure in figures]
+def sheet(lecture: bool, figures: tuple[str, ...] = (), numbers: bool = False) -> str:
+    """The style element for the present state, with a veil over some figures and over the numbers."""
+    sheets = ["viser_dom.css", "page.css", "guide.css", *(["lecture.css"] if lecture else []), *(["numbers.css"] if numbers else [])]
+    also = [Template(web.file_text("veil.css")).substitute(figure=figure) for figure in figures]
     return "<style>" + "".join([web.style_rules(*sheets), *also]) + "</style>"
 
 
 def sheet_of(picture: Picture) -> str:
-    """The style element for a picture: all veiled before the first prediction, what would answer while the second one waits."""
+    """The style element for a picture: veiled is what would answer while a prediction waits."""
     again = picture.lesson.again if picture.asks_second_prediction else None
-    veil: tuple[tuple[str, ...], bool] = ((), False) if again is None else (again.figures, again.numbers)
-    return sheet(picture.state.lecture, picture.veiled, *veil)
+    if picture.veiled:
+        return sheet(picture.state.lecture, picture.lesson.veil, True)
+    return sheet(picture.state.lecture, *(((), False) if again is None else (again.figures, again.numbers)))
 
 
 def figure_class(figure: str) -> str:

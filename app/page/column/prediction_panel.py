@@ -10,6 +10,7 @@ from ...course.guiding.predictions import LETTERS, Prediction, first_prediction,
 from ...session.commands.commands import Edit, Predict, PredictAgain, Reveal, ShowAgain
 from ...session.state.view import Picture
 from ...text import Text, joined
+from ..charts.print_sizes import Sizes
 from ..viser_private import viser_internals
 from ..viser_private.write_once import write_content
 from ..words import phrases
@@ -23,10 +24,10 @@ class PredictionFolder:
     """A question, its options as sentences to press, what is said to the choice, and a button."""
 
     def __init__(self, gui: viser.GuiApi, asked: Prediction, lang: str, post: Post, *, head: Text, lead: str, visible: bool,
-                 choose: Callable[[int], Edit], button: Text, press: Callable[[], Edit], button_first: bool) -> None:
+                 choose: Callable[[int], Edit], button: Text, press: Callable[[], Edit], button_first: bool, folded: bool = False) -> None:
         self._asked, self._lang = asked, lang
         letters, skip = tuple(LETTERS[: len(asked.options)]), phrases.SKIP(lang)
-        with gui.add_folder(head(lang), visible=visible) as self._folder:
+        with gui.add_folder(head(lang), visible=visible, expand_by_default=not folded) as self._folder:
             gui.add_markdown(f"{lead}{render_markdown(asked.question)}")
             self._letters = gui.add_button_group("", (*letters, skip), visible=False)
             self._options = gui.add_html("")
@@ -68,18 +69,20 @@ class PredictionFolder:
 
 
 class PredictionPanel:
-    """The first prediction."""
+    """The first prediction: beside a stage one line until somebody opens it, so that the knobs are in sight."""
 
     def __init__(self, gui: viser.GuiApi, picture: Picture, post: Post) -> None:
         lang = picture.state.language
         asked = first_prediction(picture.lesson, lang)
-        self._stands = bool(asked.options)
+        self._stands, self._lang = bool(asked.options), lang
+        self._note = gui.add_html("")
         self._folder = PredictionFolder(gui, asked, lang, post, head=phrases.PREDICTION, lead="", visible=self._stands, choose=Predict,
-                                        button=phrases.REVEAL, press=Reveal, button_first=True)
+                                        button=phrases.REVEAL, press=Reveal, button_first=True, folded=not Sizes(picture.state).below)
 
     def show(self, picture: Picture) -> None:
         """What may be pressed now, and what has been answered."""
         state = picture.state
+        write_content(self._note, f'<p class="ol-veil">{phrases.VEILED(self._lang)}</p>' if picture.veiled else "")
         self._folder.show(self._stands, state.predicted, answer_words(picture), other_refutations(picture),
                           state.predicted is not None and not state.revealed)
 
@@ -113,7 +116,7 @@ def answer_words(picture: Picture) -> str:
     """What is said to the first prediction, once the run has been seen or is revealed."""
     state, lang = picture.state, picture.state.language
     if state.predicted is None:
-        return f'<div class="ol-veil">{phrases.VEILED(lang)}</div>'
+        return ""
     if not state.revealed:
         return joined(chosen_words(state.predicted), phrases.WATCH_FIRST)(lang)
     return answer_markdown(first_prediction(picture.lesson, lang), state.predicted, lang)

@@ -164,7 +164,7 @@ class Screen(Browser):
                 self._stage.show(picture.outcome.stage, picture.state.language, self._viewpoint.letters(picture.state.lecture))
             for board in picture.boards:
                 view = self._board(board, picture)
-                view.show(board, picture.veiled, picture.state.calm, picture.resting)
+                view.show(board, picture.covers(board), picture.veiled, picture.state.calm, picture.resting)
                 view.set_visible(picture.scene is None or board.id in picture.scene.boards)
                 if board.landscape is not None:
                     view.show_landscape(picture.state.landscape)

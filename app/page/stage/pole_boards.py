@@ -131,14 +131,14 @@ class BoardView:
                 x, y, z = self.local(complex(b.re_high, im), 0.07)  # before the board also where it turns away
                 self._label(f"im{im:g}", f"{im:g}j".replace("-", "−"), (x - 0.03, y, z), "center-right", depth_test=True)
 
-    def show(self, board: Board, veiled: bool, calm: bool = True, rests: bool = True) -> None:
-        """Move the poles to where the design has them; while they are veiled, none is seen and no hand can take hold of one.
+    def show(self, board: Board, veiled: bool, waits: bool = False, calm: bool = True, rests: bool = True) -> None:
+        """Move the poles to where the design has them. Veiled ones are not seen; while a prediction `waits`, no hand can take one.
 
         Unless the tab is `calm`, the way of one that is dragged is drawn until the knobs rest.
         """
-        before, self._board, self._held = self._shown, board, veiled or board.knob is None
+        before, self._board, self._held = self._shown, board, veiled or waits or board.knob is None
         self._grips.show([] if self._held else [self.local(pole) for pole in board.poles])
-        locked = () if veiled or self._say is None else (*board.fixed, *(board.poles if board.knob is None else ()))
+        locked = () if veiled or waits or self._say is None else (*board.fixed, *(board.poles if board.knob is None else ()))
         self._locks.show([self.local(pole) for pole in locked])
         if board.zeros != self._zeros:
             self._make_rings(board)

@@ -17,7 +17,7 @@ from ...course.lazy import FigureSet
 from ...course.lectures import words_in
 from ...course.lesson import Board, Design, Lesson, Outcome, Stage
 from ...course.pinned_designs import Ghost, Pinned, boards_with_pins, comparison_table, figures_with_pins, ghosts_of_pins
-from ...course.scenes import Scene, SceneWords
+from ...course.scenes import Scene, SceneWords, boards_with_question
 from ...text import Text
 from .saved_state import SavedState
 from .tab_records import MOST_ANSWERS as MOST_ANSWERS
@@ -164,6 +164,10 @@ class Picture:
     def veiled(self) -> bool:
         """Whether the figures wait for a prediction; the path shows nothing that would answer a question that it has not asked."""
         return self.state.predicted is None and not self.guided and bool(self.lesson.words[self.state.language].options)
+
+    def covers(self, board: Board) -> bool:
+        """Whether a board's poles are veiled with the figures: not where the path shows them with its question."""
+        return self.veiled and board.id not in boards_with_question(self.lesson.path)
 
     def saved(self, design: Design, eye: tuple[float, ...] | None) -> SavedState:
         """The state as a link carries it, with a design and a camera."""

@@ -15,8 +15,8 @@
     return line;
   };
   document.addEventListener('pointermove', event => {
-    const over = document.querySelector('.ol-veil') ? null : event.target?.closest?.(viser.parts.plot);
-    const chart = over && viser.charts().find(each => each.over === over);
+    const over = event.target?.closest?.(viser.parts.plot), found = over && viser.charts().find(each => each.over === over);
+    const chart = found && getComputedStyle(found.ctx.canvas).filter === 'none' ? found : null;  // none under a veil
     note.hidden = !chart;
     if (!chart) return;
     const at = chart.posToIdx(event.clientX - over.getBoundingClientRect().left);
