@@ -30,6 +30,7 @@ from observer_lab.live.simulated import simulated
 
 LOST, JITTER, SLOWEST_S, KNOCKS = 0.01, 0.05, 0.01, 400
 LIVE = ("import signal; signal.signal(signal.SIGINT, signal.default_int_handler); "  # also where these tests run behind a shell's `&`
+        "signal.signal(getattr(signal, 'SIGHUP', signal.SIGTERM), signal.SIG_DFL); "  # or under `nohup`
         "from observer_lab.cli import main; raise SystemExit(main())")
 BEGUN = 0.2  # share of the run after which memory is compared with that at the end
 REPLAY = """
