@@ -21,7 +21,7 @@ MEASURE = """() => {
   const walk = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
   for (let node; (node = walk.nextNode());) {
     const e = node.parentElement, words = node.textContent.trim();
-    if (!words || e.closest('style, script, .ol-cover, math, sub, sup') || !seen(e)) continue;
+    if (!words || e.closest('style, script, .ol-cover, .ol-spoken, .ol-poles, math, sub, sup') || !seen(e)) continue;
     const svg = e instanceof SVGElement, size = parseFloat(getComputedStyle(e).fontSize) * (svg ? scale(e) : 1);
     if (size < out.words) { out.words = size; out.smallest = words.slice(0, 40); }
     const range = document.createRange();

@@ -28,7 +28,8 @@ CLOSED = """() => [...document.querySelectorAll('[role=button][aria-expanded=fal
   const box = head.parentElement, room = getComputedStyle(box);
   return [head.textContent, box.offsetHeight + parseFloat(room.marginTop) + parseFloat(room.marginBottom)];
 })"""
-FIELDS = """() => [...document.querySelectorAll('input:not([type=range])')].filter(field => field.checkVisibility() && field.getClientRects().length)
+FIELDS = """() => [...document.querySelectorAll('input:not([type=range])')]
+  .filter(field => field.checkVisibility() && field.getClientRects().length)
   .filter(field => /[.,]0+$/.test(field.value) || field.scrollWidth > field.clientWidth + 1).map(field => field.value)"""
 BUBBLES = "() => [...document.querySelectorAll('.mantine-Slider-label')].filter(each => each.checkVisibility()).length"
 SETTINGS = """() => [...document.querySelectorAll('input')].filter(field => field.value.startsWith('ws://')).map(field => {
