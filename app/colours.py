@@ -13,6 +13,7 @@ PLANT = "#0072B2"
 ESTIMATE = "#D55E00"
 SECOND = "#56B4E9"
 PAPER = "#FFFFFF"
+WORDS_SHARE = 0.66  # of a colour in words written in it; the rest is black
 COLOURS = MappingProxyType({
     # what curves, marks and bodies mean, the same everywhere: Okabe–Ito
     "plant": PLANT,
@@ -136,3 +137,8 @@ def palette(dark: bool) -> MappingProxyType[str, str]:
 def rgb(colour: str) -> tuple[int, int, int]:
     """'#RRGGBB' as three bytes."""
     return int(colour[1:3], 16), int(colour[3:5], 16), int(colour[5:7], 16)
+
+
+def for_words(colour: str) -> str:
+    """The colour with a third of black in it, to read words in on a light ground; `names.js` mixes the names of curves likewise."""
+    return "#" + "".join(f"{round(WORDS_SHARE * part):02X}" for part in rgb(colour))

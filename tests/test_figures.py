@@ -11,6 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from laws import each, holds_for_all
 
+from observer_lab.colours import COLOURS, WORDS_SHARE, for_words
 from observer_lab.course.figures.curves import thin_samples
 from observer_lab.course.figures.ranges import LOG_AXIS_FLOOR, axis_range, legal_range, round_up_nicely, steady_range
 from observer_lab.course.figures.records import (
@@ -31,6 +32,7 @@ from observer_lab.course.figures.records import (
 )
 from observer_lab.course.lesson import Lesson
 from observer_lab.lessons import LESSONS
+from observer_lab.page import web
 from observer_lab.page.charts.charts import what_is_shared
 from observer_lab.text import same, text
 
@@ -227,3 +229,13 @@ def test_whatever_a_figure_leaves_out_is_said_in_its_tab() -> None:
                 figure, under = under, figure_below(figures, under)
             assert not same_key(figure, under) and not (under is None and same_axis(figure, under))
     holds_for_all(LESSONS.values(), law, lambda lesson: lesson.id)
+
+
+@each("role", ["plant", "estimate", "error", "force", "disturbance", "second", "right", "wrong"])
+def test_words_in_a_colour_have_contrast_on_paper(role: str) -> None:
+    """At least 4.5 by WCAG 2.1, 1.4.3; with the share that the page's script mixes."""
+    def light(colour: str) -> float:
+        parts = (int(colour[k:k + 2], 16) / 255 for k in (1, 3, 5))
+        return float(np.dot([0.2126, 0.7152, 0.0722], [c / 12.92 if c <= 0.03928 else ((c + 0.055) / 1.055) ** 2.4 for c in parts]))
+    assert (light(COLOURS["paper"]) + 0.05) / (light(for_words(COLOURS[role])) + 0.05) >= 4.5
+    assert f"mixed(stroke, {f'{WORDS_SHARE:g}'.removeprefix('0')}, 0)" in web.file_text("names.js")

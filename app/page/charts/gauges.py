@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import html
 
-from ...colours import COLOURS
+from ...colours import COLOURS, for_words
 from ...course.figures.gauges import Gauge, GaugeFigure
 from ...text import label_in_language
 from .axes import W
@@ -33,7 +33,7 @@ def _gauge(gauge: Gauge, language: str, top: float, size: float) -> tuple[str, f
     beside = f"{value} · {verdict}"
     fits = text_width(f"{name}  {beside}", size) <= across
     out = [_words(SIDE_PX, top + size, name, "start"),
-           _words(W - SIDE_PX, top + size, beside if fits else value, "end", f' fill="{COLOURS[gauge.role]}" font-weight="600"')]
+           _words(W - SIDE_PX, top + size, beside if fits else value, "end", f' fill="{_words_colour(gauge)}" font-weight="600"')]
     y = top + line
     low, high = (SIDE_PX + share * across for share in gauge.band)
     out.append(f'<rect x="{SIDE_PX}" y="{y:.1f}" width="{across}" height="{TRACK_PX}" rx="3" fill="{COLOURS["chart-grid"]}"/>'
@@ -45,7 +45,7 @@ def _gauge(gauge: Gauge, language: str, top: float, size: float) -> tuple[str, f
             for x, share, said in zip((low, high), gauge.band, gauge.ends, strict=True)]
     y += line - size
     for said in [] if fits else fold_lines(verdict, across / size).split("\n"):
-        out.append(_words(SIDE_PX, y + size, said, "start", f' fill="{COLOURS[gauge.role if gauge.role != "muted" else "dimmed"]}"'))
+        out.append(_words(SIDE_PX, y + size, said, "start", f' fill="{_words_colour(gauge)}"'))
         y += line
     return "".join(out), y - top
 
@@ -61,6 +61,10 @@ def _needle(gauge: Gauge, y: float, across: float) -> str:
     way = 1 if gauge.at > 1 else -1
     return (f'<polygon class="ol-beyond" points="{x + 9 * way:.1f},{y:.1f} {x - 5 * way:.1f},{y - r:.1f} {x - 5 * way:.1f},{y + r:.1f}" '
             f'fill="{colour}" stroke="{COLOURS["paper"]}"/>')
+
+
+def _words_colour(gauge: Gauge) -> str:
+    return COLOURS["dimmed"] if gauge.role == "muted" else for_words(COLOURS[gauge.role])
 
 
 def _words(x: float, y: float, said: str, anchor: str, more: str = "") -> str:
