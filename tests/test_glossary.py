@@ -143,7 +143,7 @@ class Terms(HTMLParser):
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
         told = dict(attrs)
         if tag == "abbr":
-            assert not {"math", "code", "a", "abbr", "h2"} & set(self.inside), self.inside
+            assert not {"math", "code", "a", "abbr", "h1", "h2"} & set(self.inside), self.inside
             assert told["class"] == "ol-term" and told["tabindex"] == "0"
             self.marked.append((told["data-term"] or "", told["title"] or "", ""))
         self.inside.append(tag)

@@ -90,7 +90,7 @@ class Panel:
         gui, lang = self._gui, self._lang
         titles = {lesson.id: lesson.words[lang].title for lesson in picture.catalogue}
         keys = {title: lesson_id for lesson_id, title in titles.items()}
-        question = f'<div class="ol-question">{self._words.question}</div>'
+        question = f'<h1 class="ol-question">{self._words.question}</h1>'
         if picture.state.lecture:
             gui.add_html(question)
         modes = mode_switch("lab", lang, self._hand) if self._lesson.path else ""

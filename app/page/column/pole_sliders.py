@@ -75,7 +75,7 @@ class PoleSliders:
             ranges = "".join(
                 f'<i aria-hidden="true">{sign}</i><input type="range" min="{low:g}" max="{high:g}" step="{step:g}" data-from="{low:g}" '
                 f'data-slider="{board.id}.{k}.{axis}" data-to="{self._hand}" aria-label="{part.format(pole=name)(self._lang)}">'
-                '<output></output>' for axis, (sign, part, low, high) in enumerate(parts))
+                '<span class="ol-at" aria-hidden="true"></span>' for axis, (sign, part, low, high) in enumerate(parts))
             rows.append(f'<div class="ol-pole" hidden><b>{name}</b>{ranges}</div>')
         return f'<section class="ol-poles" role="group" aria-label="{title}"><b>{title}</b>{"".join(rows)}</section>'
 

@@ -87,7 +87,7 @@ class Follower:
         self._run: viser.GuiHtmlHandle | None = None
         self._hand = viser_internals.node_id(hidden_input(client.gui, self.hear))
         self._waits: viser.GuiHtmlHandle | None = client.gui.add_html(
-            f'<h2 class="ol-scene">{phrases.NOT_BEGUN(language)}</h2>')  # until there is a page
+            f'<h1 class="ol-scene">{phrases.NOT_BEGUN(language)}</h1>')  # until there is a page
         viser_internals.hear_beats(client, self._acknowledge)
         viser_internals.run_script(client, "plane")
         viser_internals.run_script(client, "sketch")

@@ -18,7 +18,7 @@ from observer_lab.course.scenes import Choose
 from observer_lab.lessons import LESSONS
 
 SAMPLED = ("hidden-modes", "nonlinear", "record")  # whose bodies change from scene to scene
-WORDS = re.compile(r'<h2 class="ol-scene">.*?</h2><div class="ol-text">.*?</div>', re.S)
+WORDS = re.compile(r'<h1 class="ol-scene">.*?</h1><div class="ol-text">.*?</div>', re.S)
 HANDS = ("/grips", "/locks")  # of boards: what can be dragged, and what cannot
 TOLERANCE = 1e-3  # stage units
 CANVAS = (929, 768)  # that of the followers' page, so that letters have the same size

@@ -113,7 +113,7 @@ def test_who_comes_later_gets_the_whole_page_and_who_comes_first_waits(tmp_path:
     server = opened(tmp_path)
     try:
         with WireTab(server.url) as early:
-            early.until(lambda: part(early, '<h2 class="ol-scene">'), "that the lecture has not begun")
+            early.until(lambda: part(early, '<h1 class="ol-scene">'), "that the lecture has not begun")
             with WireTab(server.url, word=RoomStore(tmp_path).secret) as presenter:
                 presenter.settle()
                 early.until(lambda: card(early), "the card")

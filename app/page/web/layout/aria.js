@@ -1,5 +1,5 @@
-// Gives each slider and number field the name of its row, and the stage one of its own, for whoever hears the page: one main part, one
-// first heading. After an answer the focus goes to its verdict, since the pressed button is gone.
+// Gives each slider and number field the name of its row, and the stage one of its own, for whoever hears the page, which has one main part.
+// After an answer the focus goes to its verdict, since the pressed button is gone.
 ({stage}) => {
   const lab = window.observerLabAria ??= {};
   lab.stage = stage;
@@ -18,10 +18,6 @@
   lab.write ??= () => {
     lab.waits = false;
     document.getElementById('root')?.setAttribute('role', 'main');
-    for (const head of document.querySelectorAll('.ol-scene,.ol-question')) {
-      head.setAttribute('role', 'heading');
-      head.setAttribute('aria-level', 1);
-    }
     toVerdict();
     for (const each of document.querySelectorAll('[role=slider]:not([data-named]),input:not([data-named],[type=hidden])')) {
       if (each.labels?.length || each.getAttribute('aria-label')) continue;

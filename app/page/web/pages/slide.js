@@ -11,7 +11,7 @@
   const say = each => {
     const {unit, most} = each.dataset, out = each.nextElementSibling;
     if (unit !== undefined) each.setAttribute('aria-valuetext', `${(each.value / each.max * most).toPrecision(2)} ${unit}`);
-    if (out?.tagName === 'OUTPUT') out.textContent = each.value.replace('-', '−');
+    if (out) out.textContent = each.value.replace('-', '−');
   };
   const tell = ({dataset, max}, value, released) => {
     lab.sent = performance.now();
