@@ -10,7 +10,7 @@ import numpy as np
 
 from ..colours import COLOURS, rgb
 from ..engine import Plant
-from ..text import text
+from ..text import text, text_in
 from .bodies.body import (
     DARK_GREY,
     GHOST_NAME,
@@ -35,6 +35,8 @@ LEAKAGE = 1.4  # W/K that makes the default chip run away
 STAGE_SCALE = 0.02  # stage units per kelvin on the two columns
 CHIP_X, BOARD_TOP = -0.62, 0.30  # middle of the chip, top of the board
 CORE, CASE = 0.95, 1.42  # where the two columns stand
+FOOT_LABEL = -0.4, 0.24  # y and z of their names
+UNLIT = COLOURS["unlit"]
 LOWEST_LEVEL, ZERO_LEVEL = 0.46, 0.95  # lowest level of a column, its level at ambient temperature
 MAX_COLUMN_RISE, MAX_COLUMN_FALL = 1.15, 0.42  # highest and lowest drawn level from there
 GLOW = tuple((kelvin, rgb(COLOURS[role])) for kelvin, role in (
@@ -85,7 +87,7 @@ def _parts() -> tuple[Part, ...]:
     return (
         *feet,
         Part("board", Box((3.4, 1.7, 0.1)), DARK_GREY),
-        Part("package", Box((1.3, 1.3, 0.1)), METAL),
+        Part("package", Box((1.3, 1.3, 0.1)), UNLIT),
         Part("die", Box((0.72, 0.72, 0.16)), STEEL),
         *posts,
         Part("spreader", Box((1.24, 1.1, 0.1)), STEEL),
@@ -153,11 +155,12 @@ def body(parameters: Parameters = Parameters()) -> Body:
         return ((CORE, -0.18, level(float(x[0]), gain)), (CASE, -0.18, level(float(x[1]), gain)))
 
     return Body(_parts(), pose, arrows, anchors, 1.0, text("Left column: core; right column: case, the only one "
-                                                           "measured; a tick every 20 K"), names=(
+                                                           "measured; a tick every 20 K"),
+                ((text_in("chip", "core"), (CORE, *FOOT_LABEL)), (text_in("chip", "case"), (CASE, *FOOT_LABEL))), names=(
         PartName(text("core: no sensor"), "die", (-0.85, -0.75, 0.1)),
         PartName(text("sensor on the case"), "sensor", (-0.2, -0.4, 0.75)),
         PartName(text("core temperature"), "core level", (0.05, -0.3, 0.45)),
-        PartName(GHOST_NAME, "core level", (0.1, -0.5, -0.7), True),
+        PartName(GHOST_NAME, "core level", (-0.6, -0.5, -0.3), True),
     ))
 
 

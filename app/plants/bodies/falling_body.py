@@ -90,6 +90,7 @@ def plant(parameters: Parameters = PARAMETERS) -> NonlinearPlant:
 STAGE_SCALE = 0.03 / 1000  # stage units per metre of the fall, the same across and upwards
 GROUND_LEVEL, TRACK = 0.16, 0.42  # the ground, and where the body falls
 DISH = (TRACK - 100_000 * FOOT_M * STAGE_SCALE, GROUND_LEVEL + 100_000 * FOOT_M * STAGE_SCALE)
+CAPSULE = 0.18  # radius of the body, which alone is not to scale
 SCALE_TOP_KM = 95.0  # km, end of the scale
 SCALE_AT = 1.25
 HOT = 900.0  # m/s² at which the shield glows brightest
@@ -115,9 +116,9 @@ def _parts() -> tuple[Part, ...]:
         Part("beam", Rod(0.012), COLOURS["lamp"], opacity=0.5),
         Part("scale", Rod(0.03), STEEL),
         *ticks,
-        Part("capsule", Cylinder(0.1, 0.2), PLANT_COLOUR, twin=True),
-        Part("nose", Ball(0.1), PLANT_COLOUR, twin=True),
-        Part("shield", Cylinder(0.15, 0.05), STEEL, twin=True),
+        Part("capsule", Cylinder(CAPSULE, 2 * CAPSULE), PLANT_COLOUR, twin=True),
+        Part("nose", Ball(CAPSULE), PLANT_COLOUR, twin=True),
+        Part("shield", Cylinder(1.5 * CAPSULE, 0.4 * CAPSULE), STEEL, twin=True),
     )
 
 
@@ -134,7 +135,7 @@ def body(parameters: Parameters = PARAMETERS) -> Body:
     }
 
     def at(x: Sequence[float]) -> Vector:
-        return TRACK, 0.0, GROUND_LEVEL + 0.1 + min(max(float(x[0]), 0.0), 1000 * SCALE_TOP_KM) * STAGE_SCALE
+        return TRACK, 0.0, GROUND_LEVEL + 1.3 * CAPSULE + min(max(float(x[0]), 0.0), 1000 * SCALE_TOP_KM) * STAGE_SCALE
 
     def pose(x: Sequence[float], gain: float) -> Mapping[str, Pose]:
         place = at(x)
@@ -147,14 +148,14 @@ def body(parameters: Parameters = PARAMETERS) -> Body:
         poses["dish"] = Pose(sight, turned.wxyz)
         poses["beam"] = pose_between(sight, place)
         poses["capsule"] = Pose(place)
-        poses["nose"] = Pose((place[0], 0.0, place[2] + 0.1))
-        poses["shield"] = Pose((place[0], 0.0, place[2] - 0.11), colour=glow(slowing))
+        poses["nose"] = Pose((place[0], 0.0, place[2] + CAPSULE))
+        poses["shield"] = Pose((place[0], 0.0, place[2] - 1.1 * CAPSULE), colour=glow(slowing))
         return poses
 
     def arrows(x: Sequence[float], u: Sequence[float], gain: float) -> tuple[Arrow, ...]:
         place = at(x)
         slowing = exp(min(-k.density * float(x[0]), 50.0)) * float(x[1])**2 * float(x[2])
-        return (force_arrow((place[0], -0.2, place[2]), (0.0, 0.0, 1.0), slowing, HOT, "disturbance"),)
+        return (force_arrow((place[0], -2 * CAPSULE, place[2]), (0.0, 0.0, 1.0), slowing, HOT, "disturbance"),)
 
     def anchors(x: Sequence[float], gain: float) -> tuple[Vector, ...]:
         return (at(x),)

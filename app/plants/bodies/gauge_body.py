@@ -27,11 +27,23 @@ from .body import force_arrow as arrow
 
 LOWEST_LEVEL, ZERO_LEVEL = 0.26, 1.16  # lowest level of a column, and its level at zero
 MAX_COLUMN_RISE, MAX_COLUMN_FALL = 1.0, 0.78  # how far a column can go from there
-FIRST_GAUGE_X, GAUGE_GAP, LARGE_GAUGE_X = -1.72, 0.36, 1.2  # where the gauges stand
+SMALL_GAUGES_X, LARGE_GAUGE_X = -0.82, 1.2  # the middle of the small gauges, and where the large one stands
+SMALL_GAUGES_WIDE, MOST_GAP = 2.16, 0.68  # room of the small gauges, and the most from one to the next
+LEAST_GAP = 0.36  # at which sizes of a small gauge are given
 LABEL_AT = -0.32, 0.1  # y and z of the upper edge of a label
 PER_STATE, PER_G = 0.28, 0.026  # stage units for one unit of a state and of g
 BRIGHT, UNLIT = COLOURS["lit"], COLOURS["unlit"]
 FULL_INPUT = 4.0
+
+
+def gauge_gap(states: int) -> float:
+    """From one small gauge to the next: fewer stand farther apart and are thicker."""
+    return min(SMALL_GAUGES_WIDE / states, MOST_GAP)
+
+
+def gauge_places(states: int) -> tuple[float, ...]:
+    """Where the small gauges stand."""
+    return tuple(SMALL_GAUGES_X + gauge_gap(states) * (i - (states - 1) / 2) for i in range(states))
 
 
 def gauge_body(states: int, measured: Sequence[int]) -> Body:
@@ -40,7 +52,7 @@ def gauge_body(states: int, measured: Sequence[int]) -> Body:
     `measured` states have a lit lamp and a blue column; the others are dark. A column follows its value nearly
     linearly around zero and never leaves its gauge.
     """
-    places = tuple(FIRST_GAUGE_X + GAUGE_GAP * i for i in range(states))
+    places = gauge_places(states)
     lit = frozenset(measured)
 
     def level(value: float, unit: float, gain: float) -> float:
@@ -64,7 +76,7 @@ def gauge_body(states: int, measured: Sequence[int]) -> Body:
         return poses
 
     def arrows(x: Sequence[float], u: Sequence[float], gain: float) -> tuple[Arrow, ...]:
-        return (arrow((FIRST_GAUGE_X - 0.42, 0.0, ZERO_LEVEL), (0.0, 0.0, 1.0), float(u[0]), FULL_INPUT),)
+        return (arrow((places[0] - 0.42, 0.0, ZERO_LEVEL), (0.0, 0.0, 1.0), float(u[0]), FULL_INPUT),)
 
     def anchors(x: Sequence[float], gain: float) -> tuple[Vector, ...]:
         return ((LARGE_GAUGE_X, -0.32, level(float(x[states]), PER_G, gain)),)
@@ -79,7 +91,7 @@ def gauge_body(states: int, measured: Sequence[int]) -> Body:
 
 def gauge_labels(states: Sequence[str], large: str) -> tuple[tuple[str, Vector], ...]:
     """What stands before the foot of each gauge."""
-    small = ((name, (FIRST_GAUGE_X + GAUGE_GAP * i, *LABEL_AT)) for i, name in enumerate(states))
+    small = ((name, (x, *LABEL_AT)) for name, x in zip(states, gauge_places(len(states)), strict=True))
     return (*small, (large, (LARGE_GAUGE_X, *LABEL_AT)))
 
 
@@ -91,13 +103,14 @@ def _names(states: int, lit: frozenset[int]) -> tuple[PartName, ...]:
 
 
 def _parts(states: int, lit: frozenset[int]) -> tuple[Part, ...]:
+    thick = gauge_gap(states) / LEAST_GAP
     small = tuple(part for i in range(states) for part in (
-        Part(f"back {i}", Box((0.28, 0.05, 2.2)), STEEL if i in lit else DARK_GREY),
-        Part(f"socket {i}", Cylinder(0.12, 0.16), METAL),
-        Part(f"zero {i}", Box((0.28, 0.03, 0.02)), METAL),
-        Part(f"column {i}", Rod(0.06), PLANT_COLOUR if i in lit else UNLIT),
-        Part(f"level {i}", Cylinder(0.11, 0.05), PLANT_COLOUR if i in lit else UNLIT),
-        Part(f"lamp {i}", Ball(0.085), BRIGHT if i in lit else DARK_GREY),
+        Part(f"back {i}", Box((0.28 * thick, 0.05, 2.2)), STEEL if i in lit else DARK_GREY),
+        Part(f"socket {i}", Cylinder(0.12 * thick, 0.16), METAL),
+        Part(f"zero {i}", Box((0.28 * thick, 0.03, 0.02)), METAL),
+        Part(f"column {i}", Rod(0.06 * thick), PLANT_COLOUR if i in lit else UNLIT),
+        Part(f"level {i}", Cylinder(0.11 * thick, 0.05), PLANT_COLOUR if i in lit else UNLIT),
+        Part(f"lamp {i}", Ball(0.085 * thick ** 0.5), BRIGHT if i in lit else DARK_GREY),
     ))
     return (
         Part("table", Box((4.1, 0.9, 0.1)), DARK_GREY), *small,
