@@ -27,12 +27,13 @@ from .figures.records import Figure
 from .figures.scene import RUN_LOST as RUN_LOST
 from .figures.scene import Board as Board
 from .figures.scene import Stage as Stage
+from .figures.veil import veiled_figures
 from .knobs import Knob, KnobError, Poles
 from .lazy import LazyValue
 from .many_seeds import SeedTrial
 from .own_plant_banner import write_banner
 from .reading.lesson_data import read_folder
-from .scenes import NO_PATH, Scene, veiled_figures
+from .scenes import NO_PATH, Scene
 from .script_record import Code
 
 S = TypeVar("S")  # a lesson's study: what it computes of its own

@@ -12,7 +12,6 @@ from enum import Enum
 from typing import Any, Literal, get_args
 
 from .design import Design
-from .figures.records import Figure
 
 MAX_KNOBS, MAX_FIGURES = 3, 2  # in sight in one scene
 MAX_TEXT_WORDS, MAX_TITLE_WORDS = 45, 6  # of a scene's text and title
@@ -171,24 +170,3 @@ def minutes_of(path: Sequence[Scene], core: bool) -> float:
 
 Mode = Literal["guide", "lab", "present"]  # how a lesson is shown: scene by scene, all at once, or scene by scene for a hall
 MODES: tuple[Mode, ...] = get_args(Mode)
-
-
-def veiled_figures(path: Sequence[Scene], answering: str, figures: Sequence[Figure]) -> tuple[str, ...]:
-    """The figures that answer a lesson's first question, by id: `answering`, those that the path brings after it, and their tabs' others.
-
-    All of them where neither is among the figures.
-    """
-    at = _asked_at(path)
-    seen = {name for scene in path[:at] for name in scene.figures}
-    told = {answering} | {name for scene in path[at:] for name in scene.figures} - seen
-    tabs = {figure.tab.id for figure in figures if figure.id in told}
-    return tuple(figure.id for figure in figures if figure.tab.id in tabs or not tabs)
-
-
-def boards_with_question(path: Sequence[Scene]) -> frozenset[str]:
-    """The boards that the path shows up to its first question and with it: they do not answer it."""
-    return frozenset(name for scene in path[: _asked_at(path) + 1] for name in scene.boards)
-
-
-def _asked_at(path: Sequence[Scene]) -> int:
-    return next((k for k, scene in enumerate(path) if scene.do == Choose(Question.FIRST)), 0)

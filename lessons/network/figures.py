@@ -39,8 +39,8 @@ NEVER = text_in("network", "none")
 def figures(outcome: Outcome[Study]) -> FigureSet:
     """Time, covariance, gaps, separation, lost inputs: at most three in a tab."""
     return FigureSet(tab_figures(TIME_TAB, lambda: (_state(outcome), _input(outcome), _ages(outcome))),
-                 tab_figures(MEAN_TAB, lambda: (_teeth(outcome), _first(outcome), _means(outcome), _limits(outcome))),
-                 tab_figures(GAP_TAB, lambda: (gaps(outcome),)),
+                 tab_figures(MEAN_TAB, lambda: (_teeth(outcome), _means(outcome), _limits(outcome))),
+                 tab_figures(GAP_TAB, lambda: (gaps(outcome), _first(outcome))),
                  tab_figures(WALL_TAB, lambda: (_error(outcome), _spectrum(outcome), _blocks(outcome))),
                  tab_figures(INPUT_TAB, lambda: (_growth(outcome),)))
 
@@ -143,7 +143,7 @@ def _first(outcome: Outcome[Study]) -> LineFigure:
     comb = _steps(np.where(s.heard, floor, 0.7 * floor))[:shown]
     return LineFigure("first", text("how unsure the filter is: the first packets"), times(outcome)[:shown],
                       (Curve(text("variance"), grows), Curve(text("steps down: no packet arrives"), comb, "disturbance")),
-                      "σ²/σ₀²", log_y=True, window=(0.2, 10.0), tab=MEAN_TAB,
+                      "σ²/σ₀²", log_y=True, window=(0.2, 10.0), tab=GAP_TAB,
                       caption=text("Lost here: {lost} of {samples}. Each lost packet lets the variance grow; the next one that "
                                    "arrives reduces it.", lost=lost, samples=FIRST_SAMPLES))
 

@@ -10,7 +10,7 @@ from observer_lab.course.figures.records import Curve, LineFigure, MapFigure, Pl
 from observer_lab.course.lazy import FigureSet, tab_figures
 from observer_lab.course.lesson import Design, Outcome
 from observer_lab.engine.observers import Attempt
-from observer_lab.text import NO_WORDS, Text, format_number, joined, same, text, text_in
+from observer_lab.text import Text, format_number, joined, same, text, text_in
 
 from ..toolkit.latex import pole_words
 from .assumptions import ASSUMED_TAB, assumed_figures
@@ -122,7 +122,7 @@ def _criterion(outcome: Outcome[Story]) -> PlaneFigure:
     top = round_up_nicely(2.2 * max(J, 4.0))
     curves = [Curve(c.name, np.minimum(c.y, 1.5 * top), c.role, c.dash, c.width, c.x) for c in curves]
     for end in ("region_low", "region_high"):
-        curves.append(Curve(NO_WORDS, np.array([0.0, 1.5 * top]), "reference", "dot", 1.2,
+        curves.append(Curve(text("region"), np.array([0.0, 1.5 * top]), "reference", "dot", 1.2,
                             np.full(2, design[end])))
     points = tuple(Point(max(p.real, AXIS[0]), min(J, top), "error", "circle") for p in poles)
     return PlaneFigure("criterion", title, tuple(curves), (*points, *_optimum(search, design, top)), "s [rad/s]", "J",

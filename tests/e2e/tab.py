@@ -74,6 +74,11 @@ UNFOLD = """words => {  // a folder by its head, or all of them; whether they st
   closed.forEach(head => head.click());
   return heads.length > 0 && closed.length === 0;
 }"""
+UNFOLD_QUESTION = """() => {  // the folder below the word that there is a question; whether its options stand
+  const room = document.querySelector('.ol-veil')?.closest('div:has(+[data-ol-folder])');
+  if (!document.querySelector('.ol-option:enabled')) room?.nextElementSibling.querySelector('[role=button][aria-expanded=false]')?.click();
+  return document.querySelectorAll('.ol-option:enabled').length > 0;
+}"""
 FORGET = """() => {
   Object.assign(window.observerLabKeep, {lesson: '', hand: {}});
   [...document.querySelectorAll('button')].find(button => button.textContent.startsWith('forget all')).click();
@@ -261,7 +266,7 @@ class Tab:
 
     def predict(self, letter: str = "A") -> None:
         """Choose a prediction by pressing its sentence, in the folder that holds it."""
-        eventually(lambda: self.page.evaluate(UNFOLD, phrases.PREDICTION(self.language())), bool, "the folder of the prediction open")
+        eventually(lambda: self.page.evaluate(UNFOLD_QUESTION), bool, "the folder of the prediction open")
         option = self.page.locator(f'.ol-option[data-value="{letter}"]').first
         group = f'.ol-option[data-to="{option.get_attribute("data-to")}"]:enabled'
         option.click()

@@ -88,10 +88,12 @@ def test_a_pointer_over_a_chart_reads_its_curves(new_tab: Callable[..., Tab]) ->
     words = "() => { const note = document.querySelector('.ol-reading'); return note.hidden ? '' : note.textContent; }"
 
     def point() -> str:
-        box = tab.page.locator(".u-over").first.bounding_box()
+        box = tab.page.locator(".u-over:visible").first.bounding_box()
         assert box is not None
         tab.page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
         return tab.page.evaluate(words)
+    tab.page.get_by_role("tab", name="Error and input", exact=True).press("Enter")  # it answers the question
+    eventually(lambda: tab.page.locator(".u-over:visible").first.bounding_box(), bool, "a chart of that tab")
     assert point() == ""
     tab.choose_lesson(LESSONS["error-dynamics"].words["en"].title, LESSONS["error-dynamics"].words["en"].question)
     tab.predict("skip")

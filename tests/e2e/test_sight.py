@@ -127,7 +127,7 @@ def test_folders_scroll_and_the_chosen_figure_survive_language_and_print(walking
     def by_hand(language: str) -> tuple[set[str], set[str], str]:
         """What is opened, what is closed, and what stands at the top of the column."""
         timeline = phrases.TIMELINE(language)
-        return {timeline, LESSONS[OPENING].words[language].steps[1][0]}, {phrases.PREDICTION(language)}, timeline
+        return {timeline, LESSONS[OPENING].words[language].steps[1][0]}, {phrases.KNOBS(language)}, timeline
 
     def stands(language: str) -> None:
         opened, closed, top = by_hand(language)

@@ -12,12 +12,13 @@ from ...classroom.votes import Vote, votes_on, votes_on_typed
 from ...course.course_map import Progress
 from ...course.error_window import run_end
 from ...course.figures.records import Figure, TableFigure
+from ...course.figures.veil import boards_with_question
 from ...course.guiding.questions import DrawnQuestion
 from ...course.lazy import FigureSet
 from ...course.lectures import words_in
 from ...course.lesson import Board, Design, Lesson, Outcome, Stage
 from ...course.pinned_designs import Ghost, Pinned, boards_with_pins, comparison_table, figures_with_pins, ghosts_of_pins
-from ...course.scenes import Scene, SceneWords, boards_with_question
+from ...course.scenes import Scene, SceneWords
 from ...text import Text
 from .saved_state import SavedState
 from .tab_records import MOST_ANSWERS as MOST_ANSWERS
