@@ -1,4 +1,4 @@
-"""What the suite samples and `--whole` runs all of: a law over many cases, of which the suite takes every so many.
+"""Take a sample of the cases of costly laws in the suite, and all of them with `--whole`.
 
 `sampled.txt` names these laws: of how many cases one is taken, and how many seconds of a processor the others cost. The cases of a law
 are counted as they are collected. Of so many turns a law has one by its own name, so that laws over the same things take other cases

@@ -1,4 +1,4 @@
-"""What the suite samples is named right, every law keeps a case, and with `--whole` nothing is left out."""
+"""The sampled laws exist, each keeps a case, and `--whole` leaves nothing out."""
 
 from __future__ import annotations
 

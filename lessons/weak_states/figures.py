@@ -109,7 +109,7 @@ def _staircase(outcome: Outcome[Study]) -> PlaneFigure:
     return PlaneFigure(
         "staircase", text("Hankel singular values"), curves, points, text("what swings in each pair"), "σ",
         (0.3, STATE_COUNT + 0.7), (floor, 5.0), tab=HANKEL_TAB, powers="y", names=names,
-        caption=text("The widest gap, a factor of {ratio:.0f}, lies after {widest}{after}. Circle: the pair on the "
+        caption=text("The widest gap, a factor of {ratio:.0f}, comes after {widest}{after}. Circle: the pair on the "
                      "stage.",
                      ratio=ratio[widest], widest=widest + 1, after=after))
 
@@ -161,7 +161,7 @@ def _motions(outcome: Outcome[Study]) -> TableFigure:
 
 
 def _pair(outcome: Outcome[Study]) -> PlaneFigure:
-    """How far each part swings in the pair on the stage, as a share of the farthest, in the plant and in the reduced model."""
+    """How far each part swings in the pair on the stage, in the plant and in the reduced model."""
     s, order = outcome.study.system, int(outcome.design["order"])
     pair = int(outcome.design["pair"]) - 1
     motion = s.motions[pair]

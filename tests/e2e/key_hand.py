@@ -1,6 +1,6 @@
 """A newcomer without a mouse: every card of every path by Tab, Enter, Space and the arrows alone.
 
-    python tests/e2e/key_hand.py [--size 1366x768] [--lang en] [--dark] [LESSON …]
+    python tests/e2e/key_hand.py [--size 1366x768] [--lang en] [LESSON …]
 
 It does what `follow_cards.py` does with a hand that has no pointer. Each thing must be reached by Tab within REACH presses and be in the
 window with the focus on it. Exit status 1 where a scene could not be done.
@@ -8,22 +8,19 @@ window with the focus on it. Exit status 1 where a scene could not be done.
 
 from __future__ import annotations
 
-import argparse
 import sys
-import time
 from collections.abc import Sequence
 from pathlib import Path
 
-from playwright.sync_api import Locator, sync_playwright
+from playwright.sync_api import Locator
 
 if __name__ == "__main__":
     sys.path[:0] = [str(Path(__file__).parent), str(Path(__file__).parents[1])]
 
-from follow_cards import Newcomer, Stuck, open_lesson, walk
-from tab import FLAGS, UNDRAWN, eventually
+from follow_cards import Newcomer, Stuck, main
+from tab import eventually
 
 from observer_lab.course.lesson import Board
-from observer_lab.lessons import LESSONS
 from observer_lab.page.stage.pole_boards import BOARD_WIDTH
 
 REACH = 90  # presses of Tab within which everything on a card must be reachable
@@ -40,7 +37,7 @@ PLACES = """board => [...document.querySelectorAll(`input[data-slider^="${board}
 
 
 class KeyHand(Newcomer):
-    """A person who has a keyboard alone."""
+    """A newcomer at a keyboard without a mouse."""
 
     def reach(self, thing: Locator, what: str) -> None:
         """Press Tab until the focus is on a thing or in it."""
@@ -137,37 +134,5 @@ class KeyHand(Newcomer):
         self.page.keyboard.press("ArrowRight", delay=300)
 
 
-def main() -> int:
-    """Walk all scenes of the lessons by keys and print what could not be done."""
-    from conftest import chromium, serving  # here: a test that imports this has another one at that name
-
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
-    parser.add_argument("lessons", nargs="*", default=list(LESSONS))
-    parser.add_argument("--size", default="1366x768")
-    parser.add_argument("--lang", default="en")
-    parser.add_argument("--dark", action="store_true")
-    asked = parser.parse_args()
-    wide, high = map(int, asked.size.split("x"))
-    done, undone = 0, list[str]()
-    with serving(0, "--view", "guide") as address, sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=chromium(), args=FLAGS)
-        for id in asked.lessons:
-            context = browser.new_context(viewport={"width": wide, "height": high}, reduced_motion="reduce",
-                                          color_scheme="dark" if asked.dark else "light")
-            page = context.new_page()
-            page.add_init_script(f"({UNDRAWN})()")
-            person = KeyHand(page, asked.lang)
-            open_lesson(person, address, LESSONS[id])
-            steps = list(walk(person, LESSONS[id], False))
-            context.close()
-            bad = [f"  {id} {scene}: {problem}" for scene, problem in steps if problem]
-            done, undone = done + len(steps) - len(bad), undone + bad
-            print(f"{id}: {len(steps) - len(bad)} of {len(steps)} scenes done by keys, {len(person.actions)} actions, "
-                  f"{time.monotonic() - person.began:.0f} s", *bad, sep="\n", flush=True)
-        browser.close()
-    print(f"{done} scenes done by keys, {len(undone)} not")
-    return 1 if undone else 0
-
-
 if __name__ == "__main__":
-    raise SystemExit(main())
+    raise SystemExit(main(KeyHand, every=True))
