@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from tab import Tab
 
 WHERE = """name => {
@@ -34,8 +36,11 @@ def on_board(tab: Tab, board: str, pole: int) -> tuple[float, float]:
     return at[0], at[2]
 
 
-def drag(tab: Tab, start: tuple[float, float], by: tuple[float, float], steps: int = 6) -> None:
-    """Press at a pixel, move by pixels, release, as a hand would; what it came to is then shown."""
+def drag(tab: Tab, start: tuple[float, float], by: tuple[float, float], steps: int = 6, look: Callable[[], object] | None = None) -> None:
+    """Press at a pixel, move by pixels, release, as a hand would; what it came to is then shown.
+
+    `look` is called once the first step is made: what is said only for some seconds is read then.
+    """
     mouse = tab.page.mouse
     mouse.move(*start)
     tab.answered()
@@ -44,5 +49,7 @@ def drag(tab: Tab, start: tuple[float, float], by: tuple[float, float], steps: i
     for i in range(1, steps + 1):
         mouse.move(start[0] + by[0] * i / steps, start[1] + by[1] * i / steps)
         tab.answered()
+        if look is not None and i == 1:
+            look()
     mouse.up()
     tab.answered(rests=True)

@@ -42,6 +42,11 @@ SETTINGS = """() => [...document.querySelectorAll('input')].filter(field => fiel
 SIGHT = "() => window.__viserMutable.camera.matrixWorldInverse.toArray()"
 
 
+def told(tab: Tab, words: str) -> None:
+    """Wait until a sentence is told; it goes away by itself some seconds later."""
+    eventually(tab.notices, lambda said: words in said, words)
+
+
 def opened(tab: Tab, name: str, size: tuple[int, int] = (1366, 768)) -> None:
     """A lesson whose prediction is skipped."""
     words = LESSONS[name].words["en"]
@@ -134,14 +139,12 @@ def test_a_cross_that_no_hand_can_move_says_so_and_the_camera_stays(walking: Tab
     opened(walking, "lqg")
     seen = walking.page.evaluate(SIGHT)
     board = next(board for board in LESSONS["lqg"].compute(LESSONS["lqg"].start()).boards if board.knob is None and board.poles)
-    drag(walking, on_screen(walking, f"/board/{board.id}/pole0"), (-30.0, 20.0))
-    assert phrases.COMPUTED_POLES("en") in walking.notices()
+    drag(walking, on_screen(walking, f"/board/{board.id}/pole0"), (-30.0, 20.0), look=lambda: told(walking, phrases.COMPUTED_POLES("en")))
     assert walking.page.evaluate(SIGHT) == pytest.approx(seen)
     walking.close_any_notices()
     opened(walking, "hidden-modes")
     board = next(board for board in LESSONS["hidden-modes"].compute(LESSONS["hidden-modes"].start()).boards if board.fixed)
-    drag(walking, on_screen(walking, f"/board/{board.id}/bolt0"), (-30.0, 20.0))
-    assert phrases.FIXED_POLE("en") in walking.notices()
+    drag(walking, on_screen(walking, f"/board/{board.id}/bolt0"), (-30.0, 20.0), look=lambda: told(walking, phrases.FIXED_POLE("en")))
     walking.close_any_notices()
 
 
