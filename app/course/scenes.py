@@ -79,7 +79,7 @@ class Solve:
 
 
 Do = Read | Choose | Move | Press | Solve
-Camera = Literal["all", "map", "plant", "bare", "boards"]  # from where the stage is seen
+Camera = Literal["all", "map", "plant", "bare", "boards", "near", "left", "right", "above"]  # from where the stage is seen
 
 
 @dataclass(frozen=True)
@@ -89,7 +89,8 @@ class Scene:
     `set` holds knob values on entering. `play` holds the values to which the page moves knobs, visibly, before it gives its verdict;
     `runs` says that the run then plays from its start. `figures` and `boards` are ids; `formulas` the ids of live equations; `lines`
     are lines of algebra in LaTeX that come one after another, see `guide/moving_lines.py`. `minutes` is the planned time, `core`
-    whether the scene belongs to the path of 15 minutes.
+    whether the scene belongs to the path of 15 minutes. `moment` is the share of the run at which it rests, None where plant and
+    estimate differ most.
     """
 
     id: str
@@ -105,6 +106,7 @@ class Scene:
     minutes: float = 2.0
     core: bool = True
     lines: tuple[str, ...] = ()
+    moment: float | None = None
 
     @property
     def answers(self) -> bool:

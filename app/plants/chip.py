@@ -10,7 +10,7 @@ import numpy as np
 
 from ..colours import COLOURS, rgb
 from ..engine import Plant
-from ..text import text, text_in
+from ..text import format_number, text, text_in
 from .bodies.body import (
     DARK_GREY,
     GHOST_NAME,
@@ -21,6 +21,7 @@ from .bodies.body import (
     Body,
     Box,
     Cylinder,
+    ErrorMarks,
     Part,
     PartName,
     Pose,
@@ -36,6 +37,9 @@ STAGE_SCALE = 0.02  # stage units per kelvin on the two columns
 CHIP_X, BOARD_TOP = -0.62, 0.30  # middle of the chip, top of the board
 CORE, CASE = 0.95, 1.42  # where the two columns stand
 FOOT_LABEL = -0.4, 0.24  # y and z of their names
+BAR_X, TICK = CORE - 0.31, 0.07  # where the bar of the core's error stands, half the width of its ends
+CORE_LABEL = CHIP_X, -0.42, BOARD_TOP + 0.18  # on the core: its temperature is not measured
+SENSOR_LABEL = CHIP_X, -0.56, BOARD_TOP + 0.96  # of what is measured
 UNLIT = COLOURS["unlit"]
 LOWEST_LEVEL, ZERO_LEVEL = 0.46, 0.95  # lowest level of a column, its level at ambient temperature
 MAX_COLUMN_RISE, MAX_COLUMN_FALL = 1.15, 0.42  # highest and lowest drawn level from there
@@ -154,6 +158,14 @@ def body(parameters: Parameters = Parameters()) -> Body:
     def anchors(x: Sequence[float], gain: float) -> tuple[Vector, ...]:
         return ((CORE, -0.18, level(float(x[0]), gain)), (CASE, -0.18, level(float(x[1]), gain)))
 
+    def marks(x: Sequence[float], xhat: Sequence[float], gain: float) -> ErrorMarks:
+        true, believed = ((BAR_X, -0.2, level(float(states[0]), gain)) for states in (x, xhat))
+        ends = tuple(((at[0] - TICK, at[1], at[2]), (at[0] + TICK, at[1], at[2])) for at in (true, believed))
+        error, case = (format_number(value, ".1f") for value in (float(x[0]) - float(xhat[0]), float(x[1])))
+        return ErrorMarks(((true, believed), *ends), (
+            (f"e₁ = {error} K", (BAR_X - TICK, -0.2, (true[2] + believed[2]) / 2), "center-right"),
+            ("T₁ = ?", CORE_LABEL, "center-center"), (f"T₂ = {case} K", SENSOR_LABEL, "bottom-center")))
+
     return Body(_parts(), pose, arrows, anchors, 1.0, text("Left column: core; right column: case, the only one "
                                                            "measured; a tick every 20 K"),
                 ((text_in("chip", "core"), (CORE, *FOOT_LABEL)), (text_in("chip", "case"), (CASE, *FOOT_LABEL))), names=(
@@ -161,7 +173,7 @@ def body(parameters: Parameters = Parameters()) -> Body:
         PartName(text("sensor on the case"), "sensor", (-0.2, -0.4, 0.75)),
         PartName(text("core temperature"), "core level", (0.05, -0.3, 0.45)),
         PartName(GHOST_NAME, "core level", (-0.6, -0.5, -0.3), True),
-    ))
+    ), marks=marks)
 
 
 WATCHED = (

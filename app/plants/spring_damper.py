@@ -9,7 +9,7 @@ from types import MappingProxyType
 import numpy as np
 
 from ..engine import Plant
-from ..text import text
+from ..text import format_number, text
 from .bodies.body import (
     DARK_GREY,
     GHOST_NAME,
@@ -21,6 +21,7 @@ from .bodies.body import (
     Body,
     Box,
     Cylinder,
+    ErrorMarks,
     Part,
     PartName,
     Pose,
@@ -38,6 +39,7 @@ STAGE_SCALE = 0.7  # stage units per metre
 WALL, REST_POSITION, RAIL_TOP = -1.7, 0.45, 0.2  # right face of the wall, middle of the block at rest, top of the rail
 BLOCK_EDGE = 0.72  # edge of the block
 MAX_DRAWN_DISPLACEMENT = 0.85  # farthest drawn displacement
+MARKS_AT, TICK = (-0.68, 0.16), 0.09  # y and z of the bar between the left faces, half the height of its ends
 
 
 @dataclass(frozen=True)
@@ -102,12 +104,19 @@ def body(parameters: Parameters = Parameters()) -> Body:
         at = middle(x, gain)
         return ((at, -0.45, RAIL_TOP + BLOCK_EDGE), (at, 0.45, RAIL_TOP + BLOCK_EDGE))
 
+    def marks(x: Sequence[float], xhat: Sequence[float], gain: float) -> ErrorMarks:
+        true, believed = ((middle(states, gain) - BLOCK_EDGE / 2, *MARKS_AT) for states in (x, xhat))
+        ends = tuple(((at[0], at[1], at[2] - TICK), (at[0], at[1], at[2] + TICK)) for at in (true, believed))
+        word = ((true[0] + believed[0]) / 2, MARKS_AT[0], MARKS_AT[1] - TICK)
+        size = format_number(float(x[0]) - float(xhat[0]), ".2f")
+        return ErrorMarks(((true, believed), *ends), ((f"e₁ = {size} m", word, "top-center"),))
+
     return Body(BODY_PARTS, pose, arrows, anchors, 1.0, text("A block on a rail between a spring and a damper; the "
                                                         "green arrow is the force"), names=(
         PartName(text("block"), "block", (0.0, -0.5, 0.85)),
         PartName(text("spring and damper"), "spring", (0.3, -0.3, 0.75)),
         PartName(GHOST_NAME, "block", (-0.75, -0.3, 0.75), True),
-    ))
+    ), marks=marks)
 
 
 def held_at(x: Sequence[float], gain: float) -> Vector:

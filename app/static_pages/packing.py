@@ -25,7 +25,8 @@ from .screens import Values
 ALIGNMENT = 8  # bytes to which an array begins
 TYPES = MappingProxyType({"f": "<f4", "i": "<i4", "u": "<u4", "b": "|u1"})  # kinds of NumPy's numbers → how they are kept
 MOST_16_BIT = 32767
-STEPS = MappingProxyType({"position": 5e-4, "wxyz": 1e-4, "scale": 1e-4, "color": 1.0, "points": 5e-4})  # a pixel is 5e-3 stage units
+# a pixel is 5e-3 stage units
+STEPS = MappingProxyType({"position": 5e-4, "wxyz": 1e-4, "scale": 1e-4, "color": 1.0, "points": 5e-4, "text": 1.0})
 BELOW = (0.0, 0.0, -9.0)  # a place that nobody sees, for segments that a frame does not have
 
 
@@ -135,7 +136,7 @@ class Runs:
         for name, kind in dict.fromkeys(key for frame in run.frames for key in frame):
             rows = [frame.get((name, kind), ()) for frame in run.frames]
             wide = max(map(len, rows))
-            fill = BELOW * (wide // 3 + 1)
+            fill = (float(ord(" ")),) * wide if kind == "text" else BELOW * (wide // 3 + 1)
             numbers = np.array([[*row, *fill[:wide - len(row)]] for row in rows], float)
             if len(numbers) > 1 and np.all(numbers == numbers[0]):
                 continue

@@ -27,6 +27,10 @@ def _curve(run: Run, name: Text, role: str = "error") -> Curve:
     return Curve(name, size(run.e), role)
 
 
+def _now(run: Run) -> Curve:
+    return _curve(run, text("now"), "muted")
+
+
 def recall(asked: Asked) -> DrawnQuestion:
     """The error of an observer beside a copy's: smaller at the same pace, faster by the feedback, or the same."""
     run, study = asked.entry.run, asked.entry.study
@@ -42,7 +46,7 @@ def predict(asked: Asked) -> DrawnQuestion:
     A, B = asked.entry.study.error, run.scenario.plant.B
     pushed = driven(A, quiet.e[0], quiet.t, run.u_applied @ B.T)
     shorter = size(driven(FASTER * A, quiet.e[0], quiet.t))
-    return _drawn(quiet.t, (), (size(pushed), size(quiet.e), shorter), _curve(run, text("with the force")))
+    return _drawn(quiet.t, (_now(quiet),), (size(pushed), size(quiet.e), shorter), _curve(run, text("with the force")))
 
 
 def surprise(asked: Asked) -> DrawnQuestion:
@@ -51,7 +55,7 @@ def surprise(asked: Asked) -> DrawnQuestion:
     t, error = before.t, before.e
     slower = 2 * size(driven(0.5 * asked.entry.study.error, error[0], t))
     later = np.interp(np.maximum(t - np.log(2) / 1.5, 0.0), t, 2 * size(error))
-    return _drawn(t, (_curve(before, text("now"), "muted"),), (slower, later, 2 * size(error)), _curve(after, text("from twice the start")))
+    return _drawn(t, (_now(before),), (slower, later, 2 * size(error)), _curve(after, text("from twice the start")))
 
 
 def printed(asked: Asked) -> DrawnQuestion:
@@ -62,7 +66,7 @@ def printed(asked: Asked) -> DrawnQuestion:
     push = block.B @ after.u_applied[-1]
     rest = np.linalg.solve(block.A, -push)
     offset = np.linalg.solve(error, (belief.A - block.A) @ rest)
-    return _drawn(t, (), (size(driven(asked.entry.study.error, start, t)), size(driven(SLOWER * error, start, t)),
+    return _drawn(t, (_now(before),), (size(driven(asked.entry.study.error, start, t)), size(driven(SLOWER * error, start, t)),
                           size(offset + driven(error, start - offset, t))), _curve(after, text("with the printed pair")))
 
 

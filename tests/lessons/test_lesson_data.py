@@ -35,6 +35,7 @@ figures = ["error"]
 boards = ["left"]
 formulas = ["L"]
 camera = "bare"
+moment = 0.25
 runs = false
 minutes = 1.5
 core = false
@@ -60,7 +61,7 @@ goal = { value = "b" }
 """
 READ = (
     Scene("one", Choose(answer=1), {"k": 3.0, "q": (-3, -0.5)}, {"q": (-1 - 2j, -1 + 2j)}, ("k", "mode"), ("error",), ("left",), ("L",),
-          False, "bare", 1.5, False),
+          False, "bare", 1.5, False, (), 0.25),
     Scene("two"), Scene("three", Move(("q",), Goal("right", -0.5, -0.1))), Scene("four", Move(("mode",), Goal(value="b")), knobs=("mode",)))
 ONE_ACTION = {"read": Read(), "predict": Choose(Question.FIRST), "again": Choose(Question.SECOND), "choose": Choose(answer=0),
               "move": Move(("k",)), "play": Press("play"), "kick": Press("kick"), "pull": Press("pull"), "solve": Solve("t")}

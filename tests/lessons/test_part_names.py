@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 
 from laws import each
 from test_paths import Walker
@@ -62,3 +63,22 @@ def test_the_names_go_with_the_first_action_and_come_back_by_their_key(id: str) 
     walker.send(GoToScene(0))
     walker.send(ToggleNames())
     assert not named()
+
+
+@each("lesson", [lesson for lesson in LESSONS.values() if bodies(lesson)[0][0].marks is not None])
+def test_the_error_on_the_stage_is_the_error_of_the_run(lesson: Lesson) -> None:
+    """The first number is x₁ − x̂₁ of the sample; the bar goes from where the plant stands to where its ghost does."""
+    stage = lesson.compute(lesson.start()).stage
+    assert stage is not None and stage.xhat is not None and stage.body.marks is not None
+    count = len(stage.body.marks(stage.x[0].tolist(), stage.xhat[0].tolist(), stage.body.gain).words)
+    for k in range(0, len(stage.t), max(len(stage.t) // 20, 1)):
+        x, xhat = stage.x[k].tolist(), stage.xhat[k].tolist()
+        marks = stage.body.marks(x, xhat, stage.body.gain)
+        number, unit = re.fullmatch(r"e₁ = (−?[\d.]+) (\w+)", marks.words[0][0]).groups()  # type: ignore[union-attr]
+        digits = len(number.partition(".")[2])
+        assert abs(float(number.replace("−", "-")) - (x[0] - xhat[0])) <= 0.5 * 10.0**-digits + 1e-9 and unit in ("m", "K")
+        assert len(marks.words) == count
+        apart = math.dist(*marks.bars[0])
+        assert abs(apart - math.dist(stage.body.anchors(x, stage.body.gain)[0], stage.body.anchors(xhat, stage.body.gain)[0])) < 1e-9
+        same = stage.body.marks(x, x, stage.body.gain)
+        assert math.dist(*same.bars[0]) == 0.0

@@ -310,6 +310,19 @@ def test_a_task_that_only_crosses_solve_is_solved_at_some_pixel() -> None:
                   lambda lesson, k: f"{lesson.id} {lesson.path[k].id}")
 
 
+def test_a_scene_with_a_moment_opens_there_and_plays_from_the_start() -> None:
+    def law(lesson: Lesson, k: int) -> None:
+        walker = Walker(lesson.id)
+        walker.send(GoToScene(k))
+        picture, moment = walker.session.picture, lesson.path[k].moment
+        assert picture is not None and moment is not None and picture.state.t == moment * picture.end < picture.horizon
+        if not picture.veiled:
+            walker.send(Play())
+            assert walker.session.picture is not None and walker.session.picture.state.t <= 0.02 * picture.end
+    holds_for_all([(lesson, k) for lesson in PATHS.values() for k, scene in enumerate(lesson.path) if scene.moment is not None], law,
+                  lambda lesson, k: f"{lesson.id} {lesson.path[k].id}")
+
+
 WITH_LINES = [lesson for lesson in LESSONS.values() if lesson.number <= 8]
 
 

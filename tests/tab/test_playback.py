@@ -299,7 +299,8 @@ def test_a_scene_begins_where_its_run_shows_most_and_a_question_or_a_press_at_th
             continue
         asked = isinstance(scene.do, Choose | Press)
         kicked = dict(tab.picture.design.values).get("kick", 0.0)
-        assert state.t == (0.0 if asked else find_error_window(stage, kicked).telling), scene.id
+        resting = 0.0 if asked else find_error_window(stage, kicked).telling
+        assert state.t == (resting if scene.moment is None else scene.moment * tab.picture.end), scene.id
         assert not state.moving
         seen.add(asked)
     assert seen == {True, False}

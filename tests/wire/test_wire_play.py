@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from client import CALLED, WireTab
 
-from observer_lab.page.viser_private.stage_frames import PROPERTY_KINDS, UNITS_PER_STAGE_UNIT
+from observer_lab.page.viser_private.stage_frames import PROPERTY_KINDS, UNITS_PER_STAGE_UNIT, WHOLE_NUMBERS
 from observer_lab.session.session import Session
 
 Enter = Callable[..., WireTab]
@@ -31,7 +31,7 @@ def played(tab: WireTab, since: int) -> dict[float, dict[tuple[str, str], list[f
         for time, move in zip(chunk.get("times", ()), json.loads(chunk.get("moves", "[]")), strict=True):
             while move:
                 node, kind, many = move[:3]
-                fine = 1 if PROPERTY_KINDS[kind] == "color" else UNITS_PER_STAGE_UNIT
+                fine = 1 if PROPERTY_KINDS[kind] in WHOLE_NUMBERS else UNITS_PER_STAGE_UNIT
                 stands[chunk["names"][node], PROPERTY_KINDS[kind]] = [number / fine for number in move[3:3 + many]]
                 move = move[3 + many:]
             out[time] = dict(stands)

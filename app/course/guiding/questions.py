@@ -5,7 +5,7 @@ A lesson gives a function for each of its questions. An option's curve follows f
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any  # the values of knobs are of any kind, as `Any` says
 
@@ -22,6 +22,7 @@ YOU, RUN = text("you"), text("the run")
 MAX_SAMPLES = 160  # of a curve in a question's figure
 COLUMNS = 40  # at which a hand draws a curve
 BAR_WIDTH, BAR_GAP = 26.0, 0.19  # px; between the bars of one place, in places
+LEVEL_WIDTH, LEVEL_HALF = 4.0, 0.42  # px; half the length of a line across a place, in places
 Part = Curve | Point
 
 
@@ -128,19 +129,30 @@ def question_of_bars(title: Text, y_label: Text | str, known: Sequence[tuple[Tex
 
 
 def question_of_bar_groups(title: Text, y_label: Text | str, known: Sequence[tuple[Text, float]], asked: Sequence[Text],
-                           options: Sequence[Sequence[float]], run: Sequence[float], role: str = "plant") -> DrawnQuestion:
-    """Bars at several places that are asked about: each option and the run give one height for each of them."""
-    low, high = _range([np.array([value for _, value in known] or [0.0]), *(np.array(each, dtype=float) for each in options),
-                        np.array(run, dtype=float)])
+                           options: Sequence[Sequence[float]], run: Sequence[float], role: str = "plant",
+                           level: tuple[Text, Sequence[float]] = (NO_WORDS, ())) -> DrawnQuestion:
+    """Bars at several places that are asked about: each option and the run give one height for each of them.
+
+    `level` is a name and a height for each of these places that is known already, drawn as a line across it.
+    """
+    low, high = _range([np.array([value for _, value in known] or [0.0]), np.array(level[1] or (0.0,)),
+                        *(np.array(each, dtype=float) for each in options), np.array(run, dtype=float)])
     first = len(known)
     names = tuple((float(k), name) for k, name in enumerate([*(name for name, _ in known), *asked]))
-    figure = PlaneFigure("question", title, tuple(_bar(k, value, NO_WORDS, "muted") for k, (_, value) in enumerate(known)), (), "", y_label,
-                         (-0.6, len(names) - 0.4), (low, high), names=names)
+    drawn = (*(_bar(k, value, NO_WORDS, "muted") for k, (_, value) in enumerate(known)), *_levels(first, *level))
+    figure = PlaneFigure("question", title, drawn, (), "", y_label, (-0.6, len(names) - 0.4), (low, high), names=names)
 
     def group(values: Sequence[float], side: float, name: Text, role: str) -> tuple[Curve, ...]:
         return tuple(_bar(first + k, value, name, role, side) for k, value in enumerate(values))
     return DrawnQuestion(figure, tuple(group(each, -1, YOU, "dimmed") for each in options), group(run, +1, RUN, role),
                          tuple(float(first + k) for k in range(len(asked))), bars=True)
+
+
+def _levels(first: int, name: Text, heights: Sequence[float]) -> Iterator[Curve]:
+    """A line across each place, the first with the name of all."""
+    for k, height in enumerate(heights):
+        yield Curve(NO_WORDS if k else name, np.full(2, float(height)), "muted", "solid", LEVEL_WIDTH,
+                    np.array([first + k - LEVEL_HALF, first + k + LEVEL_HALF]))
 
 
 def _bar(at: float, value: float, name: Text, role: str, side: float = 0.0) -> Curve:

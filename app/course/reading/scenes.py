@@ -14,7 +14,7 @@ from .toml_table import Table, check_value, knob_named, read_table, read_values
 
 ACTION_KEYS = MappingProxyType({"answer": "choose", "move": "move", "goal": "move", "task": "solve"})  # which action each belongs to
 SCENE_KEYS = ("id", "do", *ACTION_KEYS, "set", "play", "knobs", "figures", "boards", "formulas", "lines", "camera",
-              "runs", "minutes", "core")
+              "moment", "runs", "minutes", "core")
 ACTIONS = ("read", "predict", "again", "choose", "move", "play", "kick", "pull", "solve")
 HEADING, BEGIN, END = re.compile(r"## ([\w-]+):"), "```toml", "```"
 
@@ -69,7 +69,15 @@ def _scene(table: Table, knobs: Sequence[Knob], tasks: Sequence[str], words: Map
     return Scene(id, _action(action, table, knobs, tasks, options), read_values(table, "set", knobs), read_values(table, "play", knobs),
                  shown, drawn, table.names("boards"), table.names("formulas"), table.switch("runs", True),
                  table.one_of("camera", ("", *get_args(Camera)), ""), minutes, table.switch("core", True),
-                 table.names("lines"))
+                 table.names("lines"), _moment(table) if "moment" in table.data else None)
+
+
+def _moment(table: Table) -> float:
+    """The share of its run at which a scene rests."""
+    share = table.number("moment")
+    if not 0 <= share <= 1:
+        raise table.refuse("moment", text("moment is a share of the run, 0 to 1; it is {share:g}.", share=share))
+    return share
 
 
 def _action(action: str, table: Table, knobs: Sequence[Knob], tasks: Sequence[str], options: int) -> Do:

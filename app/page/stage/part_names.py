@@ -1,4 +1,4 @@
-"""Write the names of a plant's parts on the stage, each at the end of a line to its part."""
+"""Write on the stage: names at the ends of lines to a plant's parts, the error to scale."""
 
 from __future__ import annotations
 
@@ -8,13 +8,15 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import viser
 
-from ...colours import palette, rgb
-from ...plants.bodies.body import Body, PartName, Pose, Vector
+from ...colours import COLOURS, palette, rgb
+from ...plants.bodies.body import Body, ErrorMarks, PartName, Pose, Vector
 from ...text import label_in_language
-from ..viser_private.stage_frames import Frame, flatten_segments
+from ..viser_private.stage_frames import Frame, flatten_segments, letters_of
 from .scene_labels import SceneLabels
 from .trails import HIDDEN_SEGMENT, Pair
 
+ERROR_BARS, BAR_THICK = "/error-bars", 0.055  # the node of the bars, and how thick they are in stage units
+WORDS_SIZE = 1.3  # of the letters of its words, beside those of a name
 LINES, HALO = "/named/lines", "/named/halo"
 THIN, ROUND_IT, BEHIND = 0.012, 0.034, 0.012  # stage units: a line, the light around it before a dark part, how far behind it that is
 AWAY: Vector = (0.0, BEHIND, 0.0)
@@ -65,6 +67,28 @@ class PartNames:
         for line in self._lines:
             line.remove()
         self._shown, self._labels, self._lines = (), [], []
+
+
+class ErrorMarkLines:
+    """The bars and words of an error that is drawn to scale."""
+
+    def __init__(self, scene: viser.SceneApi, letters: SceneLabels, first: ErrorMarks) -> None:
+        self._letters = letters
+        self._bars = scene.add_line_segments(ERROR_BARS, np.array([HIDDEN_SEGMENT], np.float32), rgb(COLOURS["error"]), thickness=BAR_THICK)
+        self._labels = [letters.write(f"/error-words/{i}", words, at, anchor, WORDS_SIZE)
+                        for i, (words, at, anchor) in enumerate(first.words)]
+
+    def place(self, marks: ErrorMarks, frame: Frame) -> None:
+        """Write into a frame where they are."""
+        frame[ERROR_BARS, "points"] = flatten_segments([*marks.bars, HIDDEN_SEGMENT])
+        for label, (words, at, _) in zip(self._labels, marks.words, strict=True):
+            frame[label.name, "position"], frame[label.name, "text"] = at, letters_of(words)
+
+    def remove(self) -> None:
+        """Take them off the stage."""
+        self._bars.remove()
+        for label in self._labels:
+            self._letters.remove(label)
 
 
 def _moved(place: Sequence[float], by: Vector) -> Vector:

@@ -20,7 +20,7 @@ from ..viser_private.stage_frames import Frame, Value, changed_values, flatten_s
 from ..words import phrases
 from .body_extent import front_corner
 from .lighting import PLANT, light_up
-from .part_names import PartNames
+from .part_names import ErrorMarkLines, PartNames
 from .pinned_ghosts import PinGhosts
 from .pulling_hand import Pulled, PullingHand
 from .scene_labels import SceneLabels, colour_labels, stagger_names
@@ -76,6 +76,7 @@ class StageView:
         self._letters = SceneLabels(self._scene, 1.0)
         self._pins, self._part_names = PinGhosts(self._scene, self._letters), PartNames(self._scene, self._letters)
         self._errors: ErrorLines | None = None
+        self._marks: ErrorMarkLines | None = None
         self._picture: viser.ImageHandle | None = None
         self._stage: Stage | None = None
         self._frame: Frame = {}  # where everything was sent to last
@@ -96,7 +97,7 @@ class StageView:
         self.built = object()
         self._solid, self._ghost = self._parts()
         self._clouds, self._names, self._note, self._called = [], [], [], []
-        self._hand = self._picture = None
+        self._hand = self._picture = self._marks = None
         self._stage, self._body = stage, stage.body if stage is not None else None
         em *= self.nearness()
         self._letters = SceneLabels(self._scene, em)
@@ -129,6 +130,8 @@ class StageView:
                             visible=bool(said))
         self._say(stage, language)
         self._called = [(label_in_language(words, language), place) for words, place in body.labels]
+        if body.marks is not None and stage.xhat is not None:
+            self._marks = ErrorMarkLines(self._scene, self._letters, body.marks(stage.x[0].tolist(), stage.xhat[0].tolist(), body.gain))
         self._names = [self._letters.write(f"/name/{i}", *name, "top-center") for i, name in enumerate(stagger_names(self._called, em))]
 
     def needs_resize(self, em: float) -> bool:
@@ -157,7 +160,8 @@ class StageView:
     def show(self, stage: Stage | None, language: str, em: float) -> None:
         """Take a new run; another plant is put on the stage in place of the last one."""
         if (stage.body if stage is not None else None) is not self._body:
-            for part in (self._solid, self._ghost, *self._clouds, *self._names, *self._note, *filter(None, (self._hand, self._picture))):
+            lone = filter(None, (self._hand, self._picture, self._marks))
+            for part in (self._solid, self._ghost, *self._clouds, *self._names, *self._note, *lone):
                 part.remove()
             self._pins.clear()
             self._part_names.clear()
@@ -233,6 +237,8 @@ class StageView:
             believed = body.anchors(xhat, body.gain)
             if self._errors is not None:
                 self._errors.place(index, body.anchors(x, body.gain), believed, self._calm, frame)
+            if self._marks is not None and body.marks is not None:
+                self._marks.place(body.marks(x, xhat, body.gain), frame)
             if stage.spread is not None:
                 self._cloud(believed, float(stage.spread[index]), frame)
         if stage.u is not None:

@@ -38,6 +38,9 @@ CAMERAS = MappingProxyType({
     "plant": ((0.0, -8.2, 2.9), (0.0, 0.0, 1.0)),
     "bare": ((0.0, -11.2, 2.8), (0.0, 0.3, 0.75)),  # all there is where no boards stand, in the middle of what the run leaves free
 })
+TURNS = MappingProxyType({  # how far round the plant (rad), how high (rad) and how many times as far off as "plant" is
+    "plant": (0.0, 0.0, 1.0), "near": (0.0, -0.04, 0.8), "left": (-0.42, 0.02, 1.0), "right": (0.42, 0.02, 1.0),
+    "above": (0.0, 0.42, 1.0)})
 Place = tuple[Sequence[float], Sequence[float]]  # position and target of the eye
 
 
@@ -107,6 +110,17 @@ def body_scale(box: tuple[float, float]) -> float:
     return max(box[0] / USUAL_HALF_WIDTH, box[1] / USUAL_HEIGHT, LEAST_BODY)
 
 
+def round_plant(scale: float) -> dict[str, Place]:
+    """From where a body so many times as large as usual is seen alone, by the names of TURNS."""
+    (_, ahead, up), (_, _, aim) = CAMERAS["plant"]
+    off, high, found = scale * math.hypot(ahead, up - aim), math.atan2(up - aim, -ahead), dict[str, Place]()
+    for name, (turn, rise, nearer) in TURNS.items():
+        across = nearer * off * math.cos(high + rise)
+        found[name] = ((across * math.sin(turn), -across * math.cos(turn), scale * aim + nearer * off * math.sin(high + rise)),
+                       (0.0, 0.0, scale * aim))
+    return found
+
+
 def retreat(aspect: float, narrow: float = NARROW) -> float:
     """How many times farther away a narrow window looks from."""
     return max(1.0, narrow / max(aspect, 0.2))
@@ -125,7 +139,7 @@ class Viewpoint:
         self._arrived = False  # whether the browser has said that it looks from where it was told to
         self._body, self.composed = (USUAL_HALF_WIDTH, USUAL_HEIGHT), USUAL  # how far the plant reaches; it with its boards
         self._whole = self._seen_from = USUAL.place  # from where everything is seen, and from where the stage is
-        self._plant = CAMERAS["plant"]  # from where the plant alone is
+        self._plants = round_plant(1.0)  # from where the plant alone is
         self._aspect, self._lower, self._below = 1.0, 0.0, False
 
     def heard(self) -> None:
@@ -134,7 +148,7 @@ class Viewpoint:
 
     def camera(self, preset: str) -> None:
         """Look from one of the named places."""
-        places = {**CAMERAS, "all": self._whole, "plant": self._plant, "boards": self.composed.boards}
+        places = {**CAMERAS, "all": self._whole, **self._plants, "boards": self.composed.boards}
         self._seen_from = places.get(preset, self._whole)
         self._look()
 
@@ -148,8 +162,9 @@ class Viewpoint:
     def look(self, camera: tuple[float, ...] | None) -> None:
         """Look from a position at a target, from where everything is seen for None."""
         self._seen_from = self._whole if camera is None else (camera[:3], camera[3:])
-        if np.allclose(np.ravel(self._seen_from), np.ravel(self._plant), atol=0.02):
-            self._seen_from = self._plant  # as in the tab that is followed: a narrow window adapts a named place in its own way
+        for place in self._plants.values():
+            if np.allclose(np.ravel(self._seen_from), np.ravel(place), atol=0.02):
+                self._seen_from = place  # as in the tab that is followed: a narrow window adapts a named place in its own way
         self._look()
 
     def compose(self, boards: bool, charted: bool, lecture: bool, below: bool = False, body: tuple[float, float] | None = None) -> None:
@@ -168,11 +183,12 @@ class Viewpoint:
 
     def _look_at_body(self, scale: float) -> None:
         """See the plant from as many times farther off as its body is larger than usual."""
-        before, (eye, target) = self._plant, CAMERAS["plant"]
-        self._plant = (scale * eye[0], scale * eye[1], scale * eye[2]), (scale * target[0], scale * target[1], scale * target[2])
-        if self._seen_from == before != self._plant:
-            self._seen_from = self._plant
-            self._look()
+        before, self._plants = self._plants, round_plant(scale)
+        for name, place in before.items():
+            if self._seen_from == place != self._plants[name]:
+                self._seen_from = self._plants[name]
+                self._look()
+                return
 
     def letters(self, lecture: bool) -> float:
         """How large letters at the boards are now, in stage units."""
@@ -205,7 +221,7 @@ class Viewpoint:
         if place in (composed.place, composed.boards):
             back = composed.retreat(self._aspect)
         else:
-            back = retreat(self._aspect, NARROW_PLANT if place == self._plant else NARROW * FAR / away(place))
+            back = retreat(self._aspect, NARROW_PLANT if place in self._plants.values() else NARROW * FAR / away(place))
         whole = place == composed.place
         if self._below:
             back = max(back, ABOVE_BOARDS if whole else ABOVE)

@@ -107,6 +107,14 @@ class PartName:
     ghost: bool = False
 
 
+@dataclass(frozen=True)
+class ErrorMarks:
+    """An error that is drawn to scale: bars between a plant and its ghost, and words with its size, each with its place and its anchor."""
+
+    bars: tuple[tuple[Vector, Vector], ...]
+    words: tuple[tuple[str, Vector, str], ...]
+
+
 MOST_NAMES = 4  # of a body's parts
 GHOST_NAME, UNCONTROLLED = text("ghost: the estimate"), text("ghost: without control")
 
@@ -119,7 +127,7 @@ class Body:
     `arrows(x, u, gain)` draws the inputs; `anchors(x, gain)` are the points that thin lines join from the plant to
     its ghost, so that the error can be seen. `gain` is the default exaggeration, shown beside the plant; so is `forces`,
     how many times longer than usual the arrows of the inputs are. `labels` are words that stand on the stage and where;
-    `names`, at most MOST_NAMES, say what a newcomer sees, until he has done something.
+    `names`, at most MOST_NAMES, say what a newcomer sees, until he has done something. `marks(x, xhat, gain)` draws the error to scale.
     """
 
     parts: tuple[Part, ...]
@@ -131,6 +139,7 @@ class Body:
     labels: tuple[tuple[Text | str, Vector], ...] = ()
     forces: float = 1.0
     names: tuple[PartName, ...] = ()
+    marks: Callable[[Sequence[float], Sequence[float], float], ErrorMarks] | None = None
 
 
 def with_longer_arrows(body: Body, times: float, inputs: int) -> Body:

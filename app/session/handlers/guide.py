@@ -53,8 +53,8 @@ def begin_opened(show: Presenter) -> None:
 
 
 def scene_rests(scene: Scene) -> bool:
-    """Whether a scene begins in the midst of its run: it asks for no answer, presses no button and performs nothing."""
-    return not isinstance(scene.do, Choose | Press) and not scene.play
+    """Whether a scene begins in the midst of its run: it asks for no answer, presses and performs nothing, or names a moment."""
+    return scene.moment is not None or (not isinstance(scene.do, Choose | Press) and not scene.play)
 
 
 def greet(show: Presenter) -> None:

@@ -111,10 +111,12 @@ def part_with_error(show: Presenter) -> ErrorWindow:
 
 
 def telling_moment(show: Presenter) -> float:
-    """The moment at which a run that is over rests: where plant and estimate differ most, its end where nothing is estimated."""
-    stage = show.picture.outcome.stage
+    """The moment at which a run that is over rests: the scene's, else where plant and estimate differ most, the end without estimate."""
+    stage, scene = show.picture.outcome.stage, show.picture.scene
     if stage is None:
         return 0.0
+    if scene is not None and scene.moment is not None:
+        return scene.moment * show.picture.end
     return part_with_error(show).telling if stage.xhat is not None else show.picture.end
 
 
@@ -127,7 +129,7 @@ def _untouched(show: Presenter) -> bool:
 def _go_round(show: Presenter, rounds: int) -> None:
     part = part_with_error(show)
     t = show.state.t if show.state.playing and part.begin <= show.state.t < part.end else part.begin
-    rest = part.end if show.state.predicted is not None else part.telling
+    rest = part.end if show.state.predicted is not None else telling_moment(show)
     show.change(replace(show.state, playing=False, stopped=False, t=t, loop=ReplayLoop(part, rounds, rest)))
     show.last_tick = show.clock()
     show.view.pose(t)

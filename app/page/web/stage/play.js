@@ -1,6 +1,6 @@
 // Plays poses that came ahead of their time: gives them to viser when they are due, as if they came from the server just then.
 ({widget, stop, begins, every, owner, names, times, told, moves}) => {
-  const viser = window.observerLabViser, KINDS = ['position', 'wxyz', 'scale', 'color', 'points'], FINE = 1e5, SLIDE = 3;
+  const viser = window.observerLabViser, KINDS = ['position', 'wxyz', 'scale', 'color', 'points', 'text'], FINE = 1e5, SLIDE = 3;
   const player = window.observerLabPlayer ??= {queue: [], wake: 0, count: 0};
   if (widget) {
     viser.tell(widget, 1);
@@ -12,10 +12,11 @@
   const first = begins || !(player.last > now - every) ? now : player.last + every;  // a late message holds the last pose
   JSON.parse(moves).forEach((move, k) => player.queue.push({due: first + k * every, move, t: times[k]}));
   player.last = first + (times.length - 1) * every;
-  const message = (name, kind, value) => viser.moved(owner, name, kind, kind === 'points' ? new Float32Array(value) : value);
+  const message = (name, kind, value) => viser.moved(owner, name, kind, kind === 'points' ? new Float32Array(value)
+    : kind === 'text' ? String.fromCodePoint(...value) : value);
   const read = (move, found) => {
     for (let i = 0; i < move.length;) {
-      const name = names[move[i]], kind = KINDS[move[i + 1]], many = move[i + 2], fine = kind === 'color' ? 1 : FINE;
+      const name = names[move[i]], kind = KINDS[move[i + 1]], many = move[i + 2], fine = kind === 'color' || kind === 'text' ? 1 : FINE;
       found.set(`${name} ${kind}`, [name, kind, move.slice(i + 3, i + 3 + many).map(number => number / fine)]);
       i += 3 + many;
     }

@@ -86,7 +86,7 @@
   };
 
   // --- the run -------------------------------------------------------------------------------------------------------------------
-  const SENT = {position: '@SetPositionMessage', wxyz: '@SetOrientationMessage'}, KINDS = ['position', 'wxyz', 'scale', 'color', 'points'];
+  const SENT = {position: '@SetPositionMessage', wxyz: '@SetOrientationMessage'}, KINDS = ['position', 'wxyz', 'scale', 'color', 'points', 'text'];
   const frames = run => run.channels.map(([name, kind, many, step, deltas, first]) => {  // of 16 bits, as their sums wrap
     const sums = scene.arrays[deltas].slice(), other = scene.arrays[first];
     for (let k = 0; k < sums.length; k += 1) sums[k] += (other ? other[k] : 0) + (k % run.count ? sums[k - 1] : 0);
@@ -99,7 +99,7 @@
     const told = {...state.told, words: state.told.words[speed]}, k = Math.max(moving.times.findLastIndex(each => each <= t + 1e-6), 0);
     const batch = moving.frames.map(({name, kind, at: now}) => {
       touched.add(`scene:${name}\n${SENT[kind] ?? kind}`);
-      return viser.moved(OWNER, name, kind, kind === 'points' ? new Float32Array(now(k)) : now(k));
+      return viser.moved(OWNER, name, kind, kind === 'points' ? new Float32Array(now(k)) : kind === 'text' ? String.fromCodePoint(...now(k)) : now(k));
     });
     touched.add(`gui:${told.clock}\ncontent`).add(`gui:${told.slider}\nvalue`);
     give([...batch, ...viser.told(told, t)]);
