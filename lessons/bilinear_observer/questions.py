@@ -25,7 +25,8 @@ def recall(asked: Asked) -> DrawnQuestion:
     A = plant.A - observer_gain(plant.A, plant.C, POLES_OF_A_WHOLE_OBSERVER).gain @ plant.C
     e0 = np.array(X0)
     alone, other = (size(driven(A + u * plant.parts[0], e0, t)) for u in (0.0, HELD))
-    return question_over_time(text("size of the error under a constant u = {u:.3g}", u=HELD), t, (), (alone, other),
+    return question_over_time(text("size of the error under a constant u = {u:.3g}", u=HELD), t,
+                              (Curve(text("u = 0"), alone, "muted"),), (alone, other),
                               Curve(text("with the input"), other, "error"), "‖e‖", log_y=True)
 
 
@@ -34,7 +35,8 @@ def predict(asked: Asked) -> DrawnQuestion:
     run, pole = asked.after.study.run, asked.after.metrics["pole"]
     t, first = run.t, abs(asked.after.metrics["first_error"])
     decays = first * np.exp(pole * t)
-    return question_over_time(text("size of the error ĝ − g under the step"), t, (),
+    return question_over_time(text("size of the error ĝ − g under the step"), t,
+                              (Curve(text("size of g now"), np.abs(asked.entry.study.run.g), "muted"),),
                               (first * np.exp(OTHER_RATE * pole * t), np.maximum(decays, np.abs(run.u)), decays, np.abs(run.g)),
                               Curve(text("the error"), np.abs(run.errors[:, 0]), "error"), "|ĝ − g|", log_y=True, span=(-12.0, 4.0))
 

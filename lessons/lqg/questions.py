@@ -40,7 +40,7 @@ def predict(asked: Asked) -> DrawnQuestion:
     vanishing = FIXED_SHARE * lqr[0] * WEIGHTS[0] / WEIGHTS[1], FIXED_SHARE * lqr[0] * (WEIGHTS[0] / WEIGHTS[1]) ** 2
     return question_of_bar_groups(text("phase margin of optimal loops"), "[°]", (), (text("q = σ = 5"), text("q = σ = 100")),
                                   (lqr, [FIXED_SHARE * value for value in lqr], (GUARANTEED_DEG, GUARANTEED_DEG), vanishing),
-                                  (first, second))
+                                  (first, second), level=(text("LQR alone"), lqr))
 
 
 def surprise(asked: Asked) -> DrawnQuestion:

@@ -32,7 +32,8 @@ def recall(asked: Asked) -> DrawnQuestion:
         estimate, P = estimate + gain * innovation, (1 - gain) * prior
         rows.append((P, P * innovation**2 / (prior + NOISE), (x - estimate) ** 2))
     stated, surprised, squared = np.array(rows).T
-    return question_over_time(text("covariance P of one run"), np.arange(1.0, SAMPLES + 1), (), (surprised, stated, squared),
+    return question_over_time(text("covariance P of one run"), np.arange(1.0, SAMPLES + 1),
+                              (Curve(text("squared error of this run"), squared, "muted"),), (surprised, stated, squared),
                               Curve(text("stated by the filter"), stated, "estimate"), "P", text("sample"))
 
 

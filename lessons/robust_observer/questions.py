@@ -24,7 +24,7 @@ def recall(asked: Asked) -> DrawnQuestion:
     A, e0 = plant.A - observer_gain(plant.A, plant.C, POLES_OF_A_WHOLE_OBSERVER).gain @ plant.C, run.x[0]
     alone = size(driven(A, e0, run.t))
     pushed = size(driven(A, e0, run.t, run.x @ errors(asked.entry.design)[0].T))
-    return question_over_time(text("size of the error e"), run.t, (), (alone, pushed),
+    return question_over_time(text("size of the error e"), run.t, (Curve(text("with the exact model"), alone, "muted"),), (alone, pushed),
                               Curve(text("the real plant"), pushed, "error"), "‖e‖", log_y=True, span=(-4.0, 1.0))
 
 

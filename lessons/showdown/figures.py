@@ -20,7 +20,7 @@ from .race_tables import RACE_TAB, race_figures
 from .report_levels import REPORT_TAB, report_tables
 from .score_tables import SCORE_TAB, TRIAL_TAB, friction, sizes, times, tried
 from .simulation import loop_of
-from .study import Study, as_predicted
+from .study import Study, as_predicted, rival_of
 from .suppression import suppression
 from .transmissibility import TRANSMISSIBILITY_TAB, transmissibilities
 
@@ -190,15 +190,16 @@ def _held(outcome: Outcome[Study]) -> bool:
 def _stage_velocity(outcome: Outcome[Study]) -> LineFigure:
     m = outcome.study
     t, x, _ = m.run
-    v, ghost = (np.clip(1e6 * states[:, 6], -2e3, 2e3) for states in (x, m.ghost))
-    late = t > 1.0
-    sizes = float(np.std(v[late])), float(np.std(ghost[late]))
+    v, rival, ghost = (np.clip(1e6 * states[:, 6], -2e3, 2e3) for states in (x, m.rival[0], m.ghost))
+    sizes = [float(np.std(each[t > 1.0])) for each in (v, rival, ghost)]
+    upper = outcome.design["play"]
+    above, below = (CONTROLLER_NAMES[ORDER.index(each)] for each in (upper, rival_of(upper)))
     return LineFigure("stage_velocity", text("vertical velocity of the run on the stage"), t,
-                      (Curve(text("with the controller"), v),
+                      (Curve(below, rival, "muted", "solid", 1.6), Curve(above, v),
                        Curve(text("without control"), ghost, "estimate", "dash", 1.6)), "v [µm/s]",
                       caption=UNSTABLE_CAPTION if not _held(outcome) else
-                      text("Test at 0.4 s. After 1 s: {sizes:.3g} µm/s RMS, {sizes2:.3g} µm/s without control.",
-                           sizes=sizes[0], sizes2=sizes[1]),
+                      text("RMS after 1 s: {sizes:.3g} µm/s, {sizes2:.3g} µm/s on the lower deck, {sizes3:.3g} µm/s without control.",
+                           sizes=sizes[0], sizes2=sizes[1], sizes3=sizes[2]),
                       tab=RUN_TAB, window=(-500.0, 500.0))
 
 

@@ -36,7 +36,8 @@ def recall(asked: Asked) -> DrawnQuestion:
     e0 = plant.C[0] / np.linalg.norm(plant.C[0])
     slow, fast = (size(driven(A, e0, RECALL_S)) for A in (assumed, right))
     growing = size(driven(-assumed, e0, RECALL_S))
-    return question_over_time(text("size of the error after a disturbance"), RECALL_S, (), (fast, np.minimum(growing, 2.0), slow),
+    return question_over_time(text("size of the error after a disturbance"), RECALL_S,
+                              (Curve(text("with the right gain"), fast, "muted"),), (fast, np.minimum(growing, 2.0), slow),
                               Curve(text("with the assumed noise"), slow, "error"), "‖e‖")
 
 
@@ -58,7 +59,8 @@ def predict(asked: Asked) -> DrawnQuestion:
     better = (1, 0, 0), (0, 1, 0), (0, 1, 1), (0, 0, 0)
     options = [[value + BETTER_DB * share for value, share in zip(before, each, strict=True)] for each in better]
     return question_of_bar_groups(text("rotation, reduction in 0.5–3 Hz"), "[dB]", (),
-                                  (text("SISO loops"), text("full LQG"), text("decoupled LQG")), options, after)
+                                  (text("SISO loops"), text("full LQG"), text("decoupled LQG")), options, after,
+                                  level=(text("now"), before))
 
 
 def surprise(asked: Asked) -> DrawnQuestion:
@@ -81,7 +83,7 @@ def friction(asked: Asked) -> DrawnQuestion:
     grown = _with_friction(replace(m.world, shaped=True), m.five, int(asked.entry.design["seed"]))
     siso, lqe = (now / before for now, before in zip(grown, smooth, strict=True))
     return question_of_bar_groups(text("vertical motion with friction, times that without"), "", (), (text("SISO loops"), text("full LQG")),
-                                  ((DAMPED, DAMPED), (siso, lqe), (1.0, 1.0)), (siso, lqe))
+                                  ((DAMPED, DAMPED), (siso, lqe), (1.0, 1.0)), (siso, lqe), level=(text("without friction"), (1.0, 1.0)))
 
 
 QUESTIONS = MappingProxyType({"friction": friction, "recall": recall, "measures": measures, "predict": predict, "surprise": surprise})

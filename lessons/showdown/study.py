@@ -4,19 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 
 from observer_lab.course.lazy import LazyMap, LazySequence, LazyValue
 from observer_lab.course.lesson import Check, Design, Formula, Outcome, Stage
 from observer_lab.engine.sampled import MonteCarlo, ResponseMeasures
-from observer_lab.plants.bodies.body import UNCONTROLLED, called, with_longer_arrows
+from observer_lab.plants.bodies.body import UNCONTROLLED, Body, called, with_longer_arrows
+from observer_lab.plants.bodies.two_decks import two_decks
 from observer_lab.plants.platform import model
 from observer_lab.text import Text, listed, text
 
 from ..toolkit.latex import number
-from .controllers import LQE, OPEN_LOOP, ORDER, RECURSIVE, SHORT_NAMES, Player, players
+from .controllers import CONTROLLER_NAMES, LQE, OPEN_LOOP, ORDER, RECURSIVE, SHORT_NAMES, SISO, Player, players
 from .equal_effort import Equal
 from .friction import friction_of, rubbed
 from .race import Raced
@@ -63,9 +64,9 @@ class Trials:
 
 MOTION_GAIN = 1000.0  # times that the stage exaggerates motion: 20 µm are drawn as 0.15
 FORCE_ARROWS = 20.0  # times that coil forces are drawn larger: tens of millinewtons here
-BODY = replace(with_longer_arrows(model.body(), FORCE_ARROWS, 3), gain=MOTION_GAIN, names=called(model.body(), UNCONTROLLED),
-               caption=text("Solid: with the controller chosen. Ghost: the same platform without control. "
-                              "Green: coil forces"))
+DECK = replace(with_longer_arrows(model.body(), FORCE_ARROWS, 3), gain=MOTION_GAIN, names=called(model.body(), UNCONTROLLED),
+               caption=text("Above: the controller chosen. Below: another one to compare. Ghosts: the same decks without control. Green: coil forces. "
+                            "Blue bars: how far each deck moves (RMS), beside its ghost's"))
 WORK = (0.1, 10.0)  # Hz: the report's working band
 
 
@@ -74,7 +75,7 @@ class Study:
     """Everything about one design: five players in one world, the test (a `step` of the ground, or a touch) when it is looked at.
     `trials` is what the longer computation measured.
 
-    run: t, states, forces on the stage; ghost: states without control.
+    run: t, states, forces on the stage; ghost: states without control; rival: states and forces of the deck below, another's.
     """
 
     world: World
@@ -82,6 +83,7 @@ class Study:
     step: bool
     run: tuple[np.ndarray, np.ndarray, np.ndarray]
     ghost: np.ndarray
+    rival: tuple[np.ndarray, np.ndarray]
     trials: Trials | None = field(default=None)
 
     @cached_property
@@ -177,13 +179,39 @@ def compute(design: Design) -> Outcome[Study]:
     seed, kick = int(design["seed"]), design["kick"]
     chosen = five[ORDER.index(design["play"])]
     bare = (world, chosen) if chosen.id == OPEN_LOOP else (without_control(world), five[0])
-    most = friction_of(design)
-    run, ghost = ((rubbed(*who, seed, step, kick, most) if most else shake(*who, seed, step, kick)) for who in ((world, chosen), bare))
-    match = Study(world, five, step, run, ghost[1])
+    most, other = friction_of(design), rival_of(chosen.id)
+    run, ghost, rival = ((rubbed(*who, seed, step, kick, most) if most else shake(*who, seed, step, kick))
+                         for who in ((world, chosen), bare, (world, five[ORDER.index(other)])))
+    match = Study(world, five, step, run, ghost[1], rival[1:])
     metrics = LazyMap(lambda: _metrics(match))
     return Outcome(design, {}, {}, metrics, LazySequence(lambda: _checks(match, metrics)), None, (),
-                   Stage(BODY, run[0], run[1], ghost[1], run[2]), LazySequence(lambda: _formulas(design, match)),
+                   _stage(match, body_of(chosen.id)), LazySequence(lambda: _formulas(design, match)),
                    LazyValue(lambda: as_predicted(design, _ranking(match))), match)
+
+
+def rival_of(chosen: str) -> str:
+    """Whose deck stands below: the full LQG, or the SISO loops where that one is chosen."""
+    return SISO if chosen == LQE else LQE
+
+
+@lru_cache(maxsize=len(ORDER))
+def body_of(chosen: str) -> Body:
+    """Two decks with the names of their controllers."""
+    upper, lower = (CONTROLLER_NAMES[ORDER.index(each)] for each in (chosen, rival_of(chosen)))
+    return two_decks(DECK, 10, 3, (upper, lower))
+
+
+def moved_share(x: np.ndarray, ghost: np.ndarray) -> float:
+    """The RMS of a deck's vertical displacement over the run, over that of the deck without control."""
+    return float(np.sqrt(np.mean(x[:, 1] ** 2) / np.mean(ghost[:, 1] ** 2)))
+
+
+def _stage(m: Study, body: Body) -> Stage:
+    t, upper, above = m.run
+    lower, below = m.rival
+    shares = np.tile([moved_share(upper, m.ghost), moved_share(lower, m.ghost)], (len(t), 1))
+    return Stage(body, t, np.hstack([upper, lower, shares]), np.hstack([m.ghost, m.ghost, np.ones_like(shares)]),
+                 np.hstack([above, below]))
 
 
 def _metrics(m: Study) -> dict[str, float]:

@@ -276,3 +276,16 @@ def test_both_yardsticks_are_met_between_too_deaf_and_too_loud() -> None:
 @pytest.mark.parametrize("sensor", [1e-18, 1e-14, 1e-13, 6e-13])
 def test_the_optimum_is_not_beaten_by_the_quietest_sensor_of_all(sensor: float) -> None:
     assert not _task("beaten").check(outcome(sensor=sensor)).solved
+
+
+def test_the_stage_has_the_deck_of_the_chosen_controller_above_its_rivals_each_with_the_share_of_motion_that_is_left() -> None:
+    for chosen, rival in (("siso", "lqe"), ("lqe", "siso"), ("open", "lqe")):
+        upper, lower = outcome(play=chosen), outcome(play=rival)
+        stage, bare = upper.stage, upper.study.ghost
+        assert stage is not None and stage.xhat is not None
+        np.testing.assert_array_equal(stage.x[:, :20], np.hstack([upper.study.run[1], lower.study.run[1]]))
+        np.testing.assert_array_equal(stage.xhat[:, :20], np.hstack([bare, bare]))
+        shares = [np.sqrt(np.sum(x[:, 1] ** 2) / np.sum(bare[:, 1] ** 2)) for x in (upper.study.run[1], lower.study.run[1])]
+        long = [stage.body.pose(stage.x[7].tolist(), 1.0)[f"{floor} bar"].scale[2] for floor in ("upper", "lower")]
+        whole = stage.body.pose(stage.xhat[7].tolist(), 1.0)["upper bar"].scale[2]
+        np.testing.assert_allclose(np.array(long) / whole, np.clip(shares, 0.01, 1.15))
