@@ -47,10 +47,11 @@ def body() -> Body:
     return replace(
         shape, pose=lambda x, gain: pose((x[0], x[1], PER_SUM * (x[0] + x[1])), gain),
         anchors=lambda x, gain: anchors((x[0], x[1], PER_SUM * (x[0] + x[1])), gain), gain=4.0,
-        labels=gauge_labels(("x₁", "x₂"), "x₁ + x₂"),
+        labels=tuple((name, (x, *HIGH)) for name, (x, _, _) in gauge_labels(("x₁", "x₂"), "x₁ + x₂")),
         caption=text("Small gauges: the states x₁ and x₂; x₁ is measured and lit; large gauge: x₁ + x₂ and its ghost"))
 
 
+HIGH = -0.05, 2.3  # y and z of the upper edge of a gauge's name, high on it since a lesson lays something before its foot
 PER_SUM = 5.0  # the large gauge's unit is made for g of another plant
 MODEL = Model(
     id="doyle",

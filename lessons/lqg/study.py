@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -13,15 +13,19 @@ from observer_lab.course.lesson import Board, Check, Design, Formula, Outcome, S
 from observer_lab.engine import closed_loop
 from observer_lab.engine.design import Optimal
 from observer_lab.engine.feedback import NoisyLoop
+from observer_lab.plants.bodies.body import Body
+from observer_lab.plants.bodies.gain_lanes import with_gain_lanes
 from observer_lab.plants.doyle import gains as gains_of_paper
 from observer_lab.plants.model import Window
-from observer_lab.text import Text, text
+from observer_lab.text import Text, same, text
 
 from ..toolkit.latex import number
-from .cases import DOYLE, Case
+from .cases import DOYLE, REPORT, Case
 from .knobs import PROCESS_RULE, RECURSIVE, SENSOR_RULE, SPLIT_RULE
 from .loops import Cost, Setting, Trace, cost, estimator, gains, loop, sensor_input, setting_of, trace
 from .robustness import Robustness, ideal, real, within
+
+FAR_GAIN = 1e3  # times the model's gain: a loop that tolerates more tolerates all that is drawn
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,8 +142,23 @@ def compute_for(cases: tuple[Case, ...], design: Design) -> Outcome[Study]:
     metrics, poles = LazyMap(lambda: _metrics(study, reg, est)), {"regulator": reg.poles, "filter": est.poles}
     return Outcome(design, {"K": reg.gain, "L": est.gain}, LazyMap(lambda: {**poles, "loop": study.loop.poles}, poles), metrics,
                    LazySequence(lambda: _checks(study, metrics)), None, _boards(case, reg, est),
-                   Stage(case.model.body, study.trace.t, study.trace.x, study.trace.xhat, study.trace.u),
+                   _stage(study),
                    LazySequence(lambda: _formulas(study, setting)), LazyValue(lambda: _live(study)), study)
+
+
+@lru_cache(maxsize=8)
+def body_of(case: Case) -> Body:
+    """The case's body behind the lanes of gains that LQG and LQR tolerate."""
+    return with_gain_lanes(case.model.body, case.plant.n, (same("LQG"), same("LQR")))
+
+
+def _stage(s: Study) -> Stage:
+    run = s.trace
+    if s.case.id == REPORT:
+        return Stage(s.case.model.body, run.t, run.x, run.xhat, run.u)
+    limits = (*s.real.margins.gain, *s.ideal.margins.gain, s.setting.gain)
+    lanes = np.tile(np.clip(limits, 0.0, FAR_GAIN), (len(run.t), 1))
+    return Stage(body_of(s.case), run.t, np.hstack([run.x, lanes]), np.hstack([run.xhat, lanes]), run.u)
 
 
 def peak_reductions(case: Case, true: float, density: np.ndarray) -> tuple[np.ndarray | None, np.ndarray]:

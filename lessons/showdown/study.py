@@ -65,8 +65,8 @@ class Trials:
 MOTION_GAIN = 1000.0  # times that the stage exaggerates motion: 20 µm are drawn as 0.15
 FORCE_ARROWS = 20.0  # times that coil forces are drawn larger: tens of millinewtons here
 DECK = replace(with_longer_arrows(model.body(), FORCE_ARROWS, 3), gain=MOTION_GAIN, names=called(model.body(), UNCONTROLLED),
-               caption=text("Above: the controller chosen. Below: another one to compare. Ghosts: the same decks without control. Green: coil forces. "
-                            "Blue bars: how far each deck moves (RMS), beside its ghost's"))
+               caption=text("Above: the controller chosen. Below: another one to compare. Ghosts: the same decks without control. "
+                            "Green: coil forces. Blue bars: how far each deck moves (RMS), beside its ghost's"))
 WORK = (0.1, 10.0)  # Hz: the report's working band
 
 

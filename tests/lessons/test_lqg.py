@@ -274,3 +274,14 @@ def test_a_peak_that_has_grown_is_not_said_to_be_lowered_by_less_than_nothing() 
     o = at(sensor=1e12)
     for figure, drop in zip(LESSON.figures(o), o.study.suppression, strict=False):
         assert ("raised" in str(figure.caption)) == (drop < 0) and "−" not in str(figure.caption).split(";")[0]
+
+
+def test_the_lanes_on_the_stage_are_the_gains_at_which_the_loop_is_stable_and_the_ball_falls_beyond_them() -> None:
+    for values, held in (({"gain": 1.039}, True), ({"gain": 1.041}, False), ({"gain": 0.914}, False), ({"gain": 2.0, "recovery": 4}, True),
+                         ({"gain": 1.001, "q": 1000.0, "sigma": 1000.0}, False)):
+        o = LESSON.compute(LESSON.apply(LESSON.start(), {"case": "doyle", **values}))
+        assert (float(np.max(o.study.loop.poles.real)) < 0) == held and o.stage is not None
+        poses = o.stage.body.pose(o.stage.x[3].tolist(), 1.0)
+        lane, ball = poses["near lane"], poses["true gain"]
+        assert (ball.position[2] > poses["far lane"].position[2]) == held
+        assert (abs(ball.position[0] - lane.position[0]) < lane.scale[0] / 2) == held
