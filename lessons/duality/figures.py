@@ -6,7 +6,7 @@ import numpy as np
 
 from observer_lab.course.figures.diagram import DIAGRAM
 from observer_lab.course.figures.ranges import round_up_nicely
-from observer_lab.course.figures.records import Curve, LineFigure, PlaneFigure, Point, TableFigure
+from observer_lab.course.figures.records import Curve, LineFigure, MatrixFigure, PlaneFigure, Point, TableFigure
 from observer_lab.course.lazy import FigureSet, tab_figures
 from observer_lab.course.lesson import Design, Outcome
 from observer_lab.text import NO_WORDS, Text, format_number, joined, same, symbol, text
@@ -18,8 +18,9 @@ from .dual_quantities import Setting, Twins, weights_of
 from .finite_horizon import HORIZON_TAB, horizon_figure
 from .root_locus import LOCUS_TAB, locus_figures
 
-DUAL_TAB, ELLIPSES_TAB = text("Dual quantities"), text("Ellipses")
-MOST_ROWS, MOST_ENTRIES = 12, 6  # of a table, and places of a figure of bars
+DUAL_TAB, ELLIPSES_TAB, TURNED_TAB = text("Dual quantities"), text("Ellipses"), text("Transposed matrix")
+DIAGONAL, ABOVE, BELOW = range(3)  # categories of the entries of a matrix
+MOST_ROWS, MOST_ENTRIES, MOST_TURNED = 12, 6, 4  # of a table, places of a figure of bars, states of a matrix beside its transpose
 BAR_PX, BAR_SHIFT = 17.0, 0.16  # px across a bar; places from the middle of two bars to each
 CIRCLE_ANGLES_RAD = np.linspace(0.0, 2 * np.pi, 121)
 
@@ -33,6 +34,7 @@ def figures(here: Setting, outcome: Outcome[Twins]) -> FigureSet:
         tab_figures(ERROR_TAB, lambda: (error_figure(run), input_figure(run, here.model))),
         tab_figures(DUAL_TAB, lambda: (_gain_table(outcome, twins), _riccati_bars(here, outcome, twins),
                                  _pairing(twins, twins.pairing_gap))),
+        tab_figures(TURNED_TAB, lambda: (_turned(here, twins),)),
         tab_figures(LOCUS_TAB, lambda: locus_figures(here, design)),
         tab_figures(HORIZON_TAB, lambda: (_horizon(here, design, twins),)),
         tab_figures(ELLIPSES_TAB, lambda: (*_ellipses(here, design["window"], twins, twins.mirror_gap), _mirrored(here, twins))),
@@ -54,6 +56,22 @@ def _gain_table(outcome: Outcome[Twins], twins: Twins) -> TableFigure:
         (same(""), text("L, own equation"), text("K_dᵀ of (Aᵀ, Cᵀ)"),
          text("difference")), rows, tab=DUAL_TAB,
         caption=text("Left board: {left}. Right board: {right}.", left=left, right=right))
+
+
+def _turned(here: Setting, twins: Twins) -> MatrixFigure:
+    """A − LC beside the loop matrix of the transposed plant: what lies above the diagonal of one lies below that of the other."""
+    A, C = twins.plant.A, twins.plant.C
+    at = np.arange(min(len(A), MOST_TURNED))
+    own, twin = (A - twins.L @ C)[np.ix_(at, at)], (A.T - C.T @ twins.K_dual)[np.ix_(at, at)]
+    places = at[None, :] - at[:, None]
+    kinds = np.select([places == 0, places > 0], [DIAGONAL, ABOVE], BELOW)
+    middle = (len(at) - 1) // 2
+    heads = [same(words if k == middle else "") for words in ("A − LC", "Aᵀ − CᵀK_d") for k in at]
+    return MatrixFigure(
+        "turned", text("a matrix and its transpose"), np.hstack([own, twin]), tuple(same(str(k + 1)) for k in at), tuple(heads), (len(at),),
+        text("The second matrix is the first one, mirrored in its diagonal, to {gap:.0e}.", gap=float(np.abs(own - twin.T).max())),
+        TURNED_TAB, ((text("on the diagonal"), "muted"), (text("above it in A − LC"), "estimate"), (text("below it in A − LC"), "second")),
+        np.hstack([kinds, kinds.T]))
 
 
 def _riccati_bars(here: Setting, outcome: Outcome[Twins], twins: Twins) -> PlaneFigure:

@@ -7,10 +7,11 @@ from types import MappingProxyType
 
 import numpy as np
 
+from observer_lab.course.figures.records import Point
 from observer_lab.course.guiding.questions import Asked, DrawnQuestion, question_of_bar_groups, question_of_poles
 from observer_lab.engine import observer_gain
 from observer_lab.engine.systems import sorted_poles
-from observer_lab.text import same, text
+from observer_lab.text import NO_WORDS, same, text
 
 FASTER = 2.0  # times the controller's pace: an observer whose poles cannot be taken for those of the controller
 SCALED = 0.5  # a factor that an option says is still missing
@@ -29,7 +30,8 @@ def recall(asked: Asked) -> DrawnQuestion:
 
     def poles(M: np.ndarray) -> Sequence[complex]:
         return sorted_poles(M).tolist()
-    return question_of_poles(text("eigenvalues of the matrix; this observer is twice as fast as the controller"), (),
+    known = tuple(Point(s.real, s.imag, "muted", "circle", same("A") if s.imag > 0 else NO_WORDS) for s in poles(A))
+    return question_of_poles(text("eigenvalues of the matrix; this observer is twice as fast as the controller"), known,
                              (poles(A - B @ K - L @ C), poles(A - L @ C), poles(A - B @ K)), wanted.tolist())
 
 
@@ -49,7 +51,8 @@ def surprise(asked: Asked) -> DrawnQuestion:
     K, L = _entries(before.K), _entries(before.L)
     return question_of_bar_groups(text("both gains with the turned sensor"), text("gain"), (),
                                   (same("K1"), same("K2"), same("L1"), same("L2")),
-                                  ((*K[::-1], *L[::-1]), (*K, *L), (*K, *L[::-1])), (*_entries(after.K), *_entries(after.L)))
+                                  ((*K[::-1], *L[::-1]), (*K, *L), (*K, *L[::-1])), (*_entries(after.K), *_entries(after.L)),
+                                  level=(text("now"), (*K, *L)))
 
 
 QUESTIONS = MappingProxyType({"recall": recall, "predict": predict, "surprise": surprise})

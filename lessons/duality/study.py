@@ -19,7 +19,9 @@ from ..toolkit.knobs import BY_POLES, kicks
 from ..toolkit.latex import gain_words
 from .dual_quantities import TINY, Setting, Twins, gap
 from .knobs import MODEL
+from .sensor_body import turned_stage, with_sensor
 
+BODY = with_sensor(MODEL.body)
 DUAL_RTOL = 1e-8  # agreement asked of the two sides, relative to their size
 
 
@@ -45,7 +47,8 @@ def compute(here: Setting, design: Design) -> Outcome[Twins]:
     metrics = LazyMap(lambda: _metrics(twins, left, right))
     gains = {"K": K, "L": L}
     return Outcome(design, LazyMap(lambda: {**gains, "K_dual": twins.K_dual}, gains), {"controller": left, "observer": right}, metrics,
-                   LazySequence(lambda: _checks(metrics)), run, _boards(here, design, left, right, error_matrix), stage(model, run, design),
+                   LazySequence(lambda: _checks(metrics)), run, _boards(here, design, left, right, error_matrix),
+                   turned_stage(stage(model, run, design), BODY, design["sensor"]) if here.mirror else stage(model, run, design),
                    LazySequence(lambda: _formulas(K, own, twins.K_dual)), LazyValue(lambda: _live(own, metrics)), twins)
 
 

@@ -135,6 +135,29 @@ def test_a_hidden_mode_has_a_bar_below_the_line_of_rounding_and_the_others_reach
 
 
 # --- duality -----------------------------------------------------------------------------------------------------------
+@pytest.mark.parametrize("sensor", [0.0, 37.0, 90.0])
+def test_the_transposed_matrix_is_that_of_the_run_and_its_colours_are_mirrored(sensor: float) -> None:
+    lesson, outcome = at("duality", sensor=sensor, poles=(-1.1 - 0.4j, -1.1 + 0.4j))
+    figure, plant = shown(lesson, outcome, "turned"), outcome.run.scenario.plant
+    own = plant.A - outcome.run.scenario.L @ plant.C
+    assert figure.matrix == pytest.approx(np.hstack([own, own.T]), abs=1e-9)
+    np.testing.assert_array_equal(figure.kinds[:, :2], figure.kinds[:, 2:].T)
+    assert len(set(figure.kinds[:, :2].ravel())) == 3
+
+
+@pytest.mark.parametrize("sensor", [0.0, 30.0, 90.0])
+def test_the_pointer_of_the_sensor_shows_what_it_measures(sensor: float) -> None:
+    """Its share along q and that along v are the two entries of C; the beam ends at the block."""
+    _, outcome = at("duality", sensor=sensor)
+    stage, C = outcome.stage, outcome.run.scenario.plant.C[0]
+    assert stage is not None
+    poses = stage.body.pose(stage.x[40].tolist(), stage.body.gain)
+    w, x, y, z = poses["sensor pointer"].wxyz
+    assert (2 * (x * z + w * y), 1 - 2 * (x * x + y * y)) == pytest.approx(tuple(C), abs=1e-9)
+    beam, block = poses["sensor beam"], poses["block"]
+    assert beam.position[0] - beam.scale[2] == pytest.approx(block.position[0] + 0.36)
+
+
 @pytest.mark.parametrize("q", [0.01, 4.0, 100.0])
 def test_both_bars_of_an_entry_are_equally_high(q: float) -> None:
     figure = plane(*at("duality", method="weights", q=q), "riccati")
