@@ -23,11 +23,12 @@ from ..toolkit.knobs import held, kicks
 from ..toolkit.latex import matrix, number
 from ..toolkit.shares import percent
 from .knobs import BY_POLES, BY_SPEED, DT, HORIZON, IM_HIGH, MODEL, RE_HIGH, RE_LOW, SPRING_PLANT, VELOCITY
+from .readings_body import stage_with_readings, with_readings
 
 OBSERVER_SPEEDS = np.logspace(-0.5, 2.5, 61)  # rad/s
 
 MOTION_GAIN = 2.0  # so that noise and its estimate are seen to move
-BODY = replace(MODEL.body, gain=MOTION_GAIN)
+BODY = with_readings(replace(MODEL.body, gain=MOTION_GAIN))
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,10 +137,12 @@ def _boards(poles: tuple[complex, ...], kalman: Optimal, error: np.ndarray) -> t
 
 
 def _stage(run: Run, study: Study, design: Design) -> Stage:
-    return Stage(
+    """The block under its last readings; one reading, held for a step, has the variance V/dt."""
+    plain = Stage(
         BODY, run.t, run.x, run.xhat, run.u_applied, 3 * STAGE_SCALE * MOTION_GAIN * np.sqrt(np.maximum(study.grown[:, 0, 0], 0.0)),
         held=held(design, MODEL),
     )
+    return stage_with_readings(plain, run.y[:, 0], float(np.sqrt(design["v"] / DT)))
 
 
 def _formulas(L: np.ndarray, study: Study) -> tuple[Formula, ...]:

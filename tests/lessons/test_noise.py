@@ -143,3 +143,18 @@ def test_sensor_noise_falls_with_speed_left_of_the_blocks_own_pace() -> None:
     sensor = [o.study.parts.sensor[1, 1] for o in (slow, turn, fast)]
     assert sensor[0] > sensor[1] < sensor[2]
     assert slow.gains["L"][1, 0] < 0 and np.all(np.diag(slow.study.parts.total) > np.diag(none))
+
+
+@pytest.mark.parametrize("v", [1e-4, 4e-4, 1.6e-3])
+def test_the_stage_shows_the_last_readings_and_their_standard_deviation(v: float) -> None:
+    """A ball for each of the last twelve readings, drawn from the block's own map of metres; σ is that of all readings of the run."""
+    o = outcome(v=v)
+    stage, run, k = o.stage, o.run, 300
+    poses = stage.body.pose(stage.x[k].tolist(), stage.body.gain)
+    for back in range(12):
+        block = stage.body.pose([float(run.y[k - back, 0]), *stage.x[k, 1:].tolist()], stage.body.gain)["block"]
+        assert poses[f"reading {back}"].position[0] == pytest.approx(block.position[0], abs=1e-12)
+    assert stage.x[k, 2] == pytest.approx(float(np.std(run.y[:, 0] - run.x[:, 0])), rel=0.1)
+    band, edge = poses["noise band"], [stage.body.pose([stage.x[k, 0] + s * stage.x[k, 2], *stage.x[k, 1:].tolist()], stage.body.gain)
+                                       ["block"].position[0] for s in (-1, 1)]
+    assert [band.position[0] - band.scale[0], band.position[0] + band.scale[0]] == pytest.approx(edge)
