@@ -1,4 +1,4 @@
-"""Show the last readings of the noisy sensor above the block, in a band of one standard deviation to either side."""
+"""Show the last readings of the noisy sensor above the block, in a band of one sigma."""
 
 from __future__ import annotations
 

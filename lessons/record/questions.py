@@ -32,9 +32,9 @@ def predict(asked: Asked) -> DrawnQuestion:
 
     def above(count: int) -> tuple[float, ...]:
         return tuple(SIGNAL if k < count else BELOW * edge for k in range(len(values)))
-    return question_of_bar_groups(text("singular values of past and future"), "", ((text("most of noise alone"), edge),),
-                                  tuple(same(str(k + 1)) for k in range(len(values))),
-                                  (above(1), above(states), above(len(values)), above(0)), tuple(values), "estimate")
+    return question_of_bar_groups(text("singular values of past and future"), "", (), tuple(same(str(k + 1)) for k in range(len(values))),
+                                  (above(1), above(states), above(len(values)), above(0)), tuple(values), "estimate",
+                                  (text("most of noise alone"), (edge,) * len(values)))
 
 
 def surprise(asked: Asked) -> DrawnQuestion:
@@ -60,7 +60,8 @@ def faulty(asked: Asked) -> DrawnQuestion:
         judged = filter_record(found.fitted, found.record.noted(y=found.record.y - removed), first)
         return (judged.track.means @ found.fitted.plant.C.T)[first:, 0] + found.trend.y_level[0] - true
     away = asked.after.study.estimate(False)[:, 0] - true
-    return question_over_time(text("estimate less true output"), study.t, (), (error(jumps + bias), error(jumps), error(0 * jumps)),
+    now = Curve(text("without a gate"), study.estimate(False)[:, 0] - true, "muted")
+    return question_over_time(text("estimate less true output"), study.t, (now,), (error(jumps + bias), error(jumps), error(0 * jumps)),
                               Curve(text("with the gate"), away, "estimate"), "y")
 
 
@@ -73,7 +74,8 @@ def clocks(asked: Asked) -> DrawnQuestion:
     left = np.where(rows < EVERY, 0.0, slowest ** (2 * (rows % EVERY)))
     alone, exact = now.alone[-1], now.exact
     options = (np.full(len(rows), alone), np.sqrt(alone**2 - (alone**2 - exact**2) * left), np.where(rows < EVERY, alone, exact))
-    return question_over_time(text("standard deviation of the estimated output"), study.found.record.dt * rows, (), options,
+    return question_over_time(text("standard deviation of the estimated output"), study.found.record.dt * rows,
+                              (Curve(text("one sensor"), now.alone, "muted"),), options,
                               Curve(text("two sensors"), now.both, "estimate"), "y", span=(0.0, 1.3 * alone))
 
 

@@ -195,7 +195,8 @@ def _stage(study: Study, smoothed: bool) -> Stage:
     size = np.maximum(np.abs(shown - level).max(axis=0), 1e-12)
     strongest = np.abs(record.u[first:]).max(axis=0, initial=1e-12)
     body = tubes_body(record.output_names, size.tolist(), tuple(range(record.y.shape[1])), strongest.tolist())
-    return with_trace(Stage(body, study.t - study.t[0], shown - level, study.estimate(smoothed) - level, record.u[first:]))
+    return with_trace(Stage(body, study.t - study.t[0], shown - level, study.estimate(smoothed) - level, record.u[first:]),
+                      (np.where(np.isfinite(study.measured), study.measured, shown) - level)[:, 0])
 
 
 def _formulas(study: Study, gains: dict[str, np.ndarray]) -> tuple[Formula, ...]:

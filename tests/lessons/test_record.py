@@ -13,11 +13,13 @@ import pytest
 
 from observer_lab.cli.entry import main
 from observer_lab.cli.records import columns_of
+from observer_lab.colours import COLOURS, rgb
 from observer_lab.engine import Plant, to_json
 from observer_lab.engine.identification import read_record
 from observer_lab.lessons import LESSONS
 from observer_lab.lessons.record.data import TRUTHS, record_of
 from observer_lab.lessons.record.own import with_record
+from observer_lab.lessons.record.trace import READINGS
 
 LESSON = LESSONS["record"]
 TEXT = "t [s],gas [ft3/min],y [%]\n"
@@ -188,3 +190,32 @@ def test_the_panel_shows_the_output_of_the_run_and_the_bar_where_it_is() -> None
     assert across == pytest.approx([-wide / 2, wide * (stage.t[len(y) // 2] / stage.t[-1] - 0.5), wide / 2])
     again = LESSON.compute(LESSON.apply(LESSON.start(), {"factor": 10.0})).stage
     assert again is not None and again.picture is not None and np.array_equal(again.picture.image, stage.picture.image)
+
+
+def test_the_pins_stand_on_the_trace_at_the_output_and_at_the_estimate() -> None:
+    """The blue pin lies on a pixel of the trace; its ghost as much higher or lower on the panel as the estimate is off."""
+    stage = LESSON.compute(LESSON.start()).stage
+    assert stage is not None and stage.xhat is not None and stage.picture is not None
+    image, (wide, high), (_, _, middle) = stage.picture.image, stage.picture.size, stage.picture.place
+    ground, (study, first) = image[0, 0], ((o := LESSON.compute(LESSON.start()).study), o.first)
+    span = float(np.ptp(np.concatenate([study.clean[:, 0], study.found.record.y[first:, 0] + study.found.trend.y_level[0]])))
+    for k in range(0, len(stage.t), 37):
+        pin, ghost = (stage.body.pose(states[k].tolist(), stage.body.gain)["pin"].position for states in (stage.x, stage.xhat))
+        column = min(int((pin[0] / wide + 0.5) * image.shape[1]), image.shape[1] - 1)
+        row = (middle + high / 2 - pin[2]) / high * image.shape[0]
+        painted = np.flatnonzero((image[:, column] != ground).any(axis=1))
+        assert painted.min() - 4 <= row <= painted.max() + 4, k
+        assert ghost[2] - pin[2] == pytest.approx(0.84 * 2.0 * (stage.xhat[k, 0] - stage.x[k, 0]) / span)
+
+
+def test_the_jumps_of_a_faulty_sensor_are_painted_on_the_panel() -> None:
+    """Its readings reach farther from the true output than those of the faultless sensor."""
+    def farthest(**values: object) -> int:
+        stage = LESSON.compute(LESSON.apply(LESSON.start(), values)).stage
+        assert stage is not None and stage.picture is not None
+        grey = (stage.picture.image == np.array(rgb(COLOURS[READINGS]))).all(axis=2)
+        trace = ~grey & (stage.picture.image != stage.picture.image[0, 0]).any(axis=2)
+        rows = np.arange(len(grey))[:, None]
+        top, foot = np.where(trace, rows, len(grey)).min(axis=0), np.where(trace, rows, 0).max(axis=0)
+        return int(np.where(grey, np.maximum(top - rows, rows - foot), 0).max())
+    assert farthest(data="faulty") > 1.5 * farthest(data="spring") > 0
