@@ -15,7 +15,7 @@ import numpy as np
 from ..engine import Plant
 from ..text import text
 from .bodies.body import Body
-from .bodies.gauge_body import gauge_body, gauge_labels
+from .bodies.gauge_body import gauge_body, gauge_labels, named_high
 from .model import Model, Signal, Window
 
 SOURCE = "J. C. Doyle, Guaranteed margins for LQG regulators, IEEE Transactions on Automatic Control 23 (1978)"
@@ -44,14 +44,13 @@ def body() -> Body:
     """Two gauges for the states, the first one measured, and a large one for x₁ + x₂, which the cost weighs."""
     shape = gauge_body(2, (0,))
     pose, anchors = shape.pose, shape.anchors
-    return replace(
+    return named_high(replace(
         shape, pose=lambda x, gain: pose((x[0], x[1], PER_SUM * (x[0] + x[1])), gain),
         anchors=lambda x, gain: anchors((x[0], x[1], PER_SUM * (x[0] + x[1])), gain), gain=4.0,
-        labels=tuple((name, (x, *HIGH)) for name, (x, _, _) in gauge_labels(("x₁", "x₂"), "x₁ + x₂")),
-        caption=text("Small gauges: the states x₁ and x₂; x₁ is measured and lit; large gauge: x₁ + x₂ and its ghost"))
+        labels=gauge_labels(("x₁", "x₂"), "x₁ + x₂"),
+        caption=text("Small gauges: the states x₁ and x₂; x₁ is measured and lit; large gauge: x₁ + x₂ and its ghost")))
 
 
-HIGH = -0.05, 2.3  # y and z of the upper edge of a gauge's name, high on it since a lesson lays something before its foot
 PER_SUM = 5.0  # the large gauge's unit is made for g of another plant
 MODEL = Model(
     id="doyle",

@@ -8,7 +8,7 @@ from functools import lru_cache
 import numpy as np
 
 from observer_lab.course.figures.claims import claim
-from observer_lab.course.figures.records import Curve, Dash, LineFigure, TableFigure
+from observer_lab.course.figures.records import Curve, Dash, LineFigure, PlaneFigure, Point, TableFigure
 from observer_lab.course.lazy import FigureSet, tab_figures
 from observer_lab.course.lesson import Check, Outcome
 from observer_lab.engine.observers import BilinearObserver
@@ -23,7 +23,9 @@ from .run_record import Record
 from .study import FORM_NAMES, Study
 
 STEPS_TAB = text("Eight steps")
-CASES_TAB, FORMS_TAB = text("Three cases"), text("With and without ẏ")
+CASES_TAB, FORMS_TAB, POLES_TAB = text("Three cases"), text("With and without ẏ"), text("Four problems")
+SENSOR_NAMES = (same("x₁ … x₄"), same("x₁ x₂ x₃"), text("another K"), same("x₁ x₃ x₅ x₆"))  # of the four problems
+BAR_WIDTH_PX = 34.0
 YES, NO = text("● yes"), text("○ no")
 HEADINGS = (
     text("1: canonise C, then K₁; the coordinates T and V"),
@@ -81,6 +83,7 @@ def figures(outcome: Outcome[Study]) -> FigureSet:
     return FigureSet(tab_figures(TIME_TAB, lambda: (_functional(outcome, run), _error(outcome, run), _input(run))),
                  tab_figures(STEPS_TAB, lambda: steps_figures(design["problem"], observer, int(design["step"]), design["line"])),
                  tab_figures(CASES_TAB, lambda: (lights(outcome.checks), _singular(observer), _problems(design["problem"]))),
+                 tab_figures(POLES_TAB, lambda: (_poles(design["problem"]),)),
                  tab_figures(FORMS_TAB, lambda: (_forms(run), _fed(run, design["tau"]))))
 
 
@@ -160,6 +163,26 @@ def _problems(chosen: str) -> TableFigure:
                        tuple(rows), tab=CASES_TAB, caption=text(
                            "Fewer sensors, or others, and the same number may no longer be watched. Where 3m + r ≥ 2n, an L exists in "
                            "general; the third problem has one although the condition fails."))
+
+
+@lru_cache(maxsize=8)
+def _poles(chosen: str) -> PlaneFigure:
+    """The observer's pole in each of the four problems: placed, fixed, or none."""
+    kinds = {"force": text("pole that can be placed"), "error": text("fixed pole")}
+    bars, marks = list[Curve](), list[Point]()
+    for k, p in enumerate(PROBLEMS.values()):
+        if p.solved.case == 1:
+            marks.append(Point(float(k), 0.0, "reference", "cross", text("no L")))
+            continue
+        role = "force" if p.solved.case == 3 and p.solved.controllable else "error"
+        bars.append(Curve(kinds[role], np.array([0.0, float(np.real(p.solved.reached.item()))]), role, "solid", BAR_WIDTH_PX,
+                          np.full(2, float(k))))
+    edge = Curve(text("stable below"), np.zeros(2), "muted", "dash", 1.6, np.array([-0.6, len(PROBLEMS) - 0.4]))
+    return PlaneFigure("case_poles", text("the observer's pole in four problems"), (*bars, edge), tuple(marks), "", text("pole [rad/s]"),
+        (-0.6, len(PROBLEMS) - 0.4), (-40.0, 20.0), caption=text(
+            "The pole can be placed with x₁ … x₄ alone; here it is asked to be at {pole:g}.", pole=POLE), tab=POLES_TAB,
+        names=tuple((float(k), text("▸ {name}", name=name) if p.id == chosen else name)
+                    for k, (p, name) in enumerate(zip(PROBLEMS.values(), SENSOR_NAMES, strict=True))))
 
 
 def _forms(run: Record) -> LineFigure:

@@ -8,14 +8,19 @@ from types import MappingProxyType
 
 import numpy as np
 
+from observer_lab.colours import COLOURS
 from observer_lab.engine import BilinearPlant, bilinear_functional_observer
 from observer_lab.engine.observers import BilinearObserver
 from observer_lab.plants import bilinear as example
-from observer_lab.plants.bodies.body import Body
-from observer_lab.plants.bodies.gauge_body import gauge_body
+from observer_lab.plants.bodies.body import PLANT_COLOUR, Body
+from observer_lab.plants.bodies.front_bars import Bar, decade_marks, with_bars
+from observer_lab.plants.bodies.gauge_body import gauge_body, named_high
 from observer_lab.text import Text, text
 
 PAPER_PROBLEM, THREE_SENSORS, FITTING_SENSORS, NO_SOLUTION = "paper", "three", "three-fitting", "stuck"
+
+LOW, HIGH = -12, 4  # decades of the bars on the stage
+BARS = (Bar(text("input |u|"), COLOURS["force"]), Bar(text("wanted |g|"), PLANT_COLOUR), Bar(text("error |ĝ − g|"), COLOURS["error"]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,7 +45,8 @@ class Problem:
 def _problem(name: str, label: Text, measured: tuple[int, ...], K: np.ndarray) -> Problem:
     plant = example.with_sensors(measured)
     solved = bilinear_functional_observer(plant.A, plant.B, plant.F, plant.C, K, example.POLE)
-    return Problem(name, label, measured, plant, K, gauge_body(plant.n, measured), solved)
+    body = with_bars(named_high(gauge_body(plant.n, measured)), plant.n + 1, BARS, decade_marks(LOW, HIGH, 4))
+    return Problem(name, label, measured, plant, K, body, solved)
 
 
 def _fitting() -> np.ndarray:

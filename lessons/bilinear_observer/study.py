@@ -14,6 +14,7 @@ from observer_lab.engine import BilinearPlant
 from observer_lab.engine.observers import BilinearForm, BilinearObserver
 from observer_lab.plants.bilinear import BILINEAR_PLANT, PRINTED_FORM, PRINTED_L, X0
 from observer_lab.plants.bodies.body import Body
+from observer_lab.plants.bodies.front_bars import share_of_decades
 from observer_lab.plants.model import Window
 from observer_lab.text import Text, format_number, text
 
@@ -22,7 +23,7 @@ from ..toolkit.figures import settle_time
 from .formulas import formulas_of
 from .input_signals import HORIZON, form_index, joined, noise_values, promised, signal
 from .paper_example import pole_of, words
-from .problems import AS_PRINTED, COMPUTED_GAIN, PAPER_PROBLEM, PROBLEMS, ROUNDED_GAIN, nearest_gain
+from .problems import AS_PRINTED, COMPUTED_GAIN, HIGH, LOW, PAPER_PROBLEM, PROBLEMS, ROUNDED_GAIN, nearest_gain
 from .run_record import Record, Setting, end_to_end, fed_of, kicked_at, whole
 
 DT = 0.005
@@ -168,8 +169,10 @@ def _boards(design: Design, o: BilinearObserver, pole: float) -> tuple[Board, Bo
 
 
 def _stage(body: Body, design: Design, run: Record) -> Stage:
-    true = np.column_stack([run.x, run.g])
-    return Stage(body, run.t, true, np.column_stack([run.x, run.estimates[:, form_index(design)]]), run.u[:, None])
+    chosen = form_index(design)
+    bars = share_of_decades(np.column_stack([run.u, run.g, run.errors[:, chosen]]), LOW, HIGH)
+    true, ghost = (np.column_stack([run.x, g, bars]) for g in (run.g, run.estimates[:, chosen]))
+    return Stage(body, run.t, true, ghost, run.u[:, None])
 
 
 def _live(design: Design, o: BilinearObserver, m: Mapping[str, float]) -> Text:

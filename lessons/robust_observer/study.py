@@ -13,7 +13,7 @@ from types import MappingProxyType
 import numpy as np
 
 from observer_lab.course.figures.claims import claim
-from observer_lab.course.knobs import KnobError
+from observer_lab.course.knobs import KnobError, Number
 from observer_lab.course.lazy import LazyMap, LazySequence, LazyValue
 from observer_lab.course.lesson import Board, Check, Design, Outcome, Stage
 from observer_lab.engine import Plant, functional_observer, simulate_functional
@@ -37,7 +37,7 @@ from observer_lab.text import Text, joined, text
 from ..toolkit.boards import listed
 from ..toolkit.latex import pole_words
 from .formulas import formulas_of
-from .knobs import EXAMPLE_FOUR, EXAMPLE_ONE, EXAMPLE_THREE, EXAMPLE_TWO, IM_HIGH, NORMS, RE_HIGH, RE_LOW
+from .knobs import ERRORS_GROUP, EXAMPLE_FOUR, EXAMPLE_ONE, EXAMPLE_THREE, EXAMPLE_TWO, IM_HIGH, KNOBS, NORMS, RE_HIGH, RE_LOW
 
 HORIZON, DT = 6.0, 0.015
 BEST_POLE = -5 / 3  # least J of example 1 with unit weights
@@ -58,11 +58,18 @@ class Case:
     deltas: tuple[str, str, str]
 
 
+ERROR_KNOBS = MappingProxyType({knob.name: knob for knob in KNOBS if isinstance(knob, Number) and knob.group == ERRORS_GROUP})
+
+
+def _case(example: Example, poles: str, deltas: tuple[str, str, str], n: int, q: int, full: tuple[float, ...]) -> Case:
+    return Case(example, rack_body(n, q, full, [ERROR_KNOBS[name].label for name in deltas]), poles, deltas)
+
+
 EXAMPLE_CASES: MappingProxyType[str, Case] = MappingProxyType({
-    EXAMPLE_ONE: Case(EXAMPLE_1, rack_body(2, 1, (3.0, 3.0, 3.0, 20.0)), "pole", ("a1", "a2", "c")),
-    EXAMPLE_TWO: Case(EXAMPLE_2, rack_body(3, 2, (0.6, 0.6, 0.6, 3.0, 3.0, 5.0)), "pair", ("b1", "b2", "d")),
-    EXAMPLE_THREE: Case(replace(EXAMPLE_1, z0=(-0.3, -0.3)), rack_body(2, 2, (3.0, 3.0, 3.0, 3.0, 20.0)), "pair", ("a1", "a2", "c")),
-    EXAMPLE_FOUR: Case(CARTS, rack_body(4, 2, (0.5, 1.5, 0.5, 1.5, 2.0, 2.0, 20.0)), "pair", ("stiff", "damp", "tacho")),
+    EXAMPLE_ONE: _case(EXAMPLE_1, "pole", ("a1", "a2", "c"), 2, 1, (3.0, 3.0, 3.0, 20.0)),
+    EXAMPLE_TWO: _case(EXAMPLE_2, "pair", ("b1", "b2", "d"), 3, 2, (0.6, 0.6, 0.6, 3.0, 3.0, 5.0)),
+    EXAMPLE_THREE: _case(replace(EXAMPLE_1, z0=(-0.3, -0.3)), "pair", ("a1", "a2", "c"), 2, 2, (3.0, 3.0, 3.0, 3.0, 20.0)),
+    EXAMPLE_FOUR: _case(CARTS, "pair", ("stiff", "damp", "tacho"), 4, 2, (0.5, 1.5, 0.5, 1.5, 2.0, 2.0, 20.0)),
 })
 
 
@@ -243,7 +250,7 @@ def compute(design: Design) -> Outcome[Story]:
     o = observer
     return Outcome(design, {"F": o.F, "T": o.T, "L": o.L, "N": o.N, "M": o.M, "K": o.K},
                    {"observer": np.array(design[case.poles]), "loop": loop.poles}, metrics, LazySequence(lambda: _checks(metrics)), None,
-                   _boards(design, case.poles, loop.poles), _stage(case.body, true), LazySequence(lambda: formulas_of(o, design)),
+                   _boards(design, case.poles, loop.poles), _stage(case, design, true), LazySequence(lambda: formulas_of(o, design)),
                    LazyValue(lambda: _live(design, metrics)), story)
 
 
@@ -275,11 +282,12 @@ def _boards(design: Design, knob: str, loop: np.ndarray) -> tuple[Board, Board]:
     )
 
 
-def _stage(body: Body, run: FunctionalRun) -> Stage:
+def _stage(case: Case, design: Design, run: FunctionalRun) -> Stage:
     given, wanted = run.u, run.u - run.e_u
-    states = np.clip(np.hstack([run.x, run.z]), -DISPLAY_LIMIT, DISPLAY_LIMIT)
+    shares = np.tile([design[name] / ERROR_KNOBS[name].high for name in case.deltas], (len(run.t), 1))
+    states = np.clip(np.hstack([run.x, run.z, shares]), -DISPLAY_LIMIT, DISPLAY_LIMIT)
     true, ghost = (np.hstack([states, np.clip(u, -DISPLAY_LIMIT, DISPLAY_LIMIT)]) for u in (wanted, given))
-    return Stage(body, run.t, true, ghost, np.clip(given, -DISPLAY_LIMIT, DISPLAY_LIMIT))
+    return Stage(case.body, run.t, true, ghost, np.clip(given, -DISPLAY_LIMIT, DISPLAY_LIMIT))
 
 
 def _live(design: Design, metrics: Mapping[str, float]) -> Text:

@@ -218,6 +218,9 @@ def test_the_stage_shows_g_and_lights_only_what_is_measured():
         assert stage is not None and stage.xhat is not None and stage.body is problem.body
         np.testing.assert_allclose(stage.x[:, 6], stage.x[:, :6] @ problem.K[0], atol=1e-9 * np.abs(stage.x).max())
         np.testing.assert_array_equal(stage.x[:, :6], stage.xhat[:, :6])
+        poses = [problem.body.pose(stage.x[k].tolist(), 1.0) for k in (0, 40)]
+        sizes = np.log10(np.clip(np.abs([stage.xhat[k, 6] - stage.x[k, 6] for k in (0, 40)]), 1e-12, 1e4))
+        np.testing.assert_allclose([pose["bar 2"].scale[2] for pose in poses], 3.2 * np.maximum((sizes + 12) / 16, 0.004), atol=0.02)
         dark = {p.colour for p in problem.body.parts if p.name == "lamp 3"} == {
             p.colour for p in problem.body.parts if p.name == "table"}
         assert dark == (3 not in problem.measured)
@@ -305,3 +308,12 @@ def test_what_the_offsets_of_sensors_do_is_what_a_long_run_shows():
         assert f"{long:.1f}" == said and f"norm {long:.2f}" in verdict.text("en") and verdict.solved == (pole == -8.4)
     assert [task.check(outcome(pole=[p])).solved for p in (-9.1, -9.0, -7.9, -7.8)] == [False, True, True, False]
     assert not task.check(outcome(pole=[-8.4], gain="rounded")).solved
+
+
+def test_the_bars_of_the_four_problems_are_the_poles_that_their_observers_reach() -> None:
+    for name in PROBLEMS:
+        figure = next(f for f in LESSON.figures(outcome(problem=name)) if f.id == "case_poles")
+        bars = {int(c.xs[0]): float(c.y[-1]) for c in figure.curves if c.xs[0] == c.xs[-1]}
+        expected = {k: float(np.linalg.eigvals(p.solved.forms(p.solved.L)[0].A).real[0]) for k, p in enumerate(PROBLEMS.values())
+                    if p.solved.case != 1}
+        assert bars == pytest.approx(expected, abs=1e-6) and [p.x for p in figure.points] == [1.0]

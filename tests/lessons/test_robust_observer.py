@@ -16,7 +16,7 @@ from observer_lab.lessons.robust_observer.job import swept
 from observer_lab.lessons.robust_observer.knobs import COLUMNS, REMARKS, SENSITIVITY_LINES
 from observer_lab.lessons.robust_observer.lesson import LESSON
 from observer_lab.lessons.robust_observer.paper_slips import claimed_columns, free_columns, remark_3, true_size
-from observer_lab.lessons.robust_observer.study import FREQUENCIES, errors, observer_of
+from observer_lab.lessons.robust_observer.study import EXAMPLE_CASES, FREQUENCIES, errors, observer_of
 from observer_lab.plants.duan import EXAMPLE_1, EXAMPLE_2, outer_input
 
 START = LESSON.start()
@@ -224,6 +224,10 @@ def test_only_the_input_has_a_ghost_and_their_distance_is_e_u(d):
     o = LESSON.compute(d)
     np.testing.assert_array_equal(o.stage.x[:, :-1], o.stage.xhat[:, :-1])
     np.testing.assert_allclose(o.stage.xhat[:, -1] - o.stage.x[:, -1], o.study.true.e_u[:, 0], atol=1e-9)
+    beads = [o.stage.body.pose(o.stage.x[9].tolist(), 1.0)[f"{name} {k}"].position[0] for name in ("bead", "model") for k in range(3)]
+    reach = [knob.high for name in EXAMPLE_CASES[d["example"]].deltas for knob in LESSON.knobs if knob.name == name]
+    shares = [d[name] / high for name, high in zip(EXAMPLE_CASES[d["example"]].deltas, reach, strict=True)]
+    np.testing.assert_allclose(np.subtract(beads[:3], beads[3:]), 0.52 * np.array(shares))
     twins = [part.name for part in o.stage.body.parts if part.twin]
     assert twins == ["u level"] and len(o.study.true.z[0]) < len(o.study.true.x[0])
 

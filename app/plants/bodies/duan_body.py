@@ -1,7 +1,7 @@
-"""Draw gauges for a plant without a physical shape: states, observer states, input.
+"""Draw gauges for a plant without a physical shape: states, observer states, input, model errors.
 
-What moves here is (x, z, u): n columns for the plant, q for the observer, one tall gauge for the input. Only the
-gauge of u has a ghost, since a functional observer estimates K x and nothing else.
+What moves here is (x, z, δ, u): n columns for the plant, q for the observer, a slider for each error of the model in shares of the
+largest one, and one tall gauge for the input. Only the gauge of u has a ghost, since a functional observer estimates K x alone.
 """
 
 from __future__ import annotations
@@ -9,13 +9,15 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from ...colours import COLOURS
-from ...text import text
+from ...text import Text, same, subscript, text
 from .body import (
     DARK_GREY,
+    GHOST_NAME,
     METAL,
     PLANT_COLOUR,
     STEEL,
     Arrow,
+    Ball,
     Body,
     Box,
     Cylinder,
@@ -28,12 +30,16 @@ from .body import (
     force_arrow,
 )
 
-BASE_TOP, ZERO_LEVEL = 0.12, 1.0  # top of the base, level of the value 0
+BASE_TOP, BASE_DEEP, BASE_Y, ZERO_LEVEL = 0.12, 1.5, -0.25, 1.0  # top of the base, its depth and middle, level of the value 0
 MAX_DRAWN_LEVEL = 0.7  # farthest drawn level from zero
 GAUGE = 0.0  # where the gauge of u stands
 SIDE_ROOM, MOST_GAP = 1.2, 0.6  # room of the columns on either side, and the most from one to the next
 FIRST_COLUMN_OFFSET = 0.85  # from the gauge to the nearest column on either side
 OBSERVER_COLOUR = COLOURS["estimate"]
+SLIDERS = (-1.4, 0.0, 1.4)  # where the three errors of the model stand
+SLIDER_Y, SLIDER_HALF, BEAD = -0.72, 0.52, 0.11
+PANEL_LOW, PANEL_HIGH, PANEL_Y = 0.18, 1.86, 0.2  # of the plates behind the gauges
+NAME_AT = 0.0, 2.02  # y and z of the upper edge of a gauge's name
 
 
 def gap(count: int) -> float:
@@ -50,45 +56,70 @@ def columns(n: int, q: int) -> tuple[float, ...]:
     )
 
 
-def rack_body(n: int, q: int, full: Sequence[float]) -> Body:
-    """The rack for n plant states and q observer states; `full`: the values (x, z, u) drawn about 0.5 high."""
+def _slider_parts() -> tuple[Part, ...]:
+    return tuple(part for k, _ in enumerate(SLIDERS) for part in (
+        Part(f"track {k}", Box((2 * SLIDER_HALF, 0.1, 0.05)), STEEL), Part(f"model {k}", Box((0.03, 0.26, 0.12)), METAL),
+        Part(f"bead {k}", Ball(BEAD), PLANT_COLOUR)))
+
+
+def _slider_places() -> dict[str, Pose]:
+    return {name: Pose((at, SLIDER_Y, BASE_TOP + up))
+            for k, at in enumerate(SLIDERS) for name, up in ((f"track {k}", 0.02), (f"model {k}", 0.05))}
+
+
+def rack_body(n: int, q: int, full: Sequence[float], errors: Sequence[Text]) -> Body:
+    """The rack for n plant states and q observer states; `full`: the values (x, z, u) drawn about 0.5 high; `errors` of the model."""
     places, last = columns(n, q), n + q
     names = (*(f"x{i + 1}" for i in range(n)), *(f"z{i + 1}" for i in range(q)), "u")
-    parts = [Part("base", Box((4.4, 1.2, BASE_TOP)), DARK_GREY),
+    parts = [Part("base", Box((4.4, BASE_DEEP, BASE_TOP)), DARK_GREY), *_slider_parts(),
              Part("zero plant", Box((gap(n) * (n - 1) + 0.5, 0.02, 0.02)), METAL),
              Part("zero observer", Box((gap(q) * (q - 1) + 0.5, 0.02, 0.02)), METAL),
              Part("zero u", Box((0.7, 0.02, 0.03)), METAL)]
-    fixed = {"base": Pose((0.0, 0.0, BASE_TOP / 2)),
+    fixed = {"base": Pose((0.0, BASE_Y, BASE_TOP / 2)), **_slider_places(),
              "zero plant": Pose(((places[0] + places[n - 1]) / 2, 0.2, ZERO_LEVEL)),
              "zero observer": Pose(((places[n] + places[last - 1]) / 2, 0.2, ZERO_LEVEL)),
              "zero u": Pose((GAUGE, 0.2, ZERO_LEVEL))}
     for k, (name, place) in enumerate(zip(names, places, strict=True)):
         wide = k == last
-        r = 0.3 if wide else 0.36 * gap(n if k < n else q)  # of the collar that shows the value
+        r = 0.34 if wide else min(0.42 * gap(n if k < n else q), 0.22)  # of the collar that shows the value
         colour = PLANT_COLOUR if wide or k < n else OBSERVER_COLOUR
         parts += [Part(f"{name} socket", Cylinder(0.8 * r, 0.1), STEEL),
-                  Part(f"{name} column", Rod(0.3 * r), METAL),
-                  Part(f"{name} level", Cylinder(r, 0.12 if wide else 0.1), colour, twin=wide)]
+                  Part(f"{name} plate", Box((2.2 * r, 0.05, PANEL_HIGH - PANEL_LOW)), STEEL),
+                  Part(f"{name} column", Rod(0.45 * r), METAL),
+                  Part(f"{name} level", Cylinder(r, 0.14 if wide else 0.12), colour, twin=wide)]
         fixed[f"{name} socket"] = Pose((place, 0.0, BASE_TOP + 0.05))
+        fixed[f"{name} plate"] = Pose((place, PANEL_Y, (PANEL_LOW + PANEL_HIGH) / 2))
         fixed[f"{name} column"] = Pose((place, 0.0, BASE_TOP), scale=(1.0, 1.0, ZERO_LEVEL + MAX_DRAWN_LEVEL + 0.1 - BASE_TOP))
+
+    tall = bound_displacement(0.5, MAX_DRAWN_LEVEL)
+    scale = tuple((same(f"{sign}{full[last]:g}"), (GAUGE + 0.56, PANEL_Y, ZERO_LEVEL + side * tall + 0.06))
+                  for sign, side in (("", 1.0), ("−", -1.0)))
+    called = (*(subscript(f"x{i + 1}") for i in range(n)), *(subscript(f"z{i + 1}" if q > 1 else "z") for i in range(q)), "u")
+    labels = (*((name, (place, *NAME_AT)) for name, place in zip(called, places, strict=True)), *scale,
+              *((words, (at, SLIDER_Y - 0.2, 0.0)) for words, at in zip(errors, SLIDERS, strict=True)))
 
     def level(k: int, value: float, gain: float) -> float:
         return ZERO_LEVEL + bound_displacement(0.5 * gain * float(value) / full[k], MAX_DRAWN_LEVEL)
 
     def pose(x: Sequence[float], gain: float) -> Mapping[str, Pose]:
-        return fixed | {f"{name} level": Pose((place, 0.0, level(k, x[k], gain)))
-                        for k, (name, place) in enumerate(zip(names, places, strict=True))}
+        shown = (*x[:last], x[-1])
+        beads = {f"bead {k}": Pose((at + SLIDER_HALF * min(max(float(share), -1.0), 1.0), SLIDER_Y, BASE_TOP + BEAD))
+                 for k, (at, share) in enumerate(zip(SLIDERS, x[last:-1], strict=True))}
+        return {**fixed, **beads, **{f"{name} level": Pose((place, 0.0, level(k, shown[k], gain)))
+                                     for k, (name, place) in enumerate(zip(names, places, strict=True))}}
 
     def arrows(x: Sequence[float], u: Sequence[float], gain: float) -> tuple[Arrow, ...]:
         return (force_arrow((GAUGE, -0.4, 0.3), (-1.0, 0.0, 0.0), float(u[0]), full[last]),)
 
     def anchors(x: Sequence[float], gain: float) -> tuple[Vector, ...]:
-        return tuple((GAUGE + side, 0.0, level(last, x[last], gain)) for side in (-0.28, 0.28))
+        return tuple((GAUGE + side, 0.0, level(last, x[-1], gain)) for side in (-0.3, 0.3))
 
     return Body(tuple(parts), pose, arrows, anchors, 1.0, text("Blue columns: the plant's states; red columns: "
                                                                "the observer's. The gauge shows the input wanted, "
-                                                               "its ghost the input given; the green arrow too"), names=(
+                                                               "its ghost the input given; the green arrow too. Beads in front: "
+                                                               "how far the plant is from the model"), labels, names=(
         PartName(text("plant's states"), "x2 level", (-0.6, -0.4, 0.85)),
         PartName(text("observer's state"), "z1 level", (0.3, -0.4, 0.9)),
         PartName(text("input"), "u level", (0.0, -0.4, 0.75)),
+        PartName(GHOST_NAME, "u level", (0.75, -0.4, -0.3), True),
     ))

@@ -30,7 +30,8 @@ def _lane(y: float, low: float, high: float) -> Pose:
     return Pose(((left + right) / 2, y, FLOOR + LANE / 2), scale=(max(right - left, THINNEST), 1.0, 1.0))
 
 
-def _back(place: Vector) -> Vector:
+def moved_back(place: Vector) -> Vector:
+    """Where a point of the body is once something lies before it."""
     return place[0], place[1] + BEHIND, place[2]
 
 
@@ -47,16 +48,16 @@ def with_gain_lanes(body: Body, states: int, names: tuple[Text, Text]) -> Body:
         low, high, far_low, far_high, true = map(float, x[states:states + 5])
         held = low < true < high
         up = FLOOR + (LANE + BALL if held else BALL - SUNK)
-        behind = {name: replace(each, position=_back(each.position)) for name, each in body.pose(x[:states], gain).items()}
+        behind = {name: replace(each, position=moved_back(each.position)) for name, each in body.pose(x[:states], gain).items()}
         return {**behind, "trough": trough, **marks, "near lane": _lane(NEAR, low, high),
                 "far lane": _lane(FAR, far_low, far_high),
                 "true gain": Pose((gain_place(true), NEAR, up), colour=HOLDS if held else FALLS)}
 
     def arrows(x: Sequence[float], u: Sequence[float], gain: float) -> tuple[Arrow, ...]:
-        return tuple(replace(arrow, tail=_back(arrow.tail), head=_back(arrow.head)) for arrow in body.arrows(x[:states], u, gain))
+        return tuple(replace(arrow, tail=moved_back(arrow.tail), head=moved_back(arrow.head)) for arrow in body.arrows(x[:states], u, gain))
 
     def anchors(x: Sequence[float], gain: float) -> tuple[Vector, ...]:
-        return tuple(map(_back, body.anchors(x[:states], gain)))
+        return tuple(map(moved_back, body.anchors(x[:states], gain)))
 
     parts = (*body.parts, Part("trough", Box((long + 0.3, FAR - NEAR + WIDE + 0.16, FLOOR)), DARK_GREY),
              *(Part(name, Box((0.03, FAR - NEAR + WIDE, 0.03)), METAL) for name in marks),
@@ -66,5 +67,5 @@ def with_gain_lanes(body: Body, states: int, names: tuple[Text, Text]) -> Body:
     at = NEAR - WIDE / 2 - 0.12
     said = tuple((word, (gain_place(gain), at, 0.0)) for word, gain in TICKS)
     lanes = ((names[0], (gain_place(LEAST_GAIN) - 0.42, NEAR, 2 * FLOOR)), (names[1], (gain_place(MOST_GAIN) + 0.38, FAR, FLOOR + LANE)))
-    before = tuple((name, _back(place)) for name, place in body.labels)
+    before = tuple((name, moved_back(place)) for name, place in body.labels)
     return replace(body, parts=parts, pose=pose, arrows=arrows, anchors=anchors, labels=(*before, *said, *lanes))

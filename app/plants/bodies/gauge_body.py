@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 from ...colours import COLOURS
 from ...text import same, subscript, text
@@ -31,6 +32,7 @@ SMALL_GAUGES_X, LARGE_GAUGE_X = -0.82, 1.2  # the middle of the small gauges, an
 SMALL_GAUGES_WIDE, MOST_GAP = 2.16, 0.68  # room of the small gauges, and the most from one to the next
 LEAST_GAP = 0.36  # at which sizes of a small gauge are given
 LABEL_AT = -0.32, 0.1  # y and z of the upper edge of a label
+HIGH = -0.05, 2.3  # the same of one that stands high on its gauge
 PER_STATE, PER_G = 0.28, 0.026  # stage units for one unit of a state and of g
 BRIGHT, UNLIT = COLOURS["lit"], COLOURS["unlit"]
 FULL_INPUT = 4.0
@@ -93,6 +95,11 @@ def gauge_labels(states: Sequence[str], large: str) -> tuple[tuple[str, Vector],
     """What stands before the foot of each gauge."""
     small = ((name, (x, *LABEL_AT)) for name, x in zip(states, gauge_places(len(states)), strict=True))
     return (*small, (large, (LARGE_GAUGE_X, *LABEL_AT)))
+
+
+def named_high(body: Body) -> Body:
+    """The body with the names of its gauges high on them: something stands before their feet."""
+    return replace(body, labels=tuple((name, (x, *HIGH)) for name, (x, _, _) in body.labels))
 
 
 def _names(states: int, lit: frozenset[int]) -> tuple[PartName, ...]:

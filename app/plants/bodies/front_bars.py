@@ -1,0 +1,71 @@
+"""Lay named bars before a body, whose lengths the run gives."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ...text import Text
+from .body import DARK_GREY, METAL, Body, Box, Part, Pose, Rod, Vector, pose_between
+from .gain_lanes import moved_back
+
+LEFT, BEGIN, LONG = -2.25, -1.05, 3.2  # stage units: the left end of the trough, where bars begin, how long one of 1 is
+FIRST_Y, PITCH, STEP, THICK = -0.28, 0.3, 0.2, 0.1  # y of the bar next to the body, to the next one and down to it, the radius of a bar
+FLOOR, LEAST = 0.1, 0.004  # height of the last step; the least share that is drawn
+NAME_AT = (LEFT + BEGIN) / 2
+
+
+@dataclass(frozen=True)
+class Bar:
+    """One bar: its name and its colour."""
+
+    name: Text
+    colour: str
+
+
+def share_of_decades(value: np.ndarray | float, low: float, high: float) -> np.ndarray:
+    """How far magnitudes are from 10^low to 10^high, 0 to 1."""
+    sizes = np.maximum(np.abs(np.nan_to_num(np.asarray(value, dtype=float), posinf=10.0 ** high)), 10.0 ** low)
+    return np.clip((np.log10(sizes) - low) / (high - low), 0.0, 1.0)
+
+
+def decade_marks(low: int, high: int, step: int, name: str = "10") -> tuple[tuple[str, float], ...]:
+    """Names of powers of ten with the shares at which they stand."""
+    raised = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+    return tuple(("1" if k == 0 else f"{name}{str(k).translate(raised)}", (k - low) / (high - low)) for k in range(low, high + 1, step))
+
+
+def with_bars(body: Body, states: int, bars: Sequence[Bar], marks: Sequence[tuple[Text | str, float]]) -> Body:
+    """The body behind a flight of steps, a bar on each; after its states comes the share of each bar, 0 to 1.
+
+    `marks` stand below, each at a share.
+    """
+    count, end = len(bars), BEGIN + LONG + 0.12
+    rows = [(FIRST_Y - PITCH * k, FLOOR + STEP * (count - 1 - k)) for k in range(count)]  # y of each bar, and how high its step is
+    fixed = {f"step {k}": Pose(((LEFT + end) / 2, y, high / 2)) for k, (y, high) in enumerate(rows)}
+    front = rows[-1][0] - PITCH / 2
+    fixed |= {f"bar mark {k}": Pose((BEGIN + LONG * share, front, FLOOR / 2)) for k, (_, share) in enumerate(marks)}
+
+    def pose(x: Sequence[float], gain: float) -> Mapping[str, Pose]:
+        behind = {name: replace(each, position=moved_back(each.position)) for name, each in body.pose(x[:states], gain).items()}
+        drawn = {}
+        for k, ((y, high), share) in enumerate(zip(rows, x[states:states + count], strict=True)):
+            long, z = LONG * min(max(float(share), LEAST), 1.0), high + THICK
+            drawn[f"bar {k}"] = pose_between((BEGIN, y, z), (BEGIN + long, y, z))
+        return {**behind, **fixed, **drawn}
+
+    def anchors(x: Sequence[float], gain: float) -> tuple[Vector, ...]:
+        return tuple(map(moved_back, body.anchors(x[:states], gain)))
+
+    parts = (*body.parts, *(Part(f"step {k}", Box((end - LEFT, PITCH, high)), DARK_GREY) for k, (_, high) in enumerate(rows)),
+             *(Part(f"bar mark {k}", Box((0.025, 0.03, FLOOR)), METAL) for k in range(len(marks))),
+             *(Part(f"bar {k}", Rod(THICK), bar.colour) for k, bar in enumerate(bars)))
+    labels = (*((name, moved_back(place)) for name, place in body.labels),
+              *((bar.name, (NAME_AT, y - THICK, high + 2 * THICK)) for bar, (y, high) in zip(bars, rows, strict=True)),
+              *((name, (BEGIN + LONG * share, front - 0.08, 0.0)) for name, share in marks))
+    return replace(
+        body, parts=parts, pose=pose, anchors=anchors, labels=labels,
+        arrows=lambda x, u, gain: tuple(replace(arrow, tail=moved_back(arrow.tail), head=moved_back(arrow.head))
+                                        for arrow in body.arrows(x[:states], u, gain)))
