@@ -33,7 +33,8 @@ def predict(asked: Asked) -> DrawnQuestion:
     run = [-each.metrics["rotation"] for each in (asked.after, closed)]
     return question_of_bar_groups(text("peak of the rotation beside that without control"), "[dB]", (),
                                   (text("pitch loop open"), text("pitch loop closed")),
-                                  ((0.0, 0.0), (GROWS_DB, GROWS_DB), (FALLS_DB, FALLS_DB), (0.0, FALLS_DB)), run)
+                                  ((0.0, 0.0), (GROWS_DB, GROWS_DB), (FALLS_DB, FALLS_DB), (0.0, FALLS_DB)), run,
+                                  level=(text("now"), (-asked.entry.metrics["rotation"],) * 2))
 
 
 def surprise(asked: Asked) -> DrawnQuestion:

@@ -21,6 +21,7 @@ from observer_lab.plants.platform.channels import HORIZONTAL, T_y
 from observer_lab.text import Text, format_number, joined, text
 
 from ..toolkit.latex import number
+from .force_lines import side_spring, with_force_lines
 from .loops import (
     BY_POLES,
     MODEL,
@@ -44,10 +45,11 @@ OBSERVER_LOW, OBSERVER_HIGH, OBSERVER_IM = -80.0, 5.0, 60.0
 # of a design: what changes nothing in a loop whose S is given
 BESIDE = ("mix", "a", "b", "f_low", "f_high", "ground", "knee", "seed", "kick")
 AMPLIFICATIONS = ("amplification_vertical", "amplification_horizontal")  # largest transmissibility; none for an unstable loop
-FORCE_ARROWS = 100.0  # times that coil forces are drawn larger: millinewtons here
-BODY = replace(with_longer_arrows(MODEL.body, FORCE_ARROWS, 3), gain=4000.0, names=called(MODEL.body, UNCONTROLLED),
+FORCE_ARROWS = 400.0  # times that coil forces are drawn larger: millinewtons here
+BODY = replace(with_force_lines(with_longer_arrows(MODEL.body, FORCE_ARROWS, 3), FORCE_ARROWS), gain=4000.0,
+               names=called(MODEL.body, UNCONTROLLED),
                caption=text("Solid: with control. Ghost: the same platform without control. Green: coil forces. "
-                              "Orange: the ground's motion"))
+                              "Amber: the ground's motion and the force of the side spring"))
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,8 +90,14 @@ def compute(design: Design) -> Outcome[Study]:
     own = built.whole.poles if built.whole.n else np.zeros(0, dtype=complex)
     return Outcome(design, {"S": mix.S}, {"loop": loop.poles, "controller": own, "zeros of P_h": zeros}, metrics,
                    LazySequence(lambda: _checks(metrics, drift, bool(design["pitch"]))), None,
-                   _boards(design, zeros), Stage(BODY, run.t, run.x, run.bare, np.hstack([run.u, run.ground])),
+                   _boards(design, zeros), _stage(run, lower),
                    LazySequence(lambda: _formulas(mix, built)), LazyValue(lambda: _live(metrics)), study)
+
+
+def _stage(run: Shaken, lower: float) -> Stage:
+    """Deck and bare deck with the coil's offset after their states; forces of the coils, the ground's motion, the side spring's force."""
+    x, bare = (np.column_stack([states, np.full(len(states), lower)]) for states in (run.x, run.bare))
+    return Stage(BODY, run.t, x, bare, np.column_stack([run.u, run.ground, side_spring(run.x, run.ground)]))
 
 
 def transmissibility(loop: NoisyLoop, f: np.ndarray) -> np.ndarray:

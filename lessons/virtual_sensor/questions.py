@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import MappingProxyType
 
 import numpy as np
 
-from observer_lab.course.figures.records import Curve
+from observer_lab.course.figures.records import Curve, Point
 from observer_lab.course.guiding.questions import Asked, DrawnQuestion, question_over_time
 from observer_lab.text import text
 
@@ -18,8 +19,11 @@ def predict(asked: Asked) -> DrawnQuestion:
     t, error = asked.after.run.t, np.abs(asked.after.study.copy.e[:, 0])
     cools = error[0] * np.exp(asked.after.metrics["slowest_copy"] * t)
     observer = np.abs(asked.at(trust=1.0).run.e[:, 0])
-    return question_over_time(text("error of the core"), t, (), (cools, np.full(len(t), error[0]), observer),
-                              Curve(text("the copy's error"), error, "second"), "|e₁| [K]")
+    now = Curve(text("true core"), asked.entry.run.x[:, 0], "muted")
+    drawn = question_over_time(text("error of the core"), t, (now,), (cools, np.full(len(t), error[0]), observer),
+                               Curve(text("the copy's error"), error, "second"), "T₁, |e₁| [K]")
+    start = Point(float(t[0]), float(error[0]), "error", "dot", text("error at the start"))
+    return replace(drawn, figure=replace(drawn.figure, points=(start,)))
 
 
 def surprise(asked: Asked) -> DrawnQuestion:

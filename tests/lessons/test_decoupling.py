@@ -12,11 +12,13 @@ from observer_lab.course.figures.ranges import axis_range
 from observer_lab.course.lesson import Outcome
 from observer_lab.engine import Plant, Scenario, frequency_response, loop_margins, simulate
 from observer_lab.engine.design import diagonal_controller
+from observer_lab.lessons.decoupling.force_lines import OFFSET_DRAWN, side_spring
 from observer_lab.lessons.decoupling.lesson import LESSON
 from observer_lab.lessons.decoupling.loops import DT, HORIZON, bare_run, channels, close, lower_of, run, shaking, three
 from observer_lab.lessons.decoupling.margins import margins
 from observer_lab.lessons.decoupling.report_levels import LEVELS, apart
 from observer_lab.lessons.decoupling.sensors import Sensors, reading_response
+from observer_lab.plants.bodies.deck_body import STAGE_SCALE
 from observer_lab.plants.platform import model
 from observer_lab.plants.platform import siso_loops as siso
 from observer_lab.plants.platform.channels import HORIZONTAL, T_y
@@ -408,3 +410,35 @@ def test_an_unstable_loop_has_no_transmissibility() -> None:
     found = outcome(**GEOPHONES)
     drawn = next(x for x in LESSON.figures(found) if x.id == "transmissibility-vertical")
     assert len(drawn.curves) == 2 and "no transmissibility" in drawn.caption("en") and "amplification_vertical" not in found.metrics
+
+
+@pytest.mark.parametrize("lower", [0.0, 5.0])
+def test_the_arrows_of_spring_and_coil_cancel_in_the_run_with_the_printed_horizontal_loop(lower: float) -> None:
+    """The amber arrow is the pull of the side spring on the deck; the coil's is as long and points the other way."""
+    stage = outcome(lower=lower, vertical="published", horizontal="published").stage
+    assert stage is not None and stage.u is not None
+    body = stage.body
+    for k in (76, 155, 334, 433):
+        arrows = body.arrows(stage.x[k].tolist(), stage.u[k].tolist(), body.gain)
+        spring, coil = arrows[-1], arrows[2]
+        assert (spring.role, coil.role) == ("disturbance", "force")
+        pull, push = (arrow.head[0] - arrow.tail[0] for arrow in (spring, coil))
+        assert abs(pull) > 0.3 and pull == pytest.approx(-push, rel=0.05)
+        assert stage.u[k, 5] == pytest.approx(-stage.u[k, 2], rel=0.05)
+        plain = model.body().arrows(stage.x[k].tolist(), stage.u[k, :3].tolist(), body.gain)[2]
+        assert plain.tail[2] - coil.tail[2] == pytest.approx(OFFSET_DRAWN * STAGE_SCALE * 1e-3 * lower)
+        words, at, _ = body.marks(stage.x[k].tolist(), stage.xhat[k].tolist(), body.gain).words[0]
+        assert words == f"Δh = {lower:g} mm" and (at[2] > 0) == (lower != 0)
+
+
+@pytest.mark.parametrize("part", ["spring", "damper"])
+def test_the_force_of_the_side_spring_is_that_of_the_model(part: str) -> None:
+    """From the plant's own matrices: m ẍ of a state at rest on moved ground, or moving on ground at rest, without coils."""
+    plant, k = model.plant(), model.Parameters()
+    x, ground = np.zeros((2, 10)), np.zeros((2, 2))
+    if part == "spring":
+        ground[0, 1], x[1, [0, 2]] = 3e-6, (1e-6, 2e-5)
+    else:
+        x[1, [5, 7]] = 1e-5, 3e-4
+    pushed = plant.A @ x[1] + plant.B[:, 3:] @ ground[0]
+    assert side_spring(x, ground)[1] == pytest.approx(k.m * pushed[5], rel=1e-9)

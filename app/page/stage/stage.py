@@ -30,6 +30,7 @@ from .trails import ErrorLines
 FACTORS = 10.0  # letters: a line with what is exaggerated is no longer
 FACTORS_AT = (2.9, -0.6, 0.5)  # where the end of its last line stands, where a map lies in front
 FACTORS_GAP = 0.1  # stage units elsewhere between it and the front of the plant's base
+FORCES = "/forces"  # the node of the arrows of forces, and how those of other roles begin
 MIN_ARROW_LENGTH = 0.05  # stage units: shorter arrows are not drawn
 LARGEST_CLOUD, ONE_OF_SEVERAL = 0.9, 0.5  # stage units: of a cloud that stands alone, and of one of several about one body
 UPRIGHT = (math.sqrt(0.5), math.sqrt(0.5), 0.0, 0.0)  # pictures lie flat until they are turned, then the last row is above
@@ -77,6 +78,7 @@ class StageView:
         self._pins, self._part_names = PinGhosts(self._scene, self._letters), PartNames(self._scene, self._letters)
         self._errors: ErrorLines | None = None
         self._marks: ErrorMarkLines | None = None
+        self._arrows: dict[str, str] = {}  # the node of the arrows of each role
         self._picture: viser.ImageHandle | None = None
         self._stage: Stage | None = None
         self._frame: Frame = {}  # where everything was sent to last
@@ -118,8 +120,10 @@ class StageView:
             self._hand.listen([grip for grip, _ in stage.held], self._solid.nodes, self._pulled)
         self._hand.take(stage.held)
         none = np.array(_segments([]), np.float32).reshape(-1, 2, 3)
-        self._scene.add_arrows("/forces", none, rgb(COLOURS["force"]), shaft_radius=0.035,
-                               head_radius=0.09, head_length=0.16)
+        first = () if stage.u is None else body.arrows(stage.x[0].tolist(), stage.u[0].tolist(), body.gain)
+        self._arrows = {role: FORCES if role == "force" else f"{FORCES}-{role}" for role in ("force", *sorted({a.role for a in first}))}
+        for role, node in self._arrows.items():
+            self._scene.add_arrows(node, none, rgb(COLOURS[role]), shaft_radius=0.035, head_radius=0.09, head_length=0.16)
         self._errors = ErrorLines(self._scene, stage, self._trails, self._dark)
         self._clouds = [] if stage.spread is None or stage.xhat is None else [
             self._scene.add_icosphere(f"/spread/{i}", 1.0, rgb(GHOST_COLOUR), opacity=0.24, side="back", cast_shadow=False,
@@ -243,7 +247,9 @@ class StageView:
                 self._cloud(believed, float(stage.spread[index]), frame)
         if stage.u is not None:
             arrows = body.arrows(x, stage.u[index].tolist(), body.gain)
-            frame["/forces", "points"] = _segments([(a.tail, a.head) for a in arrows if math.dist(a.tail, a.head) > MIN_ARROW_LENGTH])
+            for role, node in self._arrows.items():
+                drawn = [(a.tail, a.head) for a in arrows if a.role == role and math.dist(a.tail, a.head) > MIN_ARROW_LENGTH]
+                frame[node, "points"] = _segments(drawn)
         self._pins.place(samples, frame)
         self._part_names.place(poses, ghost, frame)
         return frame
