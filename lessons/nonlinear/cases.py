@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import lru_cache
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
 
 import numpy as np
 
+from observer_lab.colours import COLOURS
 from observer_lab.engine import NonlinearPlant, lqr
 from observer_lab.engine.systems import Flow, step_covariance
 from observer_lab.plants import cart_pendulum
@@ -14,15 +15,17 @@ from observer_lab.plants.bodies import falling_body
 from observer_lab.plants.bodies.body import Body
 from observer_lab.plants.bodies.deck_body import MOTION_GAIN
 from observer_lab.plants.bodies.deck_body import STAGE_SCALE as DECK_STAGE
+from observer_lab.plants.bodies.front_bars import Bar, decade_marks, with_bars
 from observer_lab.plants.model import Signal
 from observer_lab.plants.platform import model, nonlinear
-from observer_lab.text import text
+from observer_lab.text import same, text
 
 PLATFORM, PENDULUM_CASE, FALL_CASE = "platform", "pendulum", "fall"
 KF, EKF, UKF = "kf", "ekf", "ukf"
 DEGREE = 180 / np.pi
 GROUND_INTENSITY, COUPLE = 4e-10, 3e-4  # m² s of each ground motion, N² s of a draught that tilts the deck
 SINE_HZ = 0.16  # Hz, of the known force
+BARS_NAMED = -1.65, -0.85, 0.0  # under the names of the bars
 LENGTH = nonlinear.NonlinearLaws.length
 
 
@@ -52,6 +55,19 @@ class Case:
     scale: float
     state: int
     error_gain: float = 1.0
+    decades: tuple[int, int] = (-2, 2)  # of the bars on the stage, in the unit of the signal that filters are judged by
+    by: float = 0.6  # stage units that the body stands behind them
+
+    @cached_property
+    def barred(self) -> Body:
+        """The body behind the bars of what the chosen filter states and of its RMS error; a falling body knows its σ too."""
+        name = self.watched[judged(self)].name
+        bars = (Bar(text("stated σ"), COLOURS["estimate"], True), Bar(text("RMS error"), COLOURS["error"]))
+        shown = len(self.guess) + (self.id == FALL_CASE)
+        marks = decade_marks(*self.decades, 1)[:None if self.body.gain == 1 else -1]  # a factor is written below the last one
+        body = with_bars(self.body, shown, bars, marks, self.by)
+        named = text("{name} [{unit}]", name=name, unit=same(self.watched[judged(self)].unit))
+        return replace(body, labels=(*body.labels, (named, BARS_NAMED)))
 
 
 @lru_cache(maxsize=1)
@@ -78,7 +94,7 @@ def _platform() -> Case:
                 model.rigid_body(),
                 (Signal(text("height of the deck z"), _unit(6, 1), "mm", 1e3),
                  Signal(text("pitch of the deck θ"), _unit(6, 2), "mrad", 1e3)),
-                np.array(model.DECK_MODEL.kick), gain, np.full(3, 10.0), DECK_STAGE * MOTION_GAIN, 1)
+                np.array(model.DECK_MODEL.kick), gain, np.full(3, 10.0), DECK_STAGE * MOTION_GAIN, 1, by=0.95)
 
 
 def _pendulum() -> Case:
@@ -97,7 +113,7 @@ def _fall() -> Case:
                 np.zeros((3, 3)), np.array([[falling_body.NOISE**2]]), falling_body.body(),
                 (Signal(text("altitude h"), _unit(3, 0), "m"),
                  Signal(text("drag coefficient β"), _unit(3, 2), "1/km", 1e3)),
-                np.array([0.0, 300.0, 0.0]), np.zeros((0, 3)), np.zeros(0), falling_body.STAGE_SCALE, 0, falling_body.ERROR_GAIN)
+                np.array([0.0, 300.0, 0.0]), np.zeros((0, 3)), np.zeros(0), falling_body.STAGE_SCALE, 0, falling_body.ERROR_GAIN, (-3, 2))
 
 
 @lru_cache(maxsize=16)

@@ -10,10 +10,11 @@ import numpy as np
 from observer_lab.course.lazy import LazyMap, LazySequence, LazyValue
 from observer_lab.course.lesson import Check, Design, Formula, Outcome, Stage
 from observer_lab.engine import chi2_band
+from observer_lab.plants.bodies.front_bars import share_of_decades
 from observer_lab.text import Text, listed, same, text
 
 from ..toolkit.latex import number
-from .cases import EKF, FALL_CASE, KF, PENDULUM_CASE, PLATFORM, UKF
+from .cases import EKF, FALL_CASE, KF, PENDULUM_CASE, PLATFORM, UKF, judged
 from .runs import FILTERS, Study, draft
 
 
@@ -54,16 +55,26 @@ def compute(design: Design) -> Outcome[Study]:
 
 def outcome_of(design: Design, study: Study) -> Outcome[Study]:
     """What a study shows."""
-    who, case = design["filter"], study.case
+    who = design["filter"]
     metrics = LazyMap(lambda: _metrics(study))
-    spread = 3 * case.scale * case.error_gain * study.sigmas[who][:, case.state]
-    away = np.clip(study.means[who] - study.x, -1e9, 1e9)
-    stage = Stage(case.body, study.t, study.x, study.x + case.error_gain * away, study.u if study.u.shape[1] else
-                  np.zeros((len(study.t), 1)), spread)
-    if case.id == FALL_CASE:
-        stage = _smooth(stage)
+    stage = _stage(study, who)
     return Outcome(design, {}, {}, metrics, LazySequence(lambda: _checks(study, metrics)), None, (), stage,
                    LazySequence(lambda: _formulas(design, study)), LazyValue(lambda: _live(design, study)), study)
+
+
+def _stage(s: Study, who: str) -> Stage:
+    """One run behind the bars of what the filter states of its error and of its RMS error; the altitude's 3σ is a column, else a ball."""
+    case, signal = s.case, s.case.watched[judged(s.case)]
+    spread = 3 * case.scale * case.error_gain * s.sigmas[who][:, case.state]
+    stated = np.sqrt(np.square(s.sigmas[who]) @ np.square(signal.weights))
+    sizes = signal.scale * np.column_stack([stated, s.rms[who][:, judged(case)]])
+    bars, away = share_of_decades(sizes, *case.decades), np.clip(s.means[who] - s.x, -1e9, 1e9)
+    if case.id == FALL_CASE:
+        bars = np.column_stack([3 * case.error_gain * s.sigmas[who][:, case.state], bars])
+    x, xhat = (np.column_stack([states, bars]) for states in (s.x, s.x + case.error_gain * away))
+    u = s.u if s.u.shape[1] else np.zeros((len(s.t), 1))
+    stage = Stage(case.barred, s.t, x, xhat, u, None if case.id == FALL_CASE else spread)
+    return _smooth(stage) if case.id == FALL_CASE else stage
 
 
 def _smooth(stage: Stage) -> Stage:
@@ -73,8 +84,8 @@ def _smooth(stage: Stage) -> Stage:
     def fine(values: np.ndarray) -> np.ndarray:
         return np.stack([np.interp(t, stage.t, column) for column in values.T], axis=1)
 
-    assert stage.xhat is not None and stage.spread is not None
-    return Stage(stage.body, t, fine(stage.x), fine(stage.xhat), np.zeros((len(t), 1)), np.interp(t, stage.t, stage.spread))
+    assert stage.xhat is not None
+    return Stage(stage.body, t, fine(stage.x), fine(stage.xhat), np.zeros((len(t), 1)))
 
 
 def _metrics(s: Study) -> dict[str, float]:

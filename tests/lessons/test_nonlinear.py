@@ -218,3 +218,26 @@ def test_a_filter_is_called_consistent_only_where_its_nees_lies_in_the_band():
         assert (said == "under-confident") <= (mean < 1)
         assert said.startswith("overconfident") or said in ("consistent", "nearly consistent", "under-confident")
         assert (factor < 0.7 and runs == 200) <= (said == "under-confident")
+
+
+def test_the_bars_on_the_stage_are_what_the_filter_states_and_its_rms_error_in_decades() -> None:
+    for values, unit, (low, high) in (({"filter": "ekf"}, 1e3, (-3, 2)), ({"case": "platform", "filter": "kf"}, 1e3, (-2, 2))):
+        o = LESSON.compute(LESSON.apply(LESSON.start(), values))
+        study, who, stage = o.study, values["filter"], o.stage
+        state, signal = (2, 1) if "case" not in values else (1, 0)
+        k = len(study.t) - 1
+        sizes = [unit * study.sigmas[who][k, state], unit * study.rms[who][k, signal]]
+        long = [stage.body.pose(stage.x[-1].tolist(), stage.body.gain)[f"bar {j}"].scale[2] for j in (0, 1)]
+        shares = np.clip((np.log10(sizes) - low) / (high - low), 0.004, 1)
+        np.testing.assert_allclose(long, 3.2 * shares, rtol=1e-6)
+
+
+def test_the_tangent_touches_the_line_of_equal_distances_at_the_estimate() -> None:
+    stage = LESSON.compute(LESSON.apply(LESSON.start(), {"filter": "ekf"})).stage
+    poses = stage.body.pose(stage.xhat[40].tolist(), 1.0)
+    middle = np.array(poses["capsule"].position)[[0, 2]]
+    begin, radar = (np.array(poses[name].position)[[0, 2]] for name in ("tangent", "turret"))
+    assert (middle - begin) @ (middle - radar) == pytest.approx(0, abs=1e-9)
+    ends = [np.array(poses[f"arc {i}"].position)[[0, 2]] for i in range(12)]
+    far = [np.hypot(*(end - radar)) for end in ends if end[1] > 0.17]
+    np.testing.assert_allclose(far, np.hypot(*(middle - radar)))

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from math import exp, hypot
+from math import atan2, cos, exp, hypot, sin
 
 import numpy as np
 
@@ -93,8 +93,13 @@ DISH = (TRACK - 100_000 * FOOT_M * STAGE_SCALE, GROUND_LEVEL + 100_000 * FOOT_M 
 CAPSULE = 0.18  # radius of the body, which alone is not to scale
 SCALE_TOP_KM = 95.0  # km, end of the scale
 SCALE_AT = 1.25
+TOP = GROUND_LEVEL + 1000 * SCALE_TOP_KM * STAGE_SCALE
+ARC_Y = 0.04  # stage units behind the plane of the fall: the line of equal distances; the tangent is before it
 HOT = 900.0  # m/s² at which the shield glows brightest
 GLOW = tuple(rgb(COLOURS[role]) for role in ("steel", "warm-steel", "white-hot"))
+ARC_PIECES, ARC_STEP = 12, 0.13  # of the line of equal distances, and radians from one end of a piece to the other
+TANGENT = 0.75  # stage units to either side
+BAND = 0.33  # radius of the column of 3σ about the ghost
 ERROR_GAIN = 100.0  # times that the lesson exaggerates the error of the ghost
 
 
@@ -116,6 +121,9 @@ def _parts() -> tuple[Part, ...]:
         Part("beam", Rod(0.012), COLOURS["lamp"], opacity=0.5),
         Part("scale", Rod(0.03), STEEL),
         *ticks,
+        *(Part(f"arc {i}", Rod(0.018), COLOURS["muted"]) for i in range(ARC_PIECES)),
+        Part("tangent", Rod(0.026), COLOURS["estimate"], twin=True, unseen=True),
+        Part("band", Cylinder(BAND, 1.0), COLOURS["estimate"], twin=True, unseen=True, opacity=0.2),
         Part("capsule", Cylinder(CAPSULE, 2 * CAPSULE), PLANT_COLOUR, twin=True),
         Part("nose", Ball(CAPSULE), PLANT_COLOUR, twin=True),
         Part("shield", Cylinder(1.5 * CAPSULE, 0.4 * CAPSULE), STEEL, twin=True),
@@ -147,6 +155,17 @@ def body(parameters: Parameters = PARAMETERS) -> Body:
         slowing = exp(min(-k.density * float(x[0]), 50.0)) * float(x[1])**2 * float(x[2]) if len(x) > 2 else 0.0
         poses["dish"] = Pose(sight, turned.wxyz)
         poses["beam"] = pose_between(sight, place)
+        angle = atan2(up, across)
+        for i in range(ARC_PIECES):
+            low, high = (angle + ARC_STEP * (i + side - ARC_PIECES / 2) for side in (0, 1))
+            ends = [(DISH[0] + far * cos(each), ARC_Y, max(DISH[1] + far * sin(each), GROUND_LEVEL)) for each in (low, high)]
+            poses[f"arc {i}"] = pose_between(ends[0], ends[1])
+        steep = (-TANGENT * up / far, TANGENT * across / far)
+        poses["tangent"] = pose_between((place[0] - steep[0], -ARC_Y, max(place[2] - steep[1], GROUND_LEVEL)),
+                                        (place[0] + steep[0], -ARC_Y, max(place[2] + steep[1], GROUND_LEVEL)))
+        reach = float(x[3]) * STAGE_SCALE if len(x) > 3 else 0.0
+        top, foot = min(place[2] + reach, TOP), max(place[2] - reach, GROUND_LEVEL)
+        poses["band"] = Pose((place[0], 0.0, (top + foot) / 2), scale=(1.0, 1.0, max(top - foot, 1e-3)))
         poses["capsule"] = Pose(place)
         poses["nose"] = Pose((place[0], 0.0, place[2] + CAPSULE))
         poses["shield"] = Pose((place[0], 0.0, place[2] - 1.1 * CAPSULE), colour=glow(slowing))
@@ -162,8 +181,11 @@ def body(parameters: Parameters = PARAMETERS) -> Body:
 
     return Body(_parts(), pose, arrows, anchors, 1.0, text("A falling body and the radar that measures its "
                                                            "distance; a mark every 30 km. The ghost's error is "
-                                                           "drawn 100 times larger"), names=(
+                                                           "drawn 100 times larger. Grey: equal distances "
+                                                           "from the radar. Red: the tangent at the estimate, and the column "
+                                                           "of 3σ about it"), names=(
         PartName(text("radar"), "dish", (-0.8, 0.0, 0.3)),
         PartName(text("falling body"), "capsule", (-0.8, 0.0, 0.0)),
+        PartName(text("equal distances"), f"arc {ARC_PIECES - 3}", (0.5, 0.0, 0.35)),
         PartName(GHOST_NAME, "capsule", (0.7, 0.0, -0.5), True),
     ))

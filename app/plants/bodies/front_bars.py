@@ -9,7 +9,7 @@ import numpy as np
 
 from ...text import Text
 from .body import DARK_GREY, METAL, Body, Box, Part, Pose, Rod, Vector, pose_between
-from .gain_lanes import moved_back
+from .gain_lanes import BEHIND, moved_back
 
 LEFT, BEGIN, LONG = -2.25, -1.05, 3.2  # stage units: the left end of the trough, where bars begin, how long one of 1 is
 FIRST_Y, PITCH, STEP, THICK = -0.28, 0.3, 0.2, 0.1  # y of the bar next to the body, to the next one and down to it, the radius of a bar
@@ -19,10 +19,11 @@ NAME_AT = (LEFT + BEGIN) / 2
 
 @dataclass(frozen=True)
 class Bar:
-    """One bar: its name and its colour."""
+    """One bar: its name and its colour; an `estimated` one belongs to the ghost."""
 
     name: Text
     colour: str
+    estimated: bool = False
 
 
 def share_of_decades(value: np.ndarray | float, low: float, high: float) -> np.ndarray:
@@ -37,8 +38,9 @@ def decade_marks(low: int, high: int, step: int, name: str = "10") -> tuple[tupl
     return tuple(("1" if k == 0 else f"{name}{str(k).translate(raised)}", (k - low) / (high - low)) for k in range(low, high + 1, step))
 
 
-def with_bars(body: Body, states: int, bars: Sequence[Bar], marks: Sequence[tuple[Text | str, float]]) -> Body:
-    """The body behind a flight of steps, a bar on each; after its states comes the share of each bar, 0 to 1.
+def with_bars(body: Body, states: int, bars: Sequence[Bar], marks: Sequence[tuple[Text | str, float]],
+              by: float = BEHIND) -> Body:
+    """The body, moved back `by`, behind a flight of steps, a bar on each; after its states comes the share of each bar, 0 to 1.
 
     `marks` stand below, each at a share.
     """
@@ -49,7 +51,7 @@ def with_bars(body: Body, states: int, bars: Sequence[Bar], marks: Sequence[tupl
     fixed |= {f"bar mark {k}": Pose((BEGIN + LONG * share, front, FLOOR / 2)) for k, (_, share) in enumerate(marks)}
 
     def pose(x: Sequence[float], gain: float) -> Mapping[str, Pose]:
-        behind = {name: replace(each, position=moved_back(each.position)) for name, each in body.pose(x[:states], gain).items()}
+        behind = {name: replace(each, position=moved_back(each.position, by)) for name, each in body.pose(x[:states], gain).items()}
         drawn = {}
         for k, ((y, high), share) in enumerate(zip(rows, x[states:states + count], strict=True)):
             long, z = LONG * min(max(float(share), LEAST), 1.0), high + THICK
@@ -57,15 +59,15 @@ def with_bars(body: Body, states: int, bars: Sequence[Bar], marks: Sequence[tupl
         return {**behind, **fixed, **drawn}
 
     def anchors(x: Sequence[float], gain: float) -> tuple[Vector, ...]:
-        return tuple(map(moved_back, body.anchors(x[:states], gain)))
+        return tuple(moved_back(place, by) for place in body.anchors(x[:states], gain))
 
     parts = (*body.parts, *(Part(f"step {k}", Box((end - LEFT, PITCH, high)), DARK_GREY) for k, (_, high) in enumerate(rows)),
              *(Part(f"bar mark {k}", Box((0.025, 0.03, FLOOR)), METAL) for k in range(len(marks))),
-             *(Part(f"bar {k}", Rod(THICK), bar.colour) for k, bar in enumerate(bars)))
-    labels = (*((name, moved_back(place)) for name, place in body.labels),
+             *(Part(f"bar {k}", Rod(THICK), bar.colour, twin=bar.estimated, unseen=bar.estimated) for k, bar in enumerate(bars)))
+    labels = (*((name, moved_back(place, by)) for name, place in body.labels),
               *((bar.name, (NAME_AT, y - THICK, high + 2 * THICK)) for bar, (y, high) in zip(bars, rows, strict=True)),
               *((name, (BEGIN + LONG * share, front - 0.08, 0.0)) for name, share in marks))
     return replace(
         body, parts=parts, pose=pose, anchors=anchors, labels=labels,
-        arrows=lambda x, u, gain: tuple(replace(arrow, tail=moved_back(arrow.tail), head=moved_back(arrow.head))
+        arrows=lambda x, u, gain: tuple(replace(arrow, tail=moved_back(arrow.tail, by), head=moved_back(arrow.head, by))
                                         for arrow in body.arrows(x[:states], u, gain)))
