@@ -22,6 +22,7 @@ from ..toolkit.gains import gains
 from ..toolkit.knobs import kicks
 from ..toolkit.latex import gain_words, pole_words, tiny
 from .analyses import Margins, Noise, Refusal, Structure, Trial, attempt, certificates, margins, noise, noises, structure, trial
+from .number_bars import with_numbers
 
 RECOVERY_LEVELS = np.logspace(-3, 3, 9)  # of the recovery knob q, in natural units
 POINTS = 140  # of the sensitivity over frequency
@@ -101,7 +102,8 @@ def compute(model: Model, design: Design) -> Outcome[Study]:
          "plant": plant.poles},
         LazyMap(lambda: _metrics(study, limit)), LazySequence(lambda: _checks(study.rows)), run,
         pole_boards(model, design, loop.controller_poles, loop.observer_poles, plant.A - L @ plant.C),
-        stage(model, run, design), (Formula("K", gain_words("K", K)), Formula("L", gain_words(r"L^{\mathsf T}", L.T))),
+        with_numbers(stage(model, run, design), model, K, L),
+        (Formula("K", gain_words("K", K)), Formula("L", gain_words(r"L^{\mathsf T}", L.T))),
         LazyValue(lambda: _live(study.rows)), study)
 
 

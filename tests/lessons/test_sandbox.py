@@ -178,3 +178,17 @@ def test_the_margin_is_spent_by_weights_and_by_poles_and_the_observer_keeps_to_i
     assert [v.text("en") for v in said[:5:2]] == [
         "Disk margin 1.01, and an error of 1.05 times the least.", "Disk margin 1.03, and an error of 1.07 times the least.",
         "Disk margin 1.47; 1.0 within 5 % is wanted."]
+
+
+def test_the_bars_before_the_plant_are_gain_margin_and_error_beside_those_at_the_start() -> None:
+    start = LESSON.start()
+    first, fast = (LESSON.compute(design) for design in (start, LESSON.apply(start, {"observer_poles": (-7.18, -6.87, -5 - 2j, -5 + 2j)})))
+    for outcome in (first, fast):
+        stage, k = outcome.stage, 30
+        assert stage is not None and stage.xhat is not None
+        error = np.linalg.norm(outcome.run.xhat - outcome.run.x, axis=1)
+        times = (np.abs(outcome.gains["L"]).max() / np.abs(first.gains["L"]).max(),
+                 outcome.metrics["disk_margin"] / first.metrics["disk_margin"], error[k] / error[0])
+        poses = stage.body.pose(stage.x[k].tolist(), 1.0)
+        long = [poses[f"bar {j}"].scale[2] for j in range(3)]
+        np.testing.assert_allclose(long, 3.2 * np.clip((np.log2(times) + 6) / 9, 0.004, 1), rtol=1e-6)

@@ -13,7 +13,7 @@ from .gain_lanes import BEHIND, moved_back
 
 LEFT, BEGIN, LONG = -2.25, -1.05, 3.2  # stage units: the left end of the trough, where bars begin, how long one of 1 is
 FIRST_Y, PITCH, STEP, THICK = -0.28, 0.3, 0.2, 0.1  # y of the bar next to the body, to the next one and down to it, the radius of a bar
-FLOOR, LEAST = 0.1, 0.004  # height of the last step; the least share that is drawn
+FLOOR, LEAST, PLINTH = 0.1, 0.004, 0.7  # height of the last step; the least share that is drawn; depth of a plinth
 NAME_AT = (LEFT + BEGIN) / 2
 
 
@@ -39,10 +39,10 @@ def decade_marks(low: int, high: int, step: int, name: str = "10") -> tuple[tupl
 
 
 def with_bars(body: Body, states: int, bars: Sequence[Bar], marks: Sequence[tuple[Text | str, float]],
-              by: float = BEHIND) -> Body:
-    """The body, moved back `by`, behind a flight of steps, a bar on each; after its states comes the share of each bar, 0 to 1.
+              by: float = BEHIND, up: float = 0.0) -> Body:
+    """The body, moved back `by` and `up` onto a plinth, behind a flight of steps, a bar on each.
 
-    `marks` stand below, each at a share.
+    After its states comes the share of each bar, 0 to 1; `marks` stand below, each at a share.
     """
     count, end = len(bars), BEGIN + LONG + 0.12
     rows = [(FIRST_Y - PITCH * k, FLOOR + STEP * (count - 1 - k)) for k in range(count)]  # y of each bar, and how high its step is
@@ -50,8 +50,12 @@ def with_bars(body: Body, states: int, bars: Sequence[Bar], marks: Sequence[tupl
     front = rows[-1][0] - PITCH / 2
     fixed |= {f"bar mark {k}": Pose((BEGIN + LONG * share, front, FLOOR / 2)) for k, (_, share) in enumerate(marks)}
 
+    plinth = (Part("plinth", Box((end - LEFT, PLINTH, up)), DARK_GREY),) if up else ()
+    if up:
+        fixed["plinth"] = Pose(((LEFT + end) / 2, FIRST_Y + (PITCH + PLINTH) / 2, up / 2))
+
     def pose(x: Sequence[float], gain: float) -> Mapping[str, Pose]:
-        behind = {name: replace(each, position=moved_back(each.position, by)) for name, each in body.pose(x[:states], gain).items()}
+        behind = {name: replace(each, position=moved_back(each.position, by, up)) for name, each in body.pose(x[:states], gain).items()}
         drawn = {}
         for k, ((y, high), share) in enumerate(zip(rows, x[states:states + count], strict=True)):
             long, z = LONG * min(max(float(share), LEAST), 1.0), high + THICK
@@ -59,15 +63,15 @@ def with_bars(body: Body, states: int, bars: Sequence[Bar], marks: Sequence[tupl
         return {**behind, **fixed, **drawn}
 
     def anchors(x: Sequence[float], gain: float) -> tuple[Vector, ...]:
-        return tuple(moved_back(place, by) for place in body.anchors(x[:states], gain))
+        return tuple(moved_back(place, by, up) for place in body.anchors(x[:states], gain))
 
-    parts = (*body.parts, *(Part(f"step {k}", Box((end - LEFT, PITCH, high)), DARK_GREY) for k, (_, high) in enumerate(rows)),
+    parts = (*body.parts, *plinth, *(Part(f"step {k}", Box((end - LEFT, PITCH, high)), DARK_GREY) for k, (_, high) in enumerate(rows)),
              *(Part(f"bar mark {k}", Box((0.025, 0.03, FLOOR)), METAL) for k in range(len(marks))),
              *(Part(f"bar {k}", Rod(THICK), bar.colour, twin=bar.estimated, unseen=bar.estimated) for k, bar in enumerate(bars)))
-    labels = (*((name, moved_back(place, by)) for name, place in body.labels),
+    labels = (*((name, moved_back(place, by, up)) for name, place in body.labels),
               *((bar.name, (NAME_AT, y - THICK, high + 2 * THICK)) for bar, (y, high) in zip(bars, rows, strict=True)),
               *((name, (BEGIN + LONG * share, front - 0.08, 0.0)) for name, share in marks))
     return replace(
         body, parts=parts, pose=pose, anchors=anchors, labels=labels,
-        arrows=lambda x, u, gain: tuple(replace(arrow, tail=moved_back(arrow.tail, by), head=moved_back(arrow.head, by))
+        arrows=lambda x, u, gain: tuple(replace(arrow, tail=moved_back(arrow.tail, by, up), head=moved_back(arrow.head, by, up))
                                         for arrow in body.arrows(x[:states], u, gain)))

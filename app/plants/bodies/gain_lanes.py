@@ -30,9 +30,9 @@ def _lane(y: float, low: float, high: float) -> Pose:
     return Pose(((left + right) / 2, y, FLOOR + LANE / 2), scale=(max(right - left, THINNEST), 1.0, 1.0))
 
 
-def moved_back(place: Vector, by: float = BEHIND) -> Vector:
+def moved_back(place: Vector, by: float = BEHIND, up: float = 0.0) -> Vector:
     """Where a point of the body is once something lies before it."""
-    return place[0], place[1] + by, place[2]
+    return place[0], place[1] + by, place[2] + up
 
 
 def with_gain_lanes(body: Body, states: int, names: tuple[Text, Text]) -> Body:
