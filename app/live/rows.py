@@ -10,7 +10,7 @@ import numpy as np
 from scipy.special import chdtri
 
 from ..course.figures.records import Curve, Figure, LineFigure
-from ..course.figures.scene import Stage
+from ..course.figures.scene import Stage, last_readings
 from ..devices import Routine
 from ..text import same, text
 from .observer import Step
@@ -109,8 +109,17 @@ class Rows:
         if pattern.u is not None and pattern.u.shape[1] == len(routine.u_names):
             u = np.array([row.step.sample.u for row in self._rows])
         t = self.times()
-        full = [np.hstack([part, np.tile(rest, (len(part), 1))]) for part in (x, xhat)]
+        beside = np.tile(rest, (len(x), 1))
+        if pattern.readings:
+            beside[:, -pattern.readings:] = last_readings(self._readings()[:, 0], pattern.readings)
+        full = [np.hstack([part, beside]) for part in (x, xhat)]
         return replace(pattern, t=t - t[0], x=full[0], xhat=full[1], u=u, spread=None, note=(), held=())
+
+    def _readings(self) -> np.ndarray:
+        """The readings of all rows (N, p): a missing one is that before it, and zero where there is none."""
+        y = np.array([row.step.sample.y for row in self._rows], dtype=float)
+        seen = np.where(np.isfinite(y), np.arange(len(y))[:, None], 0)
+        return np.nan_to_num(y[np.maximum.accumulate(seen, axis=0), np.arange(y.shape[1])])
 
     def _filled(self, rows: Sequence[object], size: int) -> np.ndarray:
         """KEPT rows without gaps: a missing value is drawn as the one before it, and what came before the first line as the first."""

@@ -22,7 +22,7 @@ def recall(asked: Asked) -> DrawnQuestion:
     made = lqg(model.plant())
     at_once = np.abs(made.K @ made.L[:, 0])
     reacts = (at_once > LEAST_REACTION * at_once.max()).astype(float)
-    return question_of_bar_groups(text("coils that react to one wrong reading"), text("1: reacts"), (),
+    return question_of_bar_groups(text("coils that react to one wrong reading"), text("1: reacts"), ((text("the wrong sensor"), 1.0),),
                                   tuple(text("coil {number}", number=k + 1) for k in range(COIL_COUNT)),
                                   ((1, 0, 0), (1, 1, 1), (0, 0, 0)), reacts, "force")
 

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from observer_lab.colours import COLOURS
+from observer_lab.course.figures.scene import last_readings
 from observer_lab.course.lesson import Stage
 from observer_lab.plants.bodies.body import Ball, Body, Box, Part, PartName, Pose, bound_displacement
 from observer_lab.plants.spring_damper import BLOCK_EDGE, MAX_DRAWN_DISPLACEMENT, RAIL_TOP, REST_POSITION, STAGE_SCALE
@@ -45,8 +46,6 @@ def with_readings(body: Body) -> Body:
 
 def stage_with_readings(stage: Stage, y: np.ndarray, sigma: float) -> Stage:
     """The stage of a run with the readings y (n_t,) of the sensor; before the first one there is none."""
-    index = np.maximum(np.arange(len(stage.t))[:, None] - np.arange(READINGS), 0)
-
     def with_them(states: np.ndarray) -> np.ndarray:
-        return np.column_stack([states, np.full(len(states), sigma), y[index]])
-    return replace(stage, x=with_them(stage.x), xhat=None if stage.xhat is None else with_them(stage.xhat))
+        return np.column_stack([states, np.full(len(states), sigma), last_readings(y, READINGS)])
+    return replace(stage, x=with_them(stage.x), xhat=None if stage.xhat is None else with_them(stage.xhat), readings=READINGS)

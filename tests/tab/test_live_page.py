@@ -168,7 +168,9 @@ def test_ghost_alone_moves_with_a_line_between_two_pictures(tmp_path) -> None:
     stands = {name: screen.values[f"scene:/ghost/{name}", "@SetPositionMessage"]["position"] for name in moved}
     assert all(np.allclose(place, pose[name].position, rtol=0, atol=1e-9) for name, place in stands.items())
     nodes = {f"scene:/{root}/{part.name}" for root in ("ghost", "plant") for part in body.parts}
-    assert {name for name, _ in changed} <= nodes | {"scene:/errors", "scene:/forces"}
+    assert {name for name, _ in changed} <= nodes | {"scene:/errors", "scene:/forces", "scene:/error-bars", "scene:/error-words/0"}
+    stage = desk.stage(shown.outcome)
+    assert np.array_equal(stage.x[-1, -stage.readings:], [design.y[k, 0] for k in range(30, 18, -1)])
 
 
 @each("language, live", [("en", "Live"), ("zh", "实时")])
@@ -260,7 +262,7 @@ def test_device_that_is_switched_on_again_is_followed_anew(tmp_path) -> None:
     for k in range(RESET_LINES - 1, 60):
         for sample in reader.feed(line(design, k)):
             step = alone.take(sample)
-    assert np.array_equal(step.xhat, desk.shown(0, LESSONS["noise"].compute(LESSONS["noise"].start()))[0].stage.xhat[-1])
+    assert np.array_equal(step.xhat, desk.shown(0, LESSONS["noise"].compute(LESSONS["noise"].start()))[0].stage.xhat[-1, :len(step.xhat)])
 
 
 def test_silence_and_resumption_are_said(tmp_path) -> None:

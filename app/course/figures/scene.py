@@ -93,7 +93,13 @@ class Stage:
     note: tuple[Text, ...] = ()
     held: tuple[tuple[Grip, tuple[tuple[float, float], ...]], ...] = ()
     picture: StagePicture | None = None  # that a lesson brings, the same in all its runs
+    readings: int = 0  # so many columns at the end of x and xhat are the last readings of the first output, the latest first
 
     def __post_init__(self) -> None:
         if len(self.t) < 2:
             raise KnobError(RUN_LOST)
+
+
+def last_readings(y: np.ndarray, count: int) -> np.ndarray:
+    """At each sample the last `count` readings (n_t, count) of y (n_t,), the latest first; before the first one that one."""
+    return y[np.maximum(np.arange(len(y))[:, None] - np.arange(count), 0)]
