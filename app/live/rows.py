@@ -95,6 +95,7 @@ class Rows:
     def stage(self, pattern: Stage | None, routine: Routine) -> Stage | None:
         """The pattern's body on the rows: where the readings are, and its ghost where the estimate is. None where no body shows them."""
         n = len(routine.x_names)
+        pattern = pattern.plain if pattern is not None and pattern.plain is not None else pattern
         if pattern is None or pattern.xhat is None or pattern.xhat.shape[1] < n or n < 2 or not _has_readings(routine):
             return None
         rest = pattern.x[0, n:]

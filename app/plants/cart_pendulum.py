@@ -19,6 +19,7 @@ from ..colours import COLOURS
 from ..engine import EngineError, NonlinearPlant, Plant
 from ..text import text
 from .bodies.body import (
+    ASKED,
     DARK_GREY,
     GHOST_NAME,
     METAL,
@@ -53,6 +54,7 @@ STAGE_SCALE = 1.6  # stage units per metre
 RAIL_TOP, WHEEL = 0.36, 0.16  # top of the rail, radius of a wheel
 CART = (1.0, 0.66, 0.36)
 PIVOT = RAIL_TOP + 2 * WHEEL + CART[2] - 0.02
+ASKED_ABOVE = 0.11  # of the arrow of the force that is asked for, over that of the force that acts
 MAX_DRAWN_POSITION = 0.9  # farthest drawn position of the cart
 FLAT = 1.5  # rad, farthest drawn angle of the pole
 
@@ -178,7 +180,10 @@ FIXED_POSES = MappingProxyType({
 
 
 def body(parameters: Parameters = Parameters()) -> Body:
-    """Rails, cart, wheels that roll, and the pole with its ball; drawn to scale, the pole at most lying flat."""
+    """Rails, cart, wheels that roll, and the pole with its ball; drawn to scale, the pole at most lying flat.
+
+    A second entry of u is the force that is asked for, where the motor gives less.
+    """
     reach = min(parameters.length * STAGE_SCALE, 1.9)
     full = 8.0
 
@@ -201,7 +206,9 @@ def body(parameters: Parameters = Parameters()) -> Body:
 
     def arrows(x: Sequence[float], u: Sequence[float], gain: float) -> tuple[Arrow, ...]:
         tail = (placed(x, gain)[0], -0.4, RAIL_TOP + 2 * WHEEL + CART[2] / 2 - 0.06)
-        return (force_arrow(tail, (1.0, 0.0, 0.0), float(u[0]), full),)
+        above = (tail[0], tail[1], tail[2] + ASKED_ABOVE)
+        return (force_arrow(tail, (1.0, 0.0, 0.0), float(u[0]), full),
+                *(force_arrow(above, (1.0, 0.0, 0.0), float(asked), full, ASKED) for asked in u[1:]))
 
     def anchors(x: Sequence[float], gain: float) -> tuple[Vector, ...]:
         at, _, ball = placed(x, gain)

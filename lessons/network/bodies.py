@@ -1,12 +1,14 @@
 """Draw the plants of lesson 18, each with two lamps that show its packets.
 
-The record that the stage plays is (state, measurement heard, input heard), the last two 1 or 0.
+The record that the stage plays is (state, measurement heard, input heard, share of the sample, earlier packets of both links); a packet
+is 1 or 0, −1 before the run.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from math import copysign
 
 from observer_lab.colours import COLOURS, rgb
 from observer_lab.plants.bodies.body import (
@@ -34,6 +36,10 @@ from observer_lab.text import text
 LIT_COLOUR, UNLIT_COLOUR = rgb(COLOURS["lamp"]), rgb(COLOURS["dark"])
 LAMPS = (("sensor", -0.75), ("input", 0.75))
 LAMP_Y, LAMP_HEIGHT = -1.35, 0.42  # in front of the plant
+PACKETS = 8  # on each belt: this sample's and those before it
+BELT_Y, BELT_BEGIN, PITCH = -1.02, 0.16, 0.2  # in front of the plant: from its middle outwards
+UNSEEN = -9.0  # below the floor
+PACKET = (0.13, 0.12, 0.09)
 SLICES, RIDGE_WIDTH, CREST = 21, 3.4, 0.95  # of the ridge
 MAX_DRAWN_POSITION, STEEP = 1.5, 0.26  # farthest drawn place of the ball, drop of the ridge at one stage unit squared
 SCALE = 0.12  # stage units per centimetre on the ridge
@@ -42,13 +48,16 @@ HALF_TURN = (0.0, 1.0, 0.0, 0.0)  # half a turn
 
 
 def with_lamps(body: Body, n: int) -> Body:
-    """The body of a plant with n states and a lamp for each link, bright where a packet has just arrived."""
+    """The body of a plant with n states, for each link a lamp, bright where a packet has just arrived, and a belt of its last packets."""
     parts, fixed = list(body.parts), {}
     for name, x in LAMPS:
         parts += [Part(f"{name} lamp foot", Cylinder(0.12, 0.06), STEEL), Part(f"{name} lamp post", Rod(0.03), METAL),
                   Part(f"{name} lamp", Ball(0.11), DARK_GREY)]
         fixed[f"{name} lamp foot"] = Pose((x, LAMP_Y, 0.03))
         fixed[f"{name} lamp post"] = Pose((x, LAMP_Y, 0.0), scale=(1.0, 1.0, LAMP_HEIGHT))
+        parts += [Part(f"{name} belt", Box((PACKETS * PITCH, 0.2, 0.03)), STEEL),
+                  *(Part(f"{name} packet {k}", Box(PACKET), DARK_GREY) for k in range(PACKETS))]
+        fixed[f"{name} belt"] = Pose((copysign(BELT_BEGIN + (PACKETS - 1) * PITCH / 2, x), BELT_Y, 0.015))
 
     def pose(x: Sequence[float], gain: float) -> Mapping[str, Pose]:
         poses = {**body.pose(x[:n], gain), **fixed}
@@ -56,14 +65,25 @@ def with_lamps(body: Body, n: int) -> Body:
             on = float(heard) > 0.5
             size = 1.0 if on else 0.55  # a lamp that is out is smaller as well as darker
             poses[f"{name} lamp"] = Pose((place, LAMP_Y, LAMP_HEIGHT), scale=(size, size, size), colour=LIT_COLOUR if on else UNLIT_COLOUR)
+        share, *earlier = x[n + 2:] or (0.0, *(2 * (PACKETS - 1)) * (-1.0,))
+        for i, (name, place) in enumerate(LAMPS):
+            for k, heard in enumerate((x[n + i], *earlier[i * (PACKETS - 1):(i + 1) * (PACKETS - 1)])):
+                poses[f"{name} packet {k}"] = _packet(copysign(1.0, place), k + share, float(heard))
         return poses
 
     return replace(
         body, parts=tuple(parts), pose=pose, arrows=lambda x, u, gain: body.arrows(x[:n], u, gain),
         anchors=lambda x, gain: body.anchors(x[:n], gain),
         caption=text("{caption}. Lamps in front: measurement (left) and input (right), bright when a packet "
-                     "arrives",
+                     "arrives. The belts carry the last packets; a lost one is dark",
                      caption=body.caption))
+
+
+def _packet(side: float, age: float, came: float) -> Pose:
+    """A packet on its belt, so many samples old, moved outwards; one that was lost lies flat and dark, one before the run is not seen."""
+    at, height = BELT_BEGIN + min(age, PACKETS - 1.0) * PITCH, 1.0 if came > 0.5 else 0.2
+    return Pose((side * at, BELT_Y, 0.03 + height * PACKET[2] / 2 if came >= 0 else UNSEEN), scale=(1.0, 1.0, height),
+                colour=LIT_COLOUR if came > 0.5 else UNLIT_COLOUR)
 
 
 def _ridge(x: float) -> float:

@@ -24,6 +24,7 @@ from observer_lab.engine.network import (
 from observer_lab.text import NO_WORDS, Text, joined, text
 
 from ..toolkit.latex import matrix, number
+from .bodies import PACKETS
 from .cases import CASE_KINDS, DECK_CASE, RUN_SAMPLES, SCALAR_CASE, TWO, Watched, sampled, watched
 
 TOLD_COMMANDED, TOLD_APPLIED, TOLD_AHEAD = "asked", "applied", "ahead"
@@ -226,17 +227,24 @@ def compute(design: Design) -> Outcome[Study]:
                    LazyValue(lambda: _live(design, metrics)), study)
 
 
+def last_packets(came: np.ndarray) -> np.ndarray:
+    """Which of the last PACKETS packets came at each sample, the newest first: 1 or 0, and −1 before the run; (samples, PACKETS)."""
+    before = np.concatenate([np.full(PACKETS - 1, -1.0), came])
+    return np.lib.stride_tricks.sliding_window_view(before, PACKETS)[:, ::-1]
+
+
 def _stage(design: Design, study: Study) -> Stage:
-    """The run played finely, straight between samples, with the packets as lamps and 3σ of the filter as a cloud."""
+    """The run played finely, straight between samples, with the packets as lamps and on belts, and 3σ of the filter as a cloud."""
     kind, s = CASE_KINDS[design["case"]], study.watched.sampled
     fine = int(np.clip(np.ceil(s.plant.dt / FRAME_S), 1, MAX_FRAMES_PER_SAMPLE))
     index, share = np.divmod(np.arange((RUN_SAMPLES - 1) * fine + 1), fine)
     share = (share / fine)[:, None]
     after = np.minimum(index + 1, RUN_SAMPLES - 1)
-    lamps = np.column_stack([study.heard, study.fresh])[index]
+    sensed, acted = (last_packets(came)[index] for came in (study.heard, study.fresh))
+    packets = np.hstack([sensed[:, :1], acted[:, :1], share, sensed[:, 1:], acted[:, 1:]])
 
     def played(x: np.ndarray) -> np.ndarray:
-        return np.hstack([x[index] * (1 - share) + x[after] * share, lamps])
+        return np.hstack([x[index] * (1 - share) + x[after] * share, packets])
     row = np.array(kind.shown)
     sigma = np.sqrt(np.maximum(np.einsum("i,kij,j->k", row, study.run.plan.P, row), 0.0))  # rounding of a huge P may go below
     t = np.arange(len(index)) * s.plant.dt / fine

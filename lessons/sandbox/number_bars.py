@@ -63,4 +63,4 @@ def with_numbers(stage: Stage, model: Model, K: np.ndarray, L: np.ndarray) -> St
     shares = np.column_stack([numbers, error / (float(error[0]) or float(error.max()) or 1.0)])
     low, high = OCTAVES
     bars = np.clip((np.log2(np.clip(shares, 2.0 ** low, 2.0 ** high)) - low) / (high - low), 0.0, 1.0)
-    return replace(stage, body=body_of(model), x=np.hstack([stage.x, bars]), xhat=np.hstack([stage.xhat, bars]))
+    return replace(stage, body=body_of(model), x=np.hstack([stage.x, bars]), xhat=np.hstack([stage.xhat, bars]), plain=stage)

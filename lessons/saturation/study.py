@@ -144,8 +144,8 @@ def compute(design: Design) -> Outcome[Study]:
 
 
 def _stage(shown: Run, design: Design) -> Stage:
-    """Cart and pole along the run; in fog a hand can take hold of the cart alone."""
-    clear = stage(MODEL, shown, design)
+    """Cart and pole along the run, with the force applied and the force asked for; in fog a hand can take hold of the cart alone."""
+    clear = replace(stage(MODEL, shown, design), u=np.hstack([shown.u_applied, shown.u_asked]))
     if not design["fog"]:
         return clear
     hidden = {part.name for part in FOGGY_BODY.parts if part.unseen}

@@ -42,8 +42,11 @@ from observer_lab.course.knobs import Number
 from observer_lab.course.lesson import Lesson
 from observer_lab.lessons import LESSONS, OPENING
 from observer_lab.page.column.knob_widgets import label_of
+from observer_lab.session.handlers.playback import PLAYBACK_SPEEDS
 
 SETTLE = 200  # ms between two moves
+MOVES_A_PULL = 6
+PULL_PX = 14.0  # a move of a pull: more than the step to which a force is rounded
 MEASURED_SHARE = 0.9  # of the moves that must have changed the plots
 WATCH = """() => { window.__measured = new Promise(done => {
   const page = window.__viserMutable;
@@ -123,6 +126,8 @@ def moves(tab: Tab, where: Callable[[], tuple[float, float]], stride: tuple[floa
     x, y = places[-1]
     mouse.down()
     tab.answered()
+    mouse.move(x + 2 * stride[0], y + 2 * stride[1], steps=2)  # now it holds: a first small move is not yet told from a click
+    tab.answered()
     out = []
     for i in range(count):
         reach = 6 - abs(i % 12 - 6)
@@ -131,7 +136,23 @@ def moves(tab: Tab, where: Callable[[], tuple[float, float]], stride: tuple[floa
         out.append([np.nan if v is None else v for v in tab.page.evaluate("() => window.__measured")])
         tab.page.wait_for_timeout(SETTLE)
     mouse.up()
+    tab.answered(rests=True)
     return np.array(out, dtype=float)
+
+
+def pulls(tab: Tab, lesson: Lesson, count: int) -> np.ndarray:
+    """Latencies (count, 2) in ms while the plant is pulled, a few moves at a time: a run plays under the hand, and it ends."""
+    stage = lesson.compute(lesson.start()).stage
+    assert stage is not None and stage.held
+    (grip, _), *_ = stage.held
+    stride = PULL_PX * grip.along[0], -PULL_PX * grip.along[2]
+    for _ in range(PLAYBACK_SPEEDS.index(1.0)):
+        tab.press("slower")
+    out = []
+    for begun in range(0, count, MOVES_A_PULL):
+        stop_where_the_error_lives(tab, lesson)
+        out.append(moves(tab, lambda: on_screen(tab, f"/plant/{grip.parts[0]}"), stride, min(MOVES_A_PULL, count - begun)))
+    return np.vstack(out)
 
 
 def stop_where_the_error_lives(tab: Tab, lesson: Lesson) -> None:
@@ -181,10 +202,13 @@ def main() -> None:
         tab = Tab(browser.new_page(viewport={"width": width, "height": height}, device_scale_factor=options.scale), address)
         tab.choose_lesson(lesson.words["en"].title, lesson.words["en"].question)
         tab.predict("skip")
+        tab.reveal()
         slider = next(k for k in lesson.knobs if isinstance(k, Number) and lesson.shown(k, lesson.start()))
         tab.slide(label_of(slider, "en"), times=1)
+        tab.answered(rests=True)
         if (asks := tab.page.locator('.ol-again .ol-option[data-value="skip"]')).count():  # a second question holds the stage
             asks.click()
+            tab.answered(rests=True)
         stop_where_the_error_lives(tab, lesson)
         idle, (calls, triangles) = tab.page.evaluate(FRAME), tab.page.evaluate(DRAWN)
 
@@ -194,11 +218,8 @@ def main() -> None:
             return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
         rows = [("slider", measured("slider", moves(tab, thumb, (4.0, 0.0), options.moves)))]
         rows.append(("pole", measured("pole", moves(tab, lambda: on_screen(tab, "/board/controller/pole0"), (3.0, 0.0), options.moves))))
-        held = lesson.compute(lesson.start()).stage.held  # type: ignore[union-attr]
-        if held:
-            (grip, _), *_ = held
-            stride = 3.0 * grip.along[0], -3.0 * grip.along[2]
-            rows.append(("grab", measured("grab", moves(tab, lambda: on_screen(tab, f"/plant/{grip.parts[0]}"), stride, options.moves))))
+        if lesson.compute(lesson.start()).stage.held:  # type: ignore[union-attr]
+            rows.append(("grab", measured("grab", pulls(tab, lesson, options.moves))))
         browser.close()
     print(f"{options.lesson} at {options.size}, scale {options.scale:g}, {options.moves} moves each; "
           f"a frame of the 3-D view alone takes {idle:.0f} ms, {calls} draw calls, {triangles} triangles")

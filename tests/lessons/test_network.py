@@ -11,6 +11,7 @@ from lesson_checks import by_knobs, carried
 from observer_lab.course.knobs import Choice, Number
 from observer_lab.course.lesson import Design, Outcome
 from observer_lab.engine.network import mean_square_growth
+from observer_lab.lessons.network.bodies import LIT_COLOUR, PACKETS
 from observer_lab.lessons.network.cases import CART_CASE, CASE_KINDS, CHIP_CASE, DECK_CASE, RUN_SAMPLES, SCALAR_CASE, TWO, sampled
 from observer_lab.lessons.network.lesson import LESSON
 from observer_lab.lessons.network.study import AUTONOMOUS_TOLERANCE, LOSSES, OVER, bounds_over_loss, key
@@ -228,6 +229,23 @@ def test_the_stage_lights_a_lamp_where_a_packet_has_come() -> None:
     assert o.stage.x[at, 0] == pytest.approx(o.study.x[:, 0])
     lit, dark = (CASE_KINDS[SCALAR_CASE].body.pose([0.0, heard, 1.0], 1.0)["sensor lamp"] for heard in (1.0, 0.0))
     assert lit.colour != dark.colour and lit.scale != dark.scale
+
+
+@pytest.mark.parametrize("case", CASE_KINDS)
+def test_a_belt_carries_the_last_packets_outwards_and_shows_which_were_lost(case: str) -> None:
+    o = outcome(case=case, loss=0.4, loss_u=0.4)
+    assert o.stage is not None
+    per = (len(o.stage.t) - 1) // (RUN_SAMPLES - 1)
+    for k in (0, 3, 20, RUN_SAMPLES - 1):
+        for link, came in (("sensor", o.study.heard), ("input", o.study.fresh)):
+            poses = [o.stage.body.pose(o.stage.x[k * per].tolist(), 1.0)[f"{link} packet {age}"] for age in range(PACKETS)]
+            assert [pose.position[2] > 0 for pose in poses] == [age <= k for age in range(PACKETS)]
+            assert [pose.colour == LIT_COLOUR for pose in poses[:k + 1]] == [bool(came[k - age]) for age in range(min(k + 1, PACKETS))]
+            across = np.abs([pose.position[0] for pose in poses])
+            assert np.all(np.diff(across) > 0)
+            if per > 1 and k < RUN_SAMPLES - 1:
+                later = o.stage.body.pose(o.stage.x[k * per + 1].tolist(), 1.0)
+                assert abs(later[f"{link} packet 0"].position[0]) > across[0]
 
 
 @pytest.mark.parametrize("loss", [0.0, 0.3, 0.75, 0.9])

@@ -368,3 +368,18 @@ def test_the_angle_has_lines_at_the_largest_angle_that_any_controller_recovers_f
         lines = [curve.y[0] for curve in angle.curves if curve.name("en") == "limit from rest"]
         ceiling = outcome.metrics["ceiling"]
         assert lines == pytest.approx([-ceiling, ceiling]) and ceiling < 49.0
+
+
+def test_the_stage_draws_the_asked_force_beyond_the_applied_one_only_where_the_motor_clips() -> None:
+    outcome = LESSON.compute(design(fed="commanded"))
+    stage, limit = outcome.stage, design(fed="commanded")["u_max"]
+    assert stage is not None and stage.u is not None
+    asked = -(outcome.study.shown.xhat @ outcome.gains["K"].T)[:, 0]  # the control law, not the run's own record
+    clipped = np.abs(asked) > limit * 1.01
+    assert clipped.any() and not clipped.all()
+    for index in np.flatnonzero(np.abs(asked) > 0.2)[::7]:
+        acts, wanted = stage.body.arrows(stage.x[index].tolist(), stage.u[index].tolist(), stage.body.gain)
+        lengths = [each.head[0] - each.tail[0] for each in (acts, wanted)]
+        assert (acts.role, wanted.role) == ("force", "asked") and wanted.tail[2] > acts.tail[2]
+        if stage.t[index] < outcome.study.stopped:
+            assert (abs(lengths[1]) > abs(lengths[0]) + 1e-9) == (abs(asked[index]) > limit * (1 + 1e-9))

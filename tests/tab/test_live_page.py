@@ -14,6 +14,7 @@ from live_endurance import replayed
 
 from observer_lab.cli import main
 from observer_lab.devices import watching
+from observer_lab.devices.sampling import DeviceError
 from observer_lab.engine.systems import discretise
 from observer_lab.export.devices.folders import device_design
 from observer_lab.export.devices.live_line import column_names
@@ -171,6 +172,23 @@ def test_ghost_alone_moves_with_a_line_between_two_pictures(tmp_path) -> None:
     assert {name for name, _ in changed} <= nodes | {"scene:/errors", "scene:/forces", "scene:/error-bars", "scene:/error-words/0"}
     stage = desk.stage(shown.outcome)
     assert np.array_equal(stage.x[-1, -stage.readings:], [design.y[k, 0] for k in range(30, 18, -1)])
+
+
+@each("name", sorted(LESSONS))
+def test_stage_of_a_running_plant_shows_nothing_of_the_simulated_run(name: str) -> None:
+    """What its body shows beside states and readings is the same all along a simulated run, so no moment of one stands beside a plant."""
+    lesson = LESSONS[name]
+    outcome = lesson.compute(lesson.start())
+    try:
+        routine = device_design(lesson, outcome).routine
+    except DeviceError:  # no code for a device
+        return
+    stage, n = outcome.stage and (outcome.stage.plain or outcome.stage), len(routine.x_names)
+    rows = [np.zeros((2, len(names))) for names in (routine.x_names, routine.y_names, routine.u_names)]
+    if stage is None or stage.xhat is None or stage.xhat.shape[1] < n or n < 2 or measured_states(routine, *rows) is None:
+        return
+    beside = stage.x[:, n:stage.x.shape[1] - stage.readings]
+    assert np.array_equal(np.ptp(beside, axis=0), np.zeros(beside.shape[1])), "a live page cannot know this: give the stage a `plain` one"
 
 
 @each("language, live", [("en", "Live"), ("zh", "实时")])

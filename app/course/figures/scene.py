@@ -93,6 +93,7 @@ class Stage:
     note: tuple[Text, ...] = ()
     held: tuple[tuple[Grip, tuple[tuple[float, float], ...]], ...] = ()
     picture: StagePicture | None = None  # that a lesson brings, the same in all its runs
+    plain: Stage | None = None  # the same without what a simulated run alone knows: where a plant runs now, this is shown
     readings: int = 0  # so many columns at the end of x and xhat are the last readings of the first output, the latest first
 
     def __post_init__(self) -> None:

@@ -12,7 +12,7 @@ from ...colours import COLOURS, rgb
 from ...course.error_window import sample_at
 from ...course.lesson import Stage
 from ...course.pinned_designs import Ghost
-from ...plants.bodies.body import Body, Vector
+from ...plants.bodies.body import ASKED, Body, Vector
 from ...text import label_in_language
 from ..charts.text_layout import fold_lines
 from ..viser_private import viser_internals
@@ -31,6 +31,7 @@ FACTORS = 10.0  # letters: a line with what is exaggerated is no longer
 FACTORS_AT = (2.9, -0.6, 0.5)  # where the end of its last line stands, where a map lies in front
 FACTORS_GAP = 0.1  # stage units elsewhere between it and the front of the plant's base
 FORCES = "/forces"  # the node of the arrows of forces, and how those of other roles begin
+THICK, THIN = (0.035, 0.09, 0.16), (0.014, 0.05, 0.13)  # stage units: of shaft, head and point; what is asked for is thin
 MIN_ARROW_LENGTH = 0.05  # stage units: shorter arrows are not drawn
 LARGEST_CLOUD, ONE_OF_SEVERAL = 0.9, 0.5  # stage units: of a cloud that stands alone, and of one of several about one body
 UPRIGHT = (math.sqrt(0.5), math.sqrt(0.5), 0.0, 0.0)  # pictures lie flat until they are turned, then the last row is above
@@ -79,6 +80,7 @@ class StageView:
         self._errors: ErrorLines | None = None
         self._marks: ErrorMarkLines | None = None
         self._arrows: dict[str, str] = {}  # the node of the arrows of each role
+        self._drawn: list[viser.SceneNodeHandle] = []  # these nodes
         self._picture: viser.ImageHandle | None = None
         self._stage: Stage | None = None
         self._frame: Frame = {}  # where everything was sent to last
@@ -98,7 +100,7 @@ class StageView:
         self.forget()
         self.built = object()
         self._solid, self._ghost = self._parts()
-        self._clouds, self._names, self._note, self._called = [], [], [], []
+        self._clouds, self._names, self._note, self._called, self._drawn = [], [], [], [], []
         self._hand = self._picture = self._marks = None
         self._stage, self._body = stage, stage.body if stage is not None else None
         em *= self.nearness()
@@ -123,7 +125,9 @@ class StageView:
         first = () if stage.u is None else body.arrows(stage.x[0].tolist(), stage.u[0].tolist(), body.gain)
         self._arrows = {role: FORCES if role == "force" else f"{FORCES}-{role}" for role in ("force", *sorted({a.role for a in first}))}
         for role, node in self._arrows.items():
-            self._scene.add_arrows(node, none, rgb(COLOURS[role]), shaft_radius=0.035, head_radius=0.09, head_length=0.16)
+            shaft, head, point = THIN if role == ASKED else THICK
+            self._drawn.append(self._scene.add_arrows(node, none, rgb(COLOURS["force" if role == ASKED else role]), shaft_radius=shaft,
+                                                      head_radius=head, head_length=point))
         self._errors = ErrorLines(self._scene, stage, self._trails, self._dark)
         self._clouds = [] if stage.spread is None or stage.xhat is None else [
             self._scene.add_icosphere(f"/spread/{i}", 1.0, rgb(GHOST_COLOUR), opacity=0.24, side="back", cast_shadow=False,
@@ -165,7 +169,7 @@ class StageView:
         """Take a new run; another plant is put on the stage in place of the last one."""
         if (stage.body if stage is not None else None) is not self._body:
             lone = filter(None, (self._hand, self._picture, self._marks))
-            for part in (self._solid, self._ghost, *self._clouds, *self._names, *self._note, *lone):
+            for part in (self._solid, self._ghost, *self._clouds, *self._names, *self._note, *self._drawn, *lone):
                 part.remove()
             self._pins.clear()
             self._part_names.clear()

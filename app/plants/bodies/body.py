@@ -88,9 +88,12 @@ class Pose:
     colour: tuple[int, int, int] | None = None
 
 
+ASKED = "asked"  # the role of a force that the controller asks for
+
+
 @dataclass(frozen=True)
 class Arrow:
-    """A force or velocity drawn from `tail` to `head`."""
+    """A force or velocity drawn from `tail` to `head`; one that is only asked for is drawn thinner."""
 
     tail: Vector
     head: Vector
