@@ -15,7 +15,7 @@ from observer_lab.text import format_number
 COIL, SIDE_FORCE, LOWER = 2, 5, 10  # places: of the coil's arrow, of the spring's force in the inputs, of the offset in the state
 OFFSET_DRAWN = 5.0  # times that the coil's offset is drawn larger: millimetres on a deck of half a metre
 BELOW = 0.0, 0.0, -9.0  # out of sight
-WORDS_AT = DECK_HALF_WIDTH + 0.35, -0.72, PLANE - 0.42
+WORDS_AT = DECK_HALF_WIDTH + 0.1, -0.72, PLANE + 0.36
 
 
 def side_spring(x: np.ndarray, ground: np.ndarray) -> np.ndarray:

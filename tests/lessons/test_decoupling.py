@@ -442,3 +442,10 @@ def test_the_force_of_the_side_spring_is_that_of_the_model(part: str) -> None:
         x[1, [5, 7]] = 1e-5, 3e-4
     pushed = plant.A @ x[1] + plant.B[:, 3:] @ ground[0]
     assert side_spring(x, ground)[1] == pytest.approx(k.m * pushed[5], rel=1e-9)
+
+
+def test_the_introduction_says_how_much_larger_motion_and_forces_are_drawn() -> None:
+    stage = outcome().stage
+    assert stage is not None
+    for prose in LESSON.words.values():
+        assert f"{stage.body.gain:g}" in prose.introduction and f"{stage.body.forces:g}" in prose.introduction
