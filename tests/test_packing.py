@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from observer_lab.page.record.recorded_screen import RecordedRun
-from observer_lab.page.viser_private.stage_frames import PROPERTY_KINDS, Frame
+from observer_lab.page.viser_private.stage_frames import PROPERTY_KINDS, Frame, letters_of, viser_value
 from observer_lab.static_pages.packing import STEPS, Arrays, Runs, Tables, data_file
 
 PIXEL = 6e-3  # stage units: of the whole stage in a window of 929 × 768 pixels
@@ -70,6 +70,16 @@ def test_a_run_is_read_back_to_half_a_step_that_no_pixel_shows(changes: tuple[fl
                 step = max(STEPS[kind], 31 * 1.1 / 32767)
                 assert np.abs(row[:len(wanted)] - wanted).max(initial=0.0) <= step / 2 + 1e-12
                 assert np.all(row[len(wanted):].reshape(-1, 3)[:, 2] < -8.9), "a line that a frame lacks is out of sight"
+
+
+def test_words_that_change_in_a_run_are_read_back_letter_for_letter() -> None:
+    words = [f"e₁ = {'−' if k % 3 else ''}{1.7 ** k / 100:.2f} m" for k in range(COUNT)]
+    runs = Runs(Arrays())
+    number = runs.add(RecordedRun(tuple(0.1 * k for k in range(COUNT)), tuple({("/words", "text"): letters_of(each)} for each in words),
+                                  6.0, 1.0))
+    content, arrays = opened(data_file("a name", {"runs": runs.kept}, runs.arrays.kept))
+    rows = unpacked(content["runs"][number], arrays)["/words", "text"]
+    assert [viser_value("text", tuple(row)).rstrip() for row in rows] == words
 
 
 def test_the_steps_of_a_run_are_finer_than_a_tenth_of_a_pixel() -> None:
