@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import pytest
+from axe_rules import serious
 from geometry import drag, on_screen
 from tab import Tab, eventually
 
@@ -174,3 +175,14 @@ def test_on_a_phone_the_question_comes_first_and_an_option_is_on_the_first_scree
     assert seen[:2] == [True, True], seen
     question, lists = (tab.page.locator(part).first.bounding_box() for part in (".ol-question", "[data-ol-select]:visible"))
     assert question is not None and lists is not None and question["y"] < lists["y"]
+
+
+def test_a_column_of_figures_alone_scrolls_by_keys_and_breaks_no_rule_of_accessibility(walking: Tab) -> None:
+    opened(walking, "kalman")
+    column = walking.page.locator("[data-dock-region=right] [data-scrollarea-viewport]:visible")
+    walking.page.get_by_role("tab", name="Consistency").click()
+    eventually(lambda: column.evaluate("each => each.scrollHeight - each.clientHeight"), lambda more: more > 40, "a column that scrolls")
+    column.focus()
+    walking.page.keyboard.press("PageDown")
+    eventually(lambda: column.evaluate("each => each.scrollTop"), lambda top: top > 40, "the column scrolled by a key")
+    assert serious(walking.page) == []

@@ -27,7 +27,10 @@
   };
   const names = Object.entries(parts).map(([name, selector]) => [`data-ol-${name.replace(/[A-Z]/g, letter => '-' + letter.toLowerCase())}`, selector]);
   const any = Object.values(parts).join(), root = document.documentElement, SCHEME = 'data-mantine-color-scheme';
-  const name = element => { for (const [attribute, selector] of names) element.toggleAttribute(attribute, element.matches(selector)); };
+  const name = element => {
+    for (const [attribute, selector] of names) element.toggleAttribute(attribute, element.matches(selector));
+    if (element.matches(parts.view) && element.closest(parts.column)) element.tabIndex = 0;  // a column of figures alone scrolls by keys
+  };
   const nameAll = element => {
     if (element.matches(any)) name(element);
     element.querySelectorAll(any).forEach(name);
