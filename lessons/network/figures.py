@@ -144,7 +144,7 @@ def _first(outcome: Outcome[Study]) -> LineFigure:
     return LineFigure("first", text("how unsure the filter is: the first packets"), times(outcome)[:shown],
                       (Curve(text("variance"), grows), Curve(text("steps down: no packet arrives"), comb, "disturbance")),
                       "σ²/σ₀²", log_y=True, window=(0.2, 10.0), tab=GAP_TAB,
-                      caption=text("{lost} of these {samples} packets did not arrive. Each of them raises the variance; the next "
+                      caption=text("Packets that did not arrive: {lost} of {samples}. Each of them raises the variance; the next "
                                    "one that arrives lowers it.", lost=lost, samples=FIRST_SAMPLES))
 
 
