@@ -25,7 +25,7 @@ KF, EKF, UKF = "kf", "ekf", "ukf"
 DEGREE = 180 / np.pi
 GROUND_INTENSITY, COUPLE = 4e-10, 3e-4  # m² s of each ground motion, N² s of a draught that tilts the deck
 SINE_HZ = 0.16  # Hz, of the known force
-BARS_NAMED = -1.65, -0.85, 0.0  # under the names of the bars
+BARS_NAMED = 0.1, -1.45, 0.0  # before the numbers of the bars
 LENGTH = nonlinear.NonlinearLaws.length
 
 

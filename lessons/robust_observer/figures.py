@@ -19,6 +19,7 @@ from .knobs import COLUMNS, EXAMPLE_FOUR, EXAMPLE_ONE, EXAMPLE_THREE, EXAMPLE_TW
 from .paper_slips import PRINTED_SIZES, claimed_columns, free_columns, remark_3, true_size
 from .rank_conditions import ORDERS_TAB, paper_missed, paper_ranks
 from .rectangle_map import pair_map
+from .steady_figure import steady_figure
 from .study import DISPLAY_LIMIT, EXAMPLE_CASES, FREQUENCIES, Search, Story
 
 TIME_TAB, J_TAB = text("Time"), text("Criterion J")
@@ -36,7 +37,7 @@ def figures(outcome: Outcome[Story]) -> FigureSet:
     """Time, criterion, worst case, paper: at most three in a tab."""
     return FigureSet(tab_figures(TIME_TAB, lambda: (_error(outcome), _input(outcome), _output(outcome))),
                  tab_figures(J_TAB, lambda: (_criterion(outcome), _map_of(outcome), _found(outcome))),
-                 tab_figures(WORST_TAB, lambda: (_frequency(outcome), _sweep(outcome))),
+                 tab_figures(WORST_TAB, lambda: (_frequency(outcome), _sweep(outcome), steady_figure(outcome, WORST_TAB))),
                  tab_figures(PAPER_TAB, lambda: (_numbers(outcome), paper_ranks(outcome, PAPER_TAB), _slips(outcome))),
                  tab_figures(ORDERS_TAB, lambda: (paper_missed(outcome),)),
                  tab_figures(ASSUMED_TAB, lambda: assumed_figures(outcome.design)))
@@ -119,7 +120,7 @@ def _criterion(outcome: Outcome[Story]) -> PlaneFigure:
                      j=J, design=_norm(design))
     if design["example"] == EXAMPLE_TWO:
         words = joined(words, text("Here W has w = {w:g}; another W gives the same observer another J.", w=design["w12"]))
-    top = round_up_nicely(2.2 * max(J, 4.0))
+    top = round_up_nicely(2.2 * max(J, 4.0) if design["example"] != EXAMPLE_ONE else max(float(curves[0].y.max()), 4.0))
     curves = [Curve(c.name, np.minimum(c.y, 1.5 * top), c.role, c.dash, c.width, c.x) for c in curves]
     for end in ("region_low", "region_high"):
         curves.append(Curve(text("region"), np.array([0.0, 1.5 * top]), "reference", "dot", 1.2,

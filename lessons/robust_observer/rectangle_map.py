@@ -36,7 +36,7 @@ def pair_map(outcome: Outcome[Story], tab: Text) -> MapFigure:
             text("The rectangle has no room for a pair: largest |Im s| is {tall:.2g}.", tall=design["region_tall"]))
     upper = outcome.poles["observer"][np.argmax(outcome.poles["observer"].imag)]
     return MapFigure("map", text("J over Re s and Im s of a pair"), REAL, HIGH, values,
-                     ((text("less than the least inside"), "force"), (text("within 10 % of the least inside"), "plant"),
+                     ((text("less"), "force"), (text("up to 1.1 times"), "plant"),
                       (text("up to 3 times"), "second"), (text("up to 10 times"), "estimate"), (text("more than 10 times"), "muted"),
-                      (text("edge of the rectangle"), "error")),
+                      (text("rectangle"), "error")),
                      "Re s [rad/s]", "Im s [rad/s]", (float(upper.real), float(upper.imag)) if upper.imag else None, said, tab)

@@ -16,6 +16,7 @@ from observer_lab.lessons import LESSONS
 from observer_lab.lessons.fault_diagnosis.bank_figure import HIGHEST
 from observer_lab.lessons.fault_diagnosis.figures import decisive
 from observer_lab.lessons.record.figures import TOP
+from observer_lab.lessons.robust_observer.study import EXAMPLE_CASES
 from observer_lab.plants.examples import EXAMPLES, example
 from observer_lab.plants.own_plant import canonical_text
 
@@ -208,6 +209,21 @@ def test_an_order_has_a_bar_or_a_circle_and_the_bar_is_the_share_of_the_table(ch
         assert k not in bars or f"{bars[k]:.3g} %" == row[4]
 
 
+@pytest.mark.parametrize("choice", ["1", "2", "3", "4"])
+def test_the_error_that_stays_is_that_of_a_run_with_these_poles(choice: str) -> None:
+    lesson, outcome = at("robust-observer", example=choice)
+    figure, knob = plane(lesson, outcome, "steady"), EXAMPLE_CASES[choice].poles
+    curve, now = figure.curves[0], outcome.design[knob]
+    k = int(np.argmin(curve.y))
+    assert (figure.points[0].x, figure.points[0].y) == (curve.xs[k], curve.y[k])
+    for i in (len(curve.xs) // 2, len(curve.xs) // 3):
+        by = curve.xs[i] - max(pole.real for pole in now)
+        _, moved = at("robust-observer", example=choice, **{knob: tuple(pole + by for pole in now)})
+        assert curve.y[i] == pytest.approx(min(moved.study.steady, 1.5 * figure.y_range[1]))
+        late = np.abs(moved.study.true.e_u[moved.study.true.t > 4.5]).max()
+        assert late >= 0.95 * moved.study.steady and (choice == "4" or late == pytest.approx(moved.study.steady, rel=0.1))  # slow carts
+
+
 # --- record ------------------------------------------------------------------------------------------------------------
 @pytest.mark.parametrize("values", [{}, {"factor": 0.01}, {"factor": 100.0}, {"data": "furnace"}])
 def test_nothing_of_nis_is_drawn_above_its_edge_and_what_is_larger_has_an_arrow(values: dict[str, object]) -> None:
@@ -222,7 +238,8 @@ def test_nothing_of_nis_is_drawn_above_its_edge_and_what_is_larger_has_an_arrow(
 
 
 @pytest.mark.parametrize(("name", "figure"), [
-    ("kalman", "tests"), ("sandbox", "numbers"), ("robust-observer", "missed"), ("record", "nis")])
+    ("kalman", "tests"), ("sandbox", "numbers"), ("robust-observer", "missed"), ("robust-observer", "steady"),
+    ("record", "nis")])
 def test_the_figures_are_drawn_for_any_knobs(name: str, figure: str) -> None:
     lesson = LESSONS[name]
     for seed in range(3):

@@ -40,6 +40,7 @@ SLIDERS = (-1.4, 0.0, 1.4)  # where the three errors of the model stand
 SLIDER_Y, SLIDER_HALF, BEAD = -0.72, 0.52, 0.11
 PANEL_LOW, PANEL_HIGH, PANEL_Y = 0.18, 1.86, 0.2  # of the plates behind the gauges
 NAME_AT = 0.0, 2.02  # y and z of the upper edge of a gauge's name
+SCALE_AT = 0.49  # from the gauge of u to the numbers of its scale
 
 
 def gap(count: int) -> float:
@@ -92,9 +93,13 @@ def rack_body(n: int, q: int, full: Sequence[float], errors: Sequence[Text]) -> 
         fixed[f"{name} column"] = Pose((place, 0.0, BASE_TOP), scale=(1.0, 1.0, ZERO_LEVEL + MAX_DRAWN_LEVEL + 0.1 - BASE_TOP))
 
     tall = bound_displacement(0.5, MAX_DRAWN_LEVEL)
-    scale = tuple((same(f"{sign}{full[last]:g}"), (GAUGE + 0.56, PANEL_Y, ZERO_LEVEL + side * tall + 0.06))
+    scale = tuple((same(f"{sign}{full[last]:g}"), (GAUGE + SCALE_AT, PANEL_Y, ZERO_LEVEL + side * tall + 0.06))
                   for sign, side in (("", 1.0), ("−", -1.0)))
-    called = (*(subscript(f"x{i + 1}") for i in range(n)), *(subscript(f"z{i + 1}" if q > 1 else "z") for i in range(q)), "u")
+    parts += [Part(f"scale {k}", Box((0.16, 0.02, 0.03)), METAL) for k in range(2)]
+    fixed |= {f"scale {k}": Pose((GAUGE + 0.31, PANEL_Y - 0.04, ZERO_LEVEL + side * tall)) for k, side in enumerate((1.0, -1.0))}
+    called = (text("plant {name}", name=subscript("x1")), *(subscript(f"x{i + 1}") for i in range(1, n)),
+              text("observer {name}", name=subscript("z1" if q > 1 else "z")), *(subscript(f"z{i + 1}") for i in range(1, q)),
+              text("input {name}", name=same("u")))
     labels = (*((name, (place, *NAME_AT)) for name, place in zip(called, places, strict=True)), *scale,
               *((words, (at, SLIDER_Y - 0.2, 0.0)) for words, at in zip(errors, SLIDERS, strict=True)))
 
@@ -118,8 +123,6 @@ def rack_body(n: int, q: int, full: Sequence[float], errors: Sequence[Text]) -> 
                                                                "the observer's. The gauge shows the input wanted, "
                                                                "its ghost the input given; the green arrow too. Beads in front: "
                                                                "how far the plant is from the model"), labels, names=(
-        PartName(text("plant's states"), "x2 level", (-0.6, -0.4, 0.85)),
-        PartName(text("observer's state"), "z1 level", (0.3, -0.4, 0.9)),
-        PartName(text("input"), "u level", (0.0, -0.4, 0.75)),
-        PartName(GHOST_NAME, "u level", (0.75, -0.4, -0.3), True),
+        PartName(text("error of the model"), "bead 2", (0.35, -0.1, 0.42)),
+        PartName(GHOST_NAME, "u level", (1.2, -0.4, -0.25), True),
     ))

@@ -90,7 +90,7 @@ def plant(parameters: Parameters = PARAMETERS) -> NonlinearPlant:
 STAGE_SCALE = 0.03 / 1000  # stage units per metre of the fall, the same across and upwards
 GROUND_LEVEL, TRACK = 0.16, 0.42  # the ground, and where the body falls
 DISH = (TRACK - 100_000 * FOOT_M * STAGE_SCALE, GROUND_LEVEL + 100_000 * FOOT_M * STAGE_SCALE)
-CAPSULE = 0.18  # radius of the body, which alone is not to scale
+CAPSULE = 0.24  # radius of the body, which alone is not to scale
 SCALE_TOP_KM = 95.0  # km, end of the scale
 SCALE_AT = 1.25
 TOP = GROUND_LEVEL + 1000 * SCALE_TOP_KM * STAGE_SCALE
@@ -99,7 +99,7 @@ HOT = 900.0  # m/s² at which the shield glows brightest
 GLOW = tuple(rgb(COLOURS[role]) for role in ("steel", "warm-steel", "white-hot"))
 ARC_PIECES, ARC_STEP = 12, 0.13  # of the line of equal distances, and radians from one end of a piece to the other
 TANGENT = 0.75  # stage units to either side
-BAND = 0.33  # radius of the column of 3σ about the ghost
+BAND = 0.42  # radius of the column of 3σ about the ghost
 ERROR_GAIN = 100.0  # times that the lesson exaggerates the error of the ghost
 
 
@@ -185,7 +185,7 @@ def body(parameters: Parameters = PARAMETERS) -> Body:
                                                            "from the radar. Red: the tangent at the estimate, and the column "
                                                            "of 3σ about it"), names=(
         PartName(text("radar"), "dish", (-0.8, 0.0, 0.3)),
-        PartName(text("falling body"), "capsule", (-0.8, 0.0, 0.0)),
-        PartName(text("equal distances"), f"arc {ARC_PIECES - 3}", (0.5, 0.0, 0.35)),
-        PartName(GHOST_NAME, "capsule", (0.7, 0.0, -0.5), True),
+        PartName(text("falling body"), "capsule", (-0.45, 0.0, 0.85)),
+        PartName(text("equal distances"), f"arc {ARC_PIECES - 3}", (0.3, 0.0, 0.8)),
+        PartName(GHOST_NAME, "capsule", (1.0, 0.0, 0.1), True),
     ))
