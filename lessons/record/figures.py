@@ -16,6 +16,7 @@ from .study import Study
 
 RECORD_TAB, ORDER_TAB, INNOVATIONS_TAB, NIS_TAB, NUMBERS_TAB = (
     text("Record"), text("Order"), text("Innovations"), text("Consistency"), text("Numbers"))
+SINGLE_WIDTH = 0.6  # px: single values lie behind their mean
 MOST_VALUES = 12  # singular values that are drawn
 TOP, MOST_ARROWS = 4.0, 40  # of the NIS figure: its upper edge, in means; arrows there
 
@@ -168,7 +169,7 @@ def _nis(study: Study) -> PlaneFigure:
     if len(beyond):
         said = joined(said, text("Arrows: {count} of {rows} are larger than {top:g}.", count=len(beyond), rows=len(values), top=TOP))
     return PlaneFigure("nis", text("normalised innovation squared (NIS)"),
-                       (Curve(text("single NIS"), np.minimum(single, TOP), "muted", width=1.0, x=t),
+                       (Curve(text("single NIS"), np.minimum(single, TOP), "fog", width=SINGLE_WIDTH, x=t),
                         Curve(text("mean so far"), np.minimum(running, TOP), "estimate", width=2.6, x=t),
                         *(Curve(text("band of the whole mean"), np.full(2, edge), "reference", "dash", 1.6, ends) for edge in judged.band)),
                        arrows, "t [s]", "NIS", (float(t[0]), float(t[-1])), (0.0, TOP), tab=NIS_TAB, caption=said)

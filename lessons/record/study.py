@@ -18,9 +18,9 @@ from observer_lab.plants.bodies.own_body import tubes_body
 from observer_lab.text import NO_WORDS, Text, error_words, joined, text
 
 from .data import Given, record_of
-from .fusion import Fusion, fused
+from .fusion import EVERY, Fusion, fused
 from .knobs import MAX_ORDER, NO_BIAS, NO_GATE, ONE_SENSOR, OPENING_SHARE
-from .trace import with_trace
+from .trace import Trace, with_trace
 
 DEVIATIONS = 3.0  # of a pole: within them the true one is expected
 
@@ -195,8 +195,22 @@ def _stage(study: Study, smoothed: bool) -> Stage:
     size = np.maximum(np.abs(shown - level).max(axis=0), 1e-12)
     strongest = np.abs(record.u[first:]).max(axis=0, initial=1e-12)
     body = tubes_body(record.output_names, size.tolist(), tuple(range(record.y.shape[1])), strongest.tolist())
-    return with_trace(Stage(body, study.t - study.t[0], shown - level, study.estimate(smoothed) - level, record.u[first:]),
-                      (np.where(np.isfinite(study.measured), study.measured, shown) - level)[:, 0])
+    return with_trace(Stage(body, study.t - study.t[0], shown - level, study.estimate(smoothed) - level, record.u[first:]), _trace(study))
+
+
+def _trace(study: Study) -> Trace:
+    """The first output of the whole record about its level, with the readings that are faulty, set aside or of a second sensor."""
+    given, found, judged = study.given, study.found, study.judged
+    record, delay = found.record, found.delay
+    predicted = judged.track.predicted @ found.fitted.plant.C.T + record.u @ found.fitted.plant.D.T
+    readings = np.where(np.isfinite(record.y), record.y, predicted)[:, 0]
+    y = readings if given.clean is None else given.clean[delay:, 0] - found.trend.y_level[0]
+    jumping, biased = (np.array([], dtype=int) if each is None else np.flatnonzero(each[delay:, 0]) for each in (given.jumps, given.bias))
+    exact = np.array([], dtype=int)
+    if study.second != ONE_SENSOR and given.clean is not None:
+        exact = np.arange(study.first + EVERY, record.rows, EVERY)
+    aside = np.flatnonzero(judged.set_aside)
+    return Trace(y, readings, study.first, jumping, aside[aside >= study.first], exact, int(biased[0]) if len(biased) else None)
 
 
 def _formulas(study: Study, gains: dict[str, np.ndarray]) -> tuple[Formula, ...]:

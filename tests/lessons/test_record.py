@@ -19,7 +19,10 @@ from observer_lab.engine.identification import read_record
 from observer_lab.lessons import LESSONS
 from observer_lab.lessons.record.data import TRUTHS, record_of
 from observer_lab.lessons.record.own import with_record
-from observer_lab.lessons.record.trace import READINGS
+from observer_lab.lessons.record.study import Study
+from observer_lab.lessons.record.trace import ASIDE, COLUMNS, EXACT, FAULT, PALER, READINGS, RING, STRIP, _paler
+from observer_lab.page.stage.body_extent import reach
+from observer_lab.page.stage.viewpoint import body_scale, round_plant
 
 LESSON = LESSONS["record"]
 TEXT = "t [s],gas [ft3/min],y [%]\n"
@@ -175,21 +178,44 @@ def test_a_matlab_file_of_a_record_with_gaps_proves_itself(tmp_path: Path) -> No
     assert done.stdout.count("agree to 1e-06") == 1, done.stderr[-2000:]
 
 
-def test_the_panel_shows_the_output_of_the_run_and_the_bar_where_it_is() -> None:
-    """The trace is as high as the output at each moment. A knob of the filter alone does not change the picture."""
-    outcome = LESSON.compute(LESSON.start())
-    stage = outcome.stage
+def painted(image: np.ndarray) -> np.ndarray:
+    """Where a panel has another colour than its ground, column by column."""
+    return (image != image[0]).any(axis=2)
+
+
+def test_the_panel_shows_the_output_of_the_record_and_the_bar_where_the_run_is() -> None:
+    """The trace is as high as the output at each moment of the run, right of the part of the fit, whose ground is paler.
+
+    A knob of the filter alone does not change the picture.
+    """
+    for share in (30, 50):
+        outcome = LESSON.compute(LESSON.apply(LESSON.start(), {"share": share}))
+        stage = outcome.stage
+        assert stage is not None and stage.picture is not None
+        image, y = stage.picture.image, stage.x[:, 0]
+        ground = image[0].astype(int).sum(axis=1)
+        split = int(np.flatnonzero(np.diff(ground) != 0)[0]) + 1
+        assert ground[0] > ground[-1] and split == pytest.approx(share / 100 * len(ground), abs=2)
+        middle = np.array([np.flatnonzero(column).mean() for column in painted(image).T])[split:]
+        at = np.interp(np.linspace(0, len(y) - 1, len(middle)), np.arange(len(y)), y)
+        assert np.corrcoef(-middle, at)[0, 1] > 0.97
+        record, wide = outcome.study.found.record, stage.picture.size[0]
+        for k in (0, len(y) // 2, len(y) - 1):
+            across = stage.body.pose(stage.x[k].tolist(), 1.0)["now"].position[0]
+            when = (stage.t[k] + outcome.study.t[0] - record.t[0]) / (record.t[-1] - record.t[0])
+            assert across == pytest.approx(wide * (when - 0.5))
+        again = LESSON.compute(LESSON.apply(outcome.design, {"factor": 10.0})).stage
+        assert again is not None and again.picture is not None and np.array_equal(again.picture.image, image)
+
+
+def test_the_tubes_stand_below_the_panel_as_it_is_seen() -> None:
+    """No part of a tube lies before the panel from where the scenes look at it."""
+    stage = LESSON.compute(LESSON.start()).stage
     assert stage is not None and stage.picture is not None
-    image, y = stage.picture.image.astype(int), stage.x[:, 0]
-    drawn = np.abs(image - image[0, 0]).sum(axis=2) > 0
-    middle = np.array([np.flatnonzero(column).mean() for column in drawn.T])
-    at = np.interp(np.linspace(0, len(y) - 1, len(middle)), np.arange(len(y)), y)
-    assert np.corrcoef(-middle, at)[0, 1] > 0.97
-    across = [stage.body.pose(stage.x[k].tolist(), 1.0)["now"].position[0] for k in (0, len(y) // 2, len(y) - 1)]
-    wide = stage.picture.size[0]
-    assert across == pytest.approx([-wide / 2, wide * (stage.t[len(y) // 2] / stage.t[-1] - 0.5), wide / 2])
-    again = LESSON.compute(LESSON.apply(LESSON.start(), {"factor": 10.0})).stage
-    assert again is not None and again.picture is not None and np.array_equal(again.picture.image, stage.picture.image)
+    (eye, _), (_, deep, middle) = round_plant(body_scale(reach(stage)))["plant"], stage.picture.place
+    lamp = stage.body.pose(stage.x[0].tolist(), 1.0)["lamp 0"].position
+    met = eye[2] + (lamp[2] - eye[2]) * (deep - eye[1]) / (lamp[1] - eye[1])
+    assert met < middle - stage.picture.size[1] / 2
 
 
 def test_the_pins_stand_on_the_trace_at_the_output_and_at_the_estimate() -> None:
@@ -197,14 +223,14 @@ def test_the_pins_stand_on_the_trace_at_the_output_and_at_the_estimate() -> None
     stage = LESSON.compute(LESSON.start()).stage
     assert stage is not None and stage.xhat is not None and stage.picture is not None
     image, (wide, high), (_, _, middle) = stage.picture.image, stage.picture.size, stage.picture.place
-    ground, (study, first) = image[0, 0], ((o := LESSON.compute(LESSON.start()).study), o.first)
-    span = float(np.ptp(np.concatenate([study.clean[:, 0], study.found.record.y[first:, 0] + study.found.trend.y_level[0]])))
+    study = LESSON.compute(LESSON.start()).study
+    span = float(np.ptp(np.concatenate([study.given.clean[:, 0], study.given.record.y[:, 0]])))
     for k in range(0, len(stage.t), 37):
         pin, ghost = (stage.body.pose(states[k].tolist(), stage.body.gain)["pin"].position for states in (stage.x, stage.xhat))
         column = min(int((pin[0] / wide + 0.5) * image.shape[1]), image.shape[1] - 1)
         row = (middle + high / 2 - pin[2]) / high * image.shape[0]
-        painted = np.flatnonzero((image[:, column] != ground).any(axis=1))
-        assert painted.min() - 4 <= row <= painted.max() + 4, k
+        drawn = np.flatnonzero(painted(image)[:, column])
+        assert drawn.min() - 4 <= row <= drawn.max() + 4, k
         assert ghost[2] - pin[2] == pytest.approx(0.84 * 2.0 * (stage.xhat[k, 0] - stage.x[k, 0]) / span)
 
 
@@ -214,8 +240,26 @@ def test_the_jumps_of_a_faulty_sensor_are_painted_on_the_panel() -> None:
         stage = LESSON.compute(LESSON.apply(LESSON.start(), values)).stage
         assert stage is not None and stage.picture is not None
         grey = (stage.picture.image == np.array(rgb(COLOURS[READINGS]))).all(axis=2)
-        trace = ~grey & (stage.picture.image != stage.picture.image[0, 0]).any(axis=2)
+        trace = (stage.picture.image == np.array(_paler("plant", PALER))).all(axis=2)
         rows = np.arange(len(grey))[:, None]
         top, foot = np.where(trace, rows, len(grey)).min(axis=0), np.where(trace, rows, 0).max(axis=0)
         return int(np.where(grey, np.maximum(top - rows, rows - foot), 0).max())
     assert farthest(data="faulty") > 1.5 * farthest(data="spring") > 0
+
+
+def test_marked_readings_are_those_that_jump_are_set_aside_or_come_from_the_second_sensor() -> None:
+    """A dot or a ring of its colour stands at the column of each of them, and nowhere without them."""
+    def columns(role: str, **values: object) -> tuple[np.ndarray, Study]:
+        outcome = LESSON.compute(LESSON.apply(LESSON.start(), values))
+        assert outcome.stage is not None and outcome.stage.picture is not None
+        marked = (outcome.stage.picture.image[STRIP:-STRIP] == np.array(rgb(COLOURS[role]))).all(axis=2)
+        return np.flatnonzero(marked.any(axis=0)), outcome.study
+
+    for role, values in ((FAULT, {"data": "faulty"}), (ASIDE, {"data": "faulty", "gate": "0.999"}), (EXACT, {"second": "slow"})):
+        assert not len(columns(role)[0])
+        found, study = columns(role, **values)
+        rows = {FAULT: lambda s: np.flatnonzero(s.given.jumps[:, 0]), ASIDE: lambda s: np.flatnonzero(s.judged.set_aside),
+                EXACT: lambda s: np.arange(s.first, s.found.record.rows)[10::10]}[role](study)
+        at = rows / (study.found.record.rows - 1) * (COLUMNS - 1)
+        assert len(at) and np.abs(at[:, None] - found).min(axis=0).max() <= RING[1] + 1
+        assert np.abs(at[:, None] - found).min(axis=1).max() <= RING[0] + 1
