@@ -13,7 +13,7 @@ from functools import lru_cache
 import numpy as np
 
 from observer_lab.course.lesson import Stage
-from observer_lab.plants.bodies.body import Body, PartName, Pose, bound_displacement, pose_between
+from observer_lab.plants.bodies.body import Arrow, Body, PartName, Pose, Vector, bound_displacement, pose_between
 from observer_lab.plants.bodies.deck_body import STAGE_SCALE, platform_body
 from observer_lab.plants.platform.model import Parameters
 from observer_lab.text import text
@@ -24,6 +24,10 @@ NOMINAL = Parameters()
 SWING_S, SWING_COUNT, FRAMES = 1.5, 4, 240  # s that one swing takes on the stage, swings, samples
 REST, TRAVEL, LARGER = 0.55, 0.42, 1.3  # stage units of a test mass above its base plate, and how far it may swing; how large it is drawn
 MAX_DRAWN_MOTION = np.array([3.6e-3, 3.6e-3, 16e-3, 2.2e-3, 2.2e-3])  # m, m, rad, m, m: how far a motion is drawn
+PARTS = text("across"), text("height"), text("tilt"), text("left mass"), text("right mass")  # as `relative` has them
+MOTION, LONG, LEAST_SHARE = "reference", 0.62, 0.08  # the role of its arrows, stage units of the longest; a share that is drawn
+ACROSS_AT, HEIGHT_AT, TILT_AT = (0.0, -0.3, 2.62), (-1.95, -0.8, 1.42), (1.5, -0.8, 1.42)  # where arrows begin; of tilt at both ends
+ASIDE, NAME_ASIDE = 0.34, 0.34  # stage units from a mass to its arrow, and from an arrow to its name
 
 
 @lru_cache(maxsize=256)
@@ -60,6 +64,45 @@ BODY = Body(
 )
 
 
+def motion_shares(p: Parameters, motion: Motion) -> np.ndarray:
+    """How far and which way each part swings (5,), the farthest 1, in the order of PARTS."""
+    return np.real(relative(p, _begun(p, motion)) / MAX_DRAWN_MOTION)
+
+
+def _begun(p: Parameters, motion: Motion) -> np.ndarray:
+    """The motion's shape as the stage begins it: its largest part, the first of equals on every machine, at MAX_DRAWN_MOTION."""
+    parts = relative(p, motion.shape) / MAX_DRAWN_MOTION
+    return motion.shape / parts[np.argmax(np.abs(parts) > 0.999 * np.abs(parts).max())]
+
+
+def _beside_masses(record: Sequence[float]) -> tuple[Vector, Vector]:
+    """Where the arrows of the test masses begin: outside each of them as it rests."""
+    poses = _pose([0.0] * STATE_COUNT + list(record), 1.0)
+    left, right = (poses[f"test mass {side}"].position for side in ("left", "right"))
+    return (left[0] - ASIDE, left[1], left[2]), (right[0] + ASIDE, right[1], right[2])
+
+
+def _arrows(shares: Sequence[float], record: Sequence[float]) -> tuple[tuple[Arrow, ...], ...]:
+    """The arrows of each part, as long as its share and pointing where it goes at one moment."""
+    across, height, tilt, left, right = (LONG * share for share in shares)
+    def along(at: Vector, x: float, z: float) -> Arrow:
+        return Arrow(at, (at[0] + x, at[1], at[2] + z), MOTION)
+    beside = _beside_masses(record)
+    return ((along(ACROSS_AT, across, 0.0),), (along(HEIGHT_AT, 0.0, height),),
+            tuple(along((side * TILT_AT[0], *TILT_AT[1:]), 0.0, side * tilt) for side in (-1.0, 1.0)),
+            (along(beside[0], 0.0, left),), (along(beside[1], 0.0, right),))
+
+
+def _marked(p: Parameters, motion: Motion) -> Body:
+    """The body with an arrow and a name for each part that swings in the motion."""
+    shares, record = motion_shares(p, motion).tolist(), (p.a, p.s, p.h, p.mu)
+    shares = [share if abs(share) > LEAST_SHARE else 0.0 for share in shares]
+    drawn = _arrows(shares, record)
+    labels = tuple((name, (each[-1].tail[0] + side * NAME_ASIDE, each[-1].tail[1], each[-1].tail[2] + up)) for name, each, share, (side, up)
+                   in zip(PARTS, drawn, shares, ((0.0, 0.3), (-1.0, 0.06), (1.0, 0.06), (-1.0, 0.06), (1.0, 0.06)), strict=True) if share)
+    return replace(BODY, arrows=lambda x, u, gain: tuple(arrow for each in drawn for arrow in each), labels=labels)
+
+
 def slower(motion: Motion) -> float:
     """How many times slower the stage draws the motion than it is."""
     return motion.frequency * SWING_S
@@ -68,13 +111,12 @@ def slower(motion: Motion) -> float:
 def swing(s: System, motion: Motion, order: int) -> Stage:
     """The motion undamped, one swing in SWING_S seconds; its largest part begins at MAX_DRAWN_MOTION. The ghost is the model's."""
     p = s.parameters
-    parts = relative(p, motion.shape) / MAX_DRAWN_MOTION
-    shape = motion.shape / parts[np.argmax(np.abs(parts) > 0.999 * np.abs(parts).max())]  # the first of equals, on every machine
+    shape = _begun(p, motion)
     t = np.linspace(0.0, SWING_S * SWING_COUNT, FRAMES + 1)
     turning = np.exp(2j * np.pi * t / SWING_S)[:, None]
     fixed = np.tile([p.a, p.s, p.h, p.mu], (len(t), 1))
     true, guess = (np.real(turning * v) for v in (shape, believed(s, order, shape)))
-    return Stage(BODY, t, np.hstack([true, fixed]), np.hstack([guess, fixed]))
+    return Stage(_marked(p, motion), t, np.hstack([true, fixed]), np.hstack([guess, fixed]), np.zeros((len(t), 1)))
 
 
 def share(s: System, motion: Motion, order: int) -> float:

@@ -12,15 +12,14 @@ from observer_lab.text import format_number, joined, same, subscript, text, text
 
 from ..toolkit.shares import apart, more
 from .balanced_platform import STATE_COUNT, believed, closed_forms, relative, sigmas
-from .body import MAX_DRAWN_MOTION, share
+from .body import MAX_DRAWN_MOTION, PARTS, share
 from .reduced_regulator import PAIRS
 from .study import RELATIVE, REPORT, Ranks, Study
 
 RANK_TAB, HANKEL_TAB = text("Rank"), text("Hankel values")
 MOTION_TAB, LQG_TAB = text("Motions"), same("LQG")
 NOTHING_CUT = text("All ten states are kept: there is only one design. Keep fewer and compare.")
-PAIR_NAMES = text("height"), text("across"), text("tilt"), text("masses in step"), text("masses apart")  # of the kinds of motion
-PARTS = text("height"), text("across"), text("tilt"), text("left mass"), text("right mass")  # as `relative` has them
+PAIR_NAMES = text("height"), text("across"), text("tilt"), text("masses together"), text("masses apart")  # of the kinds of motion
 PART_BAR_WIDTH, PART_BAR_GAP = 20.0, 0.19  # px; places from the middle of a part
 BAR_WIDTH, ABOVE_BARS = 17.0, 0.8  # px; decades from a bar to the circle above it
 LEAST = 1e-40  # a singular value drawn in place of zero

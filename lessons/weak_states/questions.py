@@ -31,7 +31,7 @@ def recall(asked: Asked) -> DrawnQuestion:
     spare = sum(_rank(A, np.delete(C, k, axis=0)) == found for k in range(len(C)))
     gained = _rank(A, 10 * C) - found
     return question_of_bar_groups(text("ten states, rank 9"), text("how many"), (),
-                                  (text("directions without effect on y"), text("sensors to spare"), text("directions won by more gain")),
+                                  (text("unseen directions"), text("spare sensors"), text("gained directions")),
                                   ((1, 0, 0), (0, 1, 0), (0, 0, 1)), (len(A) - found, spare, gained))
 
 
@@ -48,7 +48,7 @@ def predict(asked: Asked) -> DrawnQuestion:
     by_kind = {motion.kind: _moves(s, motion) for motion in s.motions}
     shown = _moves(s, s.motions[int(asked.after.design["pair"]) - 1])
     return question_of_bar_groups(text("what moves in the weakest pair"), text("share of the largest way"), (),
-                                  (text("tilt of the deck"), text("left test mass"), text("right test mass")),
+                                  (text("deck tilt"), text("left test mass"), text("right test mass")),
                                   (by_kind[PITCH_MODE], by_kind[MASSES_AGAINST_MODE], by_kind[MASSES_TOGETHER_MODE], np.zeros(3)), shown)
 
 

@@ -293,3 +293,27 @@ def test_a_loop_on_the_edge_of_stability_tells_no_variance(monkeypatch: pytest.M
     small = edge.study.compared.small
     assert -1e-6 < small.rightmost < 0 and not small.stable
     assert small.cost is None and small.force is None and "extra" not in edge.metrics
+
+
+@pytest.mark.parametrize(("kind", "name"), [(0, "height"), (1, "across"), (2, "tilt"), (3, "left mass"), (4, "right mass")])
+def test_the_stage_marks_what_swings_as_the_run_begins(kind: int, name: str) -> None:
+    """An arrow points where its part is at the start of the run, as long as it is far; its name, and the longest bar's, is the part's."""
+    pair = system(NOMINAL).pair(kind) + 1
+    found = outcome(pair=str(pair))
+    stage, figure = found.stage, next(f for f in LESSON.figures(found) if f.id == "pair")
+    assert stage is not None and stage.u is not None
+    x, rest = stage.x[0], np.concatenate([np.zeros(10), stage.x[0][10:]])
+    far = {"across": x[0] / 3.6e-3, "height": x[1] / 3.6e-3, "tilt": x[2] / 16e-3, "left mass": (x[3] - x[1] + x[11] * x[2]) / 2.2e-3,
+           "right mass": (x[4] - x[1] - x[11] * x[2]) / 2.2e-3}
+    most = max(map(abs, far.values()))
+    assert abs(far[name]) > 0.99 * most
+    arrows = stage.body.arrows(rest.tolist(), stage.u[0].tolist(), stage.body.gain)
+    drawn = dict(zip(("across", "height", "tilt down", "tilt", "left mass", "right mass"), arrows, strict=True))
+    for part, way in far.items():
+        along = sum(h - t for h, t in zip(drawn[part].head, drawn[part].tail, strict=True))
+        assert along == pytest.approx(0.62 * way / most if abs(way) > 0.08 * most else 0.0, abs=1e-6)
+    shown = {words("en") for words, _ in stage.body.labels}
+    assert shown == {part for part, way in far.items() if abs(way) > 0.08 * most} and name in shown
+    bars = {next(n("en") for at, n in figure.names if abs(at - curve.x[0]) < 0.3): curve.y[1] for curve in figure.curves
+            if curve.role == "plant"}
+    assert bars[name] == pytest.approx(1.0)
