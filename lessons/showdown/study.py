@@ -14,7 +14,7 @@ from observer_lab.engine.sampled import MonteCarlo, ResponseMeasures
 from observer_lab.plants.bodies.body import UNCONTROLLED, Body, called, with_longer_arrows
 from observer_lab.plants.bodies.two_decks import two_decks
 from observer_lab.plants.platform import model
-from observer_lab.text import Text, listed, text
+from observer_lab.text import Text, format_number, listed, text
 
 from ..toolkit.latex import number
 from .controllers import CONTROLLER_NAMES, LQE, OPEN_LOOP, ORDER, RECURSIVE, SHORT_NAMES, SISO, Player, players
@@ -67,6 +67,7 @@ FORCE_ARROWS = 20.0  # times that coil forces are drawn larger: tens of millinew
 DECK = replace(with_longer_arrows(model.body(), FORCE_ARROWS, 3), gain=MOTION_GAIN, names=called(model.body(), UNCONTROLLED),
                caption=text("Above: the controller chosen. Below: another one to compare. Ghosts: the same decks without control. "
                             "Green: coil forces. Blue bars: how far each deck moves (RMS), beside its ghost's"))
+DELAY_AT, DAMPING_AT, FRICTION_AT = (2.1, -0.7, 1.95), (-0.72, -0.7, 1.0), (1.5, -0.9, 0.46)  # at coil, dashpot and guide
 WORK = (0.1, 10.0)  # Hz: the report's working band
 
 
@@ -185,7 +186,8 @@ def compute(design: Design) -> Outcome[Study]:
     match = Study(world, five, step, run, ghost[1], rival[1:])
     metrics = LazyMap(lambda: _metrics(match))
     return Outcome(design, {}, {}, metrics, LazySequence(lambda: _checks(match, metrics)), None, (),
-                   _stage(match, body_of(chosen.id)), LazySequence(lambda: _formulas(design, match)),
+                   _stage(match, body_of(chosen.id, design["delay"], design["damping"], 1e3 * most)),
+                   LazySequence(lambda: _formulas(design, match)),
                    LazyValue(lambda: as_predicted(design, _ranking(match))), match)
 
 
@@ -194,11 +196,14 @@ def rival_of(chosen: str) -> str:
     return SISO if chosen == LQE else LQE
 
 
-@lru_cache(maxsize=len(ORDER))
-def body_of(chosen: str) -> Body:
-    """Two decks with the names of their controllers."""
+@lru_cache(maxsize=4 * len(ORDER))
+def body_of(chosen: str, delay: float = 0.0, damping: float = 0.0, friction: float = 0.0) -> Body:
+    """Two decks with the names of their controllers; delay (ms), change of damping (%) and friction (mN) are named where they act."""
     upper, lower = (CONTROLLER_NAMES[ORDER.index(each)] for each in (chosen, rival_of(chosen)))
-    return two_decks(DECK, 10, 3, (upper, lower))
+    tags = ((delay, text("delay {size} ms", size=format_number(delay, ".3g")), DELAY_AT),
+            (damping, text("damping {size} %", size=format_number(damping, "+.3g")), DAMPING_AT),
+            (friction, text("friction {size} mN", size=format_number(friction, ".3g")), FRICTION_AT))
+    return two_decks(DECK, 10, 3, (upper, lower), tuple((words, at) for size, words, at in tags if size))
 
 
 def moved_share(x: np.ndarray, ghost: np.ndarray) -> float:

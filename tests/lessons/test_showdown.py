@@ -11,6 +11,7 @@ from lesson_checks import carried
 from observer_lab.course.lesson import Outcome
 from observer_lab.engine import noisy_loop, sampled_lqg
 from observer_lab.engine.sampled import loop_density, mechanics_response, simulate_trials, welch_expectation
+from observer_lab.lessons import LESSONS
 from observer_lab.lessons.showdown.controllers import ORDER, decoupled, first_belief, full, gain_gap, players, reduced, sampled_design
 from observer_lab.lessons.showdown.lesson import LESSON
 from observer_lab.lessons.showdown.simulation import band_rms, loop_of, measures, respond, world_of
@@ -289,3 +290,16 @@ def test_the_stage_has_the_deck_of_the_chosen_controller_above_its_rivals_each_w
         long = [stage.body.pose(stage.x[7].tolist(), 1.0)[f"{floor} bar"].scale[2] for floor in ("upper", "lower")]
         whole = stage.body.pose(stage.xhat[7].tolist(), 1.0)["upper bar"].scale[2]
         np.testing.assert_allclose(np.array(long) / whole, np.clip(shares, 0.01, 1.15))
+
+
+def test_what_acts_on_the_decks_is_named_on_both_and_only_then() -> None:
+    """Delay, another damping and friction each stand at both decks with their size; friction only where the ground lets it act."""
+    def tags(**values: object) -> list[str]:
+        stage = LESSONS["showdown"].compute(LESSONS["showdown"].apply(LESSONS["showdown"].start(), values)).stage
+        assert stage is not None
+        return [words("en") for words, _ in stage.body.labels[2:]]
+
+    assert tags() == [] == tags(friction=5.0)
+    assert tags(delay=5.0) == 2 * ["delay 5 ms"]
+    assert tags(damping=-90.0) == 2 * ["damping −90 %"]
+    assert tags(friction=5.0, ground="shaped") == 2 * ["friction 5 mN"]

@@ -12,12 +12,16 @@ STOREY = 2.62  # stage units from one deck's floor to the other's
 PILLAR_X, PILLAR_Y, SLAB_TOP = 2.5, 0.8, 0.14
 BAR_FROM, BAR_LONG, BAR_AT = -2.45, 4.2, (-1.02, 0.07)  # where bars begin, how long one of 1 is, y and z before a slab
 MOST_SHARE, LEAST_SHARE = 1.15, 0.01  # of the motion without control that a bar shows
-NAME_AT = (-1.9, -1.04, -0.06)
+NAME_AT = (-1.15, -1.04, -0.06)  # between posts and sensors of the deck below
 FLOORS = ("upper", "lower")
 
 
-def two_decks(deck: Body, states: int, inputs: int, names: tuple[Text, Text]) -> Body:
-    """The state is that of the upper deck, that of the lower one, and the share of motion that each bar shows."""
+def two_decks(deck: Body, states: int, inputs: int, names: tuple[Text, Text],
+              tags: Sequence[tuple[Text, Vector]] = ()) -> Body:
+    """The state is that of the upper deck, that of the lower one, and the share of motion that each bar shows.
+
+    `tags` are words and where they stand at each of the decks.
+    """
     heights = (STOREY, 0.0)
 
     def split(x: Sequence[float]) -> tuple[Sequence[float], Sequence[float]]:
@@ -46,7 +50,8 @@ def two_decks(deck: Body, states: int, inputs: int, names: tuple[Text, Text]) ->
              *(Part(f"{floor} bar", Rod(0.07), PLANT_COLOUR, twin=True) for floor in FLOORS))
     return replace(
         deck, parts=parts, pose=pose, arrows=arrows, anchors=anchors,
-        labels=tuple((words, _raised(NAME_AT, height)) for words, height in zip(names, heights, strict=True)),
+        labels=(*((words, _raised(NAME_AT, height)) for words, height in zip(names, heights, strict=True)),
+                *((words, _raised(place, height)) for words, place in tags for height in heights)),
         names=tuple(replace(name, part=f"upper {name.part}") for name in deck.names))
 
 
