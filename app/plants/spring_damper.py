@@ -40,6 +40,7 @@ WALL, REST_POSITION, RAIL_TOP = -1.7, 0.45, 0.2  # right face of the wall, middl
 BLOCK_EDGE = 0.72  # edge of the block
 MAX_DRAWN_DISPLACEMENT = 0.85  # farthest drawn displacement
 MARKS_AT, TICK = (-0.68, 0.16), 0.09  # y and z of the bar between the left faces, half the height of its ends
+BELOW_BASE = -0.02  # z of the upper edge of its number: below the front of the base
 
 
 @dataclass(frozen=True)
@@ -107,7 +108,7 @@ def body(parameters: Parameters = Parameters()) -> Body:
     def marks(x: Sequence[float], xhat: Sequence[float], gain: float) -> ErrorMarks:
         true, believed = ((middle(states, gain) - BLOCK_EDGE / 2, *MARKS_AT) for states in (x, xhat))
         ends = tuple(((at[0], at[1], at[2] - TICK), (at[0], at[1], at[2] + TICK)) for at in (true, believed))
-        word = ((true[0] + believed[0]) / 2, MARKS_AT[0], MARKS_AT[1] - TICK)
+        word = ((true[0] + believed[0]) / 2, MARKS_AT[0], BELOW_BASE)
         size = format_number(float(x[0]) - float(xhat[0]), ".2f")
         return ErrorMarks(((true, believed), *ends), ((f"e₁ = {size} m", word, "top-center"),))
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -18,6 +20,7 @@ from .notes_page import PLANT, notes_figures
 from .study import Setting, Study, gain, left_alone
 
 ERROR_TAB = text("Error")
+SETTLED, WINDOW_STEPS = 0.01, 15  # share of the largest error that is no longer seen; steps of the run in which its figure is longer
 
 
 def figures(here: Setting, outcome: Outcome[Study]) -> tuple[Figure, ...]:
@@ -69,9 +72,19 @@ def _components(here: Setting, outcome: Outcome[Study], run: Run, quiet: Run) ->
     title = (text("error in position e₁ and velocity e₂") if here.notes else
              text("error in two signals"))
     calm = (-1.0, 1.0) if here.notes else None
-    return LineFigure("components", title, run.t, tuple(curves), f"e [{', '.join(units)}]", tab=ERROR_TAB, window=calm,
+    seen = _until_settled(run.t, [curve.y for curve in curves])
+    return LineFigure("components", title, run.t[:seen], tuple(replace(curve, y=curve.y[:seen]) for curve in curves),
+                      f"e [{', '.join(units)}]", tab=ERROR_TAB, window=calm,
                       caption=text("Largest gap between the curves with and without input: {error_moved:.1e}.",
                                    error_moved=m["error_moved"]))
+
+
+def _until_settled(t: np.ndarray, signals: Sequence[np.ndarray]) -> int:
+    """How many samples reach a little beyond the last time at which a signal is above SETTLED of the largest, in steps of a 15th."""
+    sizes = np.nan_to_num(np.max(np.abs(np.stack(signals)), axis=0))
+    last = int(np.flatnonzero(sizes >= SETTLED * sizes.max())[-1])
+    step = max((len(t) - 1) / WINDOW_STEPS, 1.0)
+    return min(int(math.ceil(1.15 * last / step) * step) + 1, len(t))
 
 
 def _proof(here: Setting, outcome: Outcome[Study], run: Run, quiet: Run) -> TableFigure:

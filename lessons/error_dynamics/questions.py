@@ -9,13 +9,14 @@ import numpy as np
 from observer_lab.course.figures.records import Curve
 from observer_lab.course.guiding.questions import Asked, DrawnQuestion, question_over_time
 from observer_lab.engine.simulation import Run
-from observer_lab.text import Text, text
+from observer_lab.text import Text, same, text
 
 from ..toolkit.questions import driven, size
 
 BETTER = 0.3  # of the copy's error, in the option that says that the observer knows the input better
 SLOWER = 0.5  # pace of the error in the option that says that the force slows it down
 UNSTABLE = 1.65  # 1/s by which all poles lie farther right, in the option that says unstable: then at +0.15
+SHARE_S = 6.0  # s of the error over its peak
 FASTER = 2.0  # by how much a moving block would shorten the transient, in the option that says so
 
 
@@ -50,12 +51,18 @@ def predict(asked: Asked) -> DrawnQuestion:
 
 
 def surprise(asked: Asked) -> DrawnQuestion:
-    """The error from twice the start: half as fast, later by a fixed time, or the same curve at twice the height."""
+    """The error over its own peak, from twice the start: half as fast, later by a fixed time, or the same curve as before."""
     before, after = asked.entry.run, asked.after.run
-    t, error = before.t, before.e
-    slower = 2 * size(driven(0.5 * asked.entry.study.error, error[0], t))
-    later = np.interp(np.maximum(t - np.log(2) / 1.5, 0.0), t, 2 * size(error))
-    return _drawn(t, (_now(before),), (slower, later, 2 * size(error)), _curve(after, text("from twice the start")))
+    seen = before.t <= SHARE_S
+    t, error = before.t[seen], before.e
+    slower = size(driven(0.5 * asked.entry.study.error, error[0], before.t))
+    later = np.interp(np.maximum(before.t - np.log(2) / 1.5, 0.0), before.t, size(error))
+
+    def share(errors: np.ndarray) -> np.ndarray:
+        return (errors / errors.max())[seen]
+    known = Curve(text("now"), share(size(error)), "muted"), Curve(same("2 %"), np.full(len(t), 0.02), "reference", "dot", 1.4)
+    return question_over_time(text("size of the error over its peak"), t, known, (share(slower), share(later), share(size(error))),
+                              Curve(text("from twice the start"), share(size(after.e)), "error"), "", log_y=True, span=(-3.0, 0.5))
 
 
 def printed(asked: Asked) -> DrawnQuestion:

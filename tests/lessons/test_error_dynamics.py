@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from mpmath import expm, matrix
 
+from observer_lab.course.guiding.questions import Asked
 from observer_lab.course.knobs import KnobError
 from observer_lab.engine import Plant
 from observer_lab.lessons.error_dynamics.knobs import DT, HORIZON
@@ -175,3 +176,26 @@ def test_a_kick_at_the_start_is_seen_beside_the_error_without_it() -> None:
     np.testing.assert_allclose(curves["without the kick or pull"], np.linalg.norm(calm.run.e, axis=1), rtol=1e-9, atol=1e-12)
     assert curves["with this input"][1] > 1.2 * curves["without the kick or pull"][1]
     assert len(next(figure for figure in LESSON.figures(calm) if figure.id == "error").curves) == 2
+
+
+@pytest.mark.parametrize("changes", [{}, {"observer_poles": (-4.0, -0.3)}, {"kick": 3.0}, {"sensor": "forgotten", "input": "step"}])
+def test_the_figure_of_both_errors_shows_all_that_is_seen_of_them(changes):
+    """What is cut off at the end is below a hundredth of the largest error, and what is shown is not mostly that."""
+    o = outcome(**changes)
+    figure = next(f for f in LESSON.figures(o) if f.id == "components")
+    count, size = len(figure.x), np.abs(o.run.e).max(axis=1)
+    assert np.array_equal(figure.x, o.run.t[:count]) and all(len(curve.y) == count for curve in figure.curves)
+    assert size[count:].max(initial=0.0) < 0.01 * size.max()
+    last = np.flatnonzero(size >= 0.01 * size.max())[-1]
+    assert figure.x[-1] <= 1.15 * o.run.t[last] + HORIZON / 15 + DT
+
+
+def test_the_question_of_the_second_start_draws_the_same_share_for_both_starts():
+    """Over its own peak the error of the run lies on what it was before, and crosses 2 % where the option says."""
+    scene = next(s for s in LESSON.path if s.id == "surprise")
+    before, after = outcome(guess_q=0.0), outcome(guess_q=-1.0)
+    drawn = LESSON.questions[scene.id](Asked(LESSON, before, after))
+    (run,), (now, level) = drawn.run, drawn.figure.curves
+    assert run.y == pytest.approx(now.y, abs=1e-9) and np.allclose(level.y, np.log10(0.02))
+    crossed = run.x[np.flatnonzero(run.y >= np.log10(0.02))[-1]]
+    assert crossed == pytest.approx(after.metrics["settled_after"], abs=0.1)
