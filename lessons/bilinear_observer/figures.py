@@ -21,6 +21,7 @@ from .paper_example import DOUBTED, PRINTED_LINES, words
 from .problems import PAPER_PROBLEM, PROBLEMS
 from .run_record import Record
 from .study import FORM_NAMES, Study
+from .terms_figure import TERMS_TAB, terms_figures
 
 STEPS_TAB = text("Eight steps")
 CASES_TAB, FORMS_TAB, POLES_TAB = text("Three cases"), text("With and without ẏ"), text("Four problems")
@@ -83,6 +84,7 @@ def figures(outcome: Outcome[Study]) -> FigureSet:
     return FigureSet(tab_figures(TIME_TAB, lambda: (_functional(outcome, run), _error(outcome, run), _input(run))),
                  tab_figures(STEPS_TAB, lambda: steps_figures(design["problem"], observer, int(design["step"]), design["line"])),
                  tab_figures(CASES_TAB, lambda: (lights(outcome.checks), _singular(observer), _problems(design["problem"]))),
+                 tab_figures(TERMS_TAB, lambda: terms_figures(design["problem"])),
                  tab_figures(POLES_TAB, lambda: (_poles(design["problem"]),)),
                  tab_figures(FORMS_TAB, lambda: (_forms(run), _fed(run, design["tau"]))))
 

@@ -20,6 +20,7 @@ from observer_lab.text import Text, text
 PAPER_PROBLEM, THREE_SENSORS, FITTING_SENSORS, NO_SOLUTION = "paper", "three", "three-fitting", "stuck"
 
 LOW, HIGH = -12, 4  # decades of the bars on the stage
+PLINTH_HIGH = 0.26  # stage units that the gauges stand above the floor, so that no bar hides a foot
 BARS = (Bar(text("input |u|"), COLOURS["force"]), Bar(text("wanted |g|"), PLANT_COLOUR), Bar(text("error |ĝ − g|"), COLOURS["error"]))
 
 
@@ -45,7 +46,7 @@ class Problem:
 def _problem(name: str, label: Text, measured: tuple[int, ...], K: np.ndarray) -> Problem:
     plant = example.with_sensors(measured)
     solved = bilinear_functional_observer(plant.A, plant.B, plant.F, plant.C, K, example.POLE)
-    body = with_bars(named_high(gauge_body(plant.n, measured)), plant.n + 1, BARS, decade_marks(LOW, HIGH, 4))
+    body = with_bars(named_high(gauge_body(plant.n, measured)), plant.n + 1, BARS, decade_marks(LOW, HIGH, 4), up=PLINTH_HIGH)
     return Problem(name, label, measured, plant, K, body, solved)
 
 

@@ -57,7 +57,7 @@ def watch(plant: BilinearPlant, K: np.ndarray, plain: BilinearForm, exact: Bilin
 
 
 FORM_NAMES = (text("without ẏ"), text("with the true ẏ"), text("with a differentiator"))
-OBSERVER_WINDOW, PLANT_WINDOW = Window(-60.0, 20.0, 20.0), Window(-30.0, 10.0, 12.0)
+OBSERVER_WINDOW, PLANT_WINDOW = Window(-62.0, 18.0, 19.0), Window(-30.0, 10.0, 12.0)
 PLANT_POLES = np.sort_complex(np.linalg.eigvals(BILINEAR_PLANT.A))
 PLANT_POLES.setflags(write=False)
 

@@ -14,6 +14,7 @@ from observer_lab.plants.signal_names import signal_name
 from observer_lab.text import Text, format_number, same, squared_unit, text, text_in
 
 from ..toolkit.figures import TIME_TAB, axis_name, within
+from .closest_figure import CLOSEST_TAB, closest_figure
 from .loop_figure import loop_of
 from .recovery_figure import RECOVERY_TAB, UNIT_CIRCLE, both_halves, rings_figure
 from .report_rules import REPORT_TAB, rules_figure
@@ -37,6 +38,7 @@ def figures(outcome: Outcome[Study]) -> FigureSet:
         tab_figures(COST_TAB, lambda: (_input(outcome), _cost(outcome))),
         tab_figures(ROBUST_TAB, lambda: (_nyquist(outcome), _return(outcome))),
         tab_figures(ROBUST_TAB, lambda: (_margins(outcome),), "late"),
+        tab_figures(CLOSEST_TAB, lambda: (closest_figure(outcome),)),
         tab_figures(RECOVERY_TAB, lambda: (rings_figure(outcome), _loop_gain(outcome))),
         tab_figures(RECOVERY_TAB, lambda: (_price(outcome),), "late"),
         tab_figures(TIME_TAB, lambda: _run(outcome)),

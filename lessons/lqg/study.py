@@ -17,7 +17,7 @@ from observer_lab.plants.bodies.body import Body
 from observer_lab.plants.bodies.gain_lanes import with_gain_lanes
 from observer_lab.plants.doyle import gains as gains_of_paper
 from observer_lab.plants.model import Window
-from observer_lab.text import Text, same, text
+from observer_lab.text import Text, text
 
 from ..toolkit.latex import number
 from .cases import DOYLE, REPORT, Case
@@ -149,7 +149,7 @@ def compute_for(cases: tuple[Case, ...], design: Design) -> Outcome[Study]:
 @lru_cache(maxsize=8)
 def body_of(case: Case) -> Body:
     """The case's body behind the lanes of gains that LQG and LQR tolerate."""
-    return with_gain_lanes(case.model.body, case.plant.n, (same("LQG"), same("LQR")))
+    return with_gain_lanes(case.model.body, case.plant.n, (text("LQG tolerates"), text("LQR tolerates")))
 
 
 def _stage(s: Study) -> Stage:

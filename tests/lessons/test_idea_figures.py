@@ -13,6 +13,7 @@ from observer_lab.course.figures.records import PlaneFigure
 from observer_lab.course.lesson import Lesson, Outcome
 from observer_lab.engine import Plant
 from observer_lab.lessons import LESSONS
+from observer_lab.lessons.bilinear_observer.problems import PROBLEMS
 from observer_lab.lessons.fault_diagnosis.bank_figure import HIGHEST
 from observer_lab.lessons.fault_diagnosis.figures import decisive
 from observer_lab.lessons.record.figures import TOP
@@ -197,6 +198,16 @@ def test_the_nyquist_figure_is_about_minus_one() -> None:
         assert figure.x_range == (-2.0, 1.0)
 
 
+@pytest.mark.parametrize("values", [{}, {"q": 100.0, "sigma": 100.0}, {"recovery": 4.0}, {"case": "platform"}])
+def test_the_window_near_the_critical_point_holds_the_distance(values: dict[str, object]) -> None:
+    lesson, outcome = at("lqg", **{"case": "doyle", **values})
+    figure, near = plane(lesson, outcome, "closest"), outcome.study.real.margins.nearest
+    bar = next(curve for curve in figure.curves if curve.role == "error")
+    assert np.hypot(np.diff(bar.xs), np.diff(bar.y)).item() == pytest.approx(near)
+    assert figure.x_range[0] <= bar.xs.min() and bar.xs.max() <= figure.x_range[1]
+    assert figure.y_range[0] <= bar.y.min() and bar.y.max() <= figure.y_range[1]
+
+
 # --- robust observer ---------------------------------------------------------------------------------------------------
 @pytest.mark.parametrize("choice", ["1", "2", "3", "4"])
 def test_an_order_has_a_bar_or_a_circle_and_the_bar_is_the_share_of_the_table(choice: str) -> None:
@@ -224,6 +235,21 @@ def test_the_error_that_stays_is_that_of_a_run_with_these_poles(choice: str) -> 
         assert late >= 0.95 * moved.study.steady and (choice == "4" or late == pytest.approx(moved.study.steady, rel=0.1))  # slow carts
 
 
+# --- bilinear observer -------------------------------------------------------------------------------------------------
+@pytest.mark.parametrize("problem", ["paper", "three", "three-fitting", "stuck"])
+def test_the_terms_without_L_and_with_it_are_those_of_the_condition(problem: str) -> None:
+    lesson, outcome = at("bilinear-observer", problem=problem)
+    figure, o = plane(lesson, outcome, "terms"), PROBLEMS[problem].solved
+    gain = o.L if o.L is not None else o.right @ np.linalg.pinv(o.Q)
+    before, after = (np.abs(each).ravel() for each in (o.right, o.right - gain @ o.Q))
+    bars = {(round(float(bar.xs[0]) + 1e-9), bar.xs[0] < round(float(bar.xs[0]))): float(bar.y[1]) for bar in figure.curves}
+    if before.size == 3:
+        for k in range(3):
+            assert bars[k, True] == pytest.approx(before[k])
+            assert bars.get((k, False), 0.0) == pytest.approx(after[k], abs=1e-8 * before.max())
+    assert len(figure.points) == 3 - sum(not first for _, first in bars) and (o.case == 1) == (len(figure.points) < 3)
+
+
 # --- record ------------------------------------------------------------------------------------------------------------
 @pytest.mark.parametrize("values", [{}, {"factor": 0.01}, {"factor": 100.0}, {"data": "furnace"}])
 def test_nothing_of_nis_is_drawn_above_its_edge_and_what_is_larger_has_an_arrow(values: dict[str, object]) -> None:
@@ -239,7 +265,7 @@ def test_nothing_of_nis_is_drawn_above_its_edge_and_what_is_larger_has_an_arrow(
 
 @pytest.mark.parametrize(("name", "figure"), [
     ("kalman", "tests"), ("sandbox", "numbers"), ("robust-observer", "missed"), ("robust-observer", "steady"),
-    ("record", "nis")])
+    ("bilinear-observer", "terms"), ("lqg", "closest"), ("record", "nis")])
 def test_the_figures_are_drawn_for_any_knobs(name: str, figure: str) -> None:
     lesson = LESSONS[name]
     for seed in range(3):

@@ -69,7 +69,7 @@ def with_bars(body: Body, states: int, bars: Sequence[Bar], marks: Sequence[tupl
              *(Part(f"bar mark {k}", Box((0.025, 0.03, FLOOR)), METAL) for k in range(len(marks))),
              *(Part(f"bar {k}", Rod(THICK), bar.colour, twin=bar.estimated, unseen=bar.estimated) for k, bar in enumerate(bars)))
     labels = (*((name, moved_back(place, by, up)) for name, place in body.labels),
-              *((bar.name, (NAME_AT, y - THICK, high + 2 * THICK)) for bar, (y, high) in zip(bars, rows, strict=True)),
+              *((bar.name, (NAME_AT, y - THICK, high + 1.3 * THICK)) for bar, (y, high) in zip(bars, rows, strict=True)),
               *((name, (BEGIN + LONG * share, front - 0.08, 0.0)) for name, share in marks))
     return replace(
         body, parts=parts, pose=pose, anchors=anchors, labels=labels,

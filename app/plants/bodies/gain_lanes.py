@@ -12,11 +12,12 @@ from .body import DARK_GREY, METAL, PLANT_COLOUR, Arrow, Ball, Body, Box, Part, 
 
 LEAST_GAIN, MOST_GAIN = 0.25, 6.0  # at the ends of a lane
 OCTAVE, ONE_AT = 0.88, -0.25  # stage units for twice the gain, and where a gain of one is
-TICKS = ((same("¼"), 0.25), (same("½"), 0.5), (text("1 (model)"), 1.0), (same("2"), 2.0), (same("4"), 4.0))
+TICKS = ((same("¼"), 0.25), (same("½"), 0.5), (text("input gain 1 (model)"), 1.0), (same("2"), 2.0), (same("4"), 4.0))
 NEAR, FAR, WIDE, BEHIND = -0.88, -0.42, 0.38, 0.4  # y of both lanes, their width, and how far the body moves back
 FLOOR, LANE = 0.1, 0.26  # stage units: top of the trough, thickness of a lane
 THINNEST = 0.014  # stage units of a lane that tolerates next to nothing
 BALL, SUNK = 0.13, 0.03
+NAMES_AT = ONE_AT - 1.6 * OCTAVE  # where lanes are named: left of the gains that one half ends
 HOLDS, FALLS = rgb(COLOURS["force"]), rgb(COLOURS["alarm"])
 
 
@@ -66,6 +67,6 @@ def with_gain_lanes(body: Body, states: int, names: tuple[Text, Text]) -> Body:
              Part("true gain", Ball(BALL), COLOURS["force"]))
     at = NEAR - WIDE / 2 - 0.12
     said = tuple((word, (gain_place(gain), at, 0.0)) for word, gain in TICKS)
-    lanes = ((names[0], (gain_place(LEAST_GAIN) - 0.42, NEAR, 2 * FLOOR)), (names[1], (gain_place(MOST_GAIN) + 0.38, FAR, FLOOR + LANE)))
+    lanes = ((names[0], (NAMES_AT, NEAR - WIDE / 2, 2.2 * FLOOR)), (names[1], (NAMES_AT, FAR, 3.6 * FLOOR)))
     before = tuple((name, moved_back(place)) for name, place in body.labels)
     return replace(body, parts=parts, pose=pose, arrows=arrows, anchors=anchors, labels=(*before, *said, *lanes))

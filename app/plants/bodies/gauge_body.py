@@ -104,8 +104,8 @@ def named_high(body: Body) -> Body:
 
 def _names(states: int, lit: frozenset[int]) -> tuple[PartName, ...]:
     dark = sorted(frozenset(range(states)) - lit)
-    return (*(PartName(text("lit: measured"), f"lamp {i}", (-0.1, -0.2, 0.3)) for i in sorted(lit)[:1]),
-            *(PartName(text("dark: not measured"), f"lamp {i}", (0.4, -0.2, 0.3)) for i in dark[-1:]),
+    return (*(PartName(text("lit: measured"), f"lamp {i}", (-0.1, -0.2, 0.18)) for i in sorted(lit)[:1]),
+            *(PartName(text("dark: not measured"), f"lamp {i}", (0.14, -0.2, 0.18)) for i in dark[-1:]),
             PartName(same("g"), "large level", (-0.45, -0.4, 0.0)), PartName(text("ghost: ĝ"), "large level", (0.55, -0.4, 0.35), True))
 
 
