@@ -27,6 +27,8 @@ from observer_lab.page.stage.viewpoint import BOARD_MARGIN, SIGHT, Viewpoint
 from observer_lab.plants import MODELS
 
 CANVASES = {"laptop": (929, 768), "small laptop": (870, 720), "wall": (1306, 1080), "hall": (1306, 1080)}  # px of the guide's stage
+LAB_CANVASES = ((618, 768), (579, 720), (775, 900))  # px of the stage between the lab's columns
+RUN_PANEL = 0.222  # of the stage's height that the lab's panel of the run takes
 IN_LARGE_PRINT = "hall"
 RUN_BAR = 0.1  # of the canvas' height, at its foot: the row of the run
 MOMENTS = 12
@@ -149,6 +151,25 @@ def test_all_that_stands_on_the_stage_is_in_sight_above_the_row_of_the_run_and_f
         wide, tall = (high - low) / 2 / (across / up, 1.0)
         assert max(wide, tall) >= LEAST_FILLED, f"a small picture: {wide:.2f} of the width, {tall:.2f} of the height"
     holds_for_all(itertools.product(scenes_on_stage(), CANVASES), law, name)
+
+
+def test_in_the_lab_plant_and_boards_are_in_sight_above_the_panel_of_the_run() -> None:
+    def law(id: str, canvas: tuple[int, int]) -> None:
+        camera, (boards, body) = Camera(canvas), opened(id)
+        outcome = LESSONS[id].compute(LESSONS[id].start())
+        assert outcome.stage is not None
+        client: Any = SimpleNamespace(camera=camera, atomic=nullcontext)
+        view = Viewpoint(client)
+        view.compose(boards, False, False, body=body, lab=True)
+        view.camera("all")
+        corners = [board_corners(board.side, view.composed.foot, view.letters(False)) for board in outcome.boards]
+        points = np.concatenate([seen(camera, body_corners(outcome.stage, MOMENTS)), *(seen(camera, each) for each in corners)])
+        low, high = points.min(axis=0), points.max(axis=0)
+        assert low[1] >= 2 * RUN_PANEL - 1 and high[1] <= 1, f"cut above or below: {low[1]:.2f} to {high[1]:.2f}"
+        assert max(-low[0], high[0]) <= canvas[0] / canvas[1], f"cut at a side: {low[0]:.2f} to {high[0]:.2f}"
+    with_maps = {case.lesson.id for case in scenes_on_stage() if case.map is not None}
+    holds_for_all([(id, canvas) for id in LESSONS if id not in with_maps and LESSONS[id].compute(LESSONS[id].start()).stage is not None
+                   for canvas in LAB_CANVASES], law, lambda id, canvas: f"{id}, {canvas}")
 
 
 def test_a_scene_begins_with_its_poles_on_its_boards() -> None:

@@ -145,8 +145,9 @@ class Screen(Browser):
     def _compose(self, picture: Picture, anew: bool = False) -> None:
         charted, stage = map_of(picture) is not None, picture.outcome.stage if anew else None
         charted |= picture.state.landscape  # a surface that lies in front of the stage as well
-        self._viewpoint.compose(bool(picture.boards) or charted, charted, picture.state.lecture, Sizes(picture.state).below,
-                                None if stage is None else reach(stage))
+        sizes, body = Sizes(picture.state), None if stage is None else reach(stage)
+        self._viewpoint.compose(bool(picture.boards) or charted, charted, picture.state.lecture, sizes.below, body,
+                                not picture.guided and not sizes.sheet)
 
     def _take_room(self, picture: Picture) -> None:
         """The window has another size; in large print the page is laid out anew instead."""

@@ -22,10 +22,12 @@ SHEET_AIM_SHARE = 0.14  # of the way to what is looked at: aim this much lower w
 LOWER = 0.02  # of the way to what is looked at: aim this much lower above the run in large print
 BOARDS_BEHIND = 0.9  # stage units from what the composed view looks at to the boards
 BOARD_WIDTH, BOARD_HEIGHT, BOARD_MARGIN, BOARD_ASIDE = 2.56, 2.0, 0.12, 1.58  # of the s-plane; glass around it; its middle from the stage's
+CORNER = 0.18  # stage units that a board's outer edge is nearer than its middle, because it is turned
 SPREAD = BOARD_ASIDE + BOARD_WIDTH / 2 + BOARD_MARGIN  # stage units from the middle to the outer edge of a board
 LEAST_FOOT, FOOT_GAP = 1.2, 0.3  # stage units: boards stand no lower; they stand so far above the body
 TITLE_HIGH = MappingProxyType({False: 0.26, True: 0.42})  # stage units that the title takes above a board, and in large print
 FLOOR_SHARE = MappingProxyType({False: 0.76, True: 0.72})  # of half the canvas: the floor in front, above the run, in large print
+LAB_FLOOR_SHARE = 0.52  # the same where the panel of the run lies over the stage
 TOP_SHARE, SIDE_SHARE = 0.945, 0.965  # of half the canvas: the titles, what is at a side
 FRONT = 1.0  # stage units from the plant to the front of its base
 LOOKS_DOWN = 0.115  # stage units that the composed view falls in each unit ahead
@@ -59,7 +61,7 @@ class Composition:
     def retreat(self, aspect: float) -> float:
         """How many times farther away a canvas of this shape looks from, so that boards and body are in it."""
         shown, whole = SIDE_SHARE * math.tan(SIGHT / 2) * max(aspect, 0.2), away(self.place)
-        return max(1.0, (SPREAD / shown - BOARDS_BEHIND) / whole, (self.half / shown + FRONT + self.place[1][1]) / whole)
+        return max(1.0, (SPREAD / shown - BOARDS_BEHIND + CORNER) / whole, (self.half / shown + FRONT + self.place[1][1]) / whole)
 
     @property
     def boards(self) -> Place:
@@ -68,9 +70,9 @@ class Composition:
         return (0.0, -7.8, high + 0.3), (0.0, 1.6, high)
 
 
-def composition(half: float, high: float, lecture: bool = False) -> Composition:
+def composition(half: float, high: float, lecture: bool = False, lab: bool = False) -> Composition:
     """The boards just above a body that reaches `half` to either side and so `high`, seen from as near as shows all of it."""
-    foot, floor = max(LEAST_FOOT, high + FOOT_GAP), FLOOR_SHARE[lecture]
+    foot, floor = max(LEAST_FOOT, high + FOOT_GAP), LAB_FLOOR_SHARE if lab else FLOOR_SHARE[lecture]
     top = foot + BOARD_HEIGHT + BOARD_MARGIN + TITLE_HIGH[lecture]
     slope, (target_y, boards_y) = math.tan(SIGHT / 2), (0.6, 0.6 + BOARDS_BEHIND)
     falls = LOOKS_DOWN * (FRONT + boards_y)
@@ -167,13 +169,15 @@ class Viewpoint:
                 self._seen_from = place  # as in the tab that is followed: a narrow window adapts a named place in its own way
         self._look()
 
-    def compose(self, boards: bool, charted: bool, lecture: bool, below: bool = False, body: tuple[float, float] | None = None) -> None:
+    def compose(self, boards: bool, charted: bool, lecture: bool, below: bool = False, body: tuple[float, float] | None = None,
+                lab: bool = False) -> None:
         """Whether boards stand behind the plant: without them the whole view is nearer; whether a map lies in front; the print;
-        whether a sheet lies over the lower half; how far the body reaches to either side and how high, None where it is as it was."""
+        whether a sheet lies over the lower half; how far the body reaches to either side and how high, None where it is as it was;
+        whether the lab's panel of the run lies over the stage."""
         if body is not None:
             self._body = body
             self._look_at_body(body_scale(body))
-        self.composed = composition(*self._body, lecture)
+        self.composed = composition(*self._body, lecture, lab)
         whole, lower = self.composed.place if boards and not charted else CAMERAS["map" if charted else "bare"], LOWER * lecture
         before, self._whole = self._whole, whole
         if self._seen_from == before != whole or (lower, below) != (self._lower, self._below):
