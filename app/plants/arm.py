@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from math import cos, pi, radians, sin
+from math import atan2, cos, pi, radians, sin
 from types import MappingProxyType
 
 import numpy as np
@@ -17,6 +17,7 @@ import numpy as np
 from ..engine import Plant
 from ..text import same, text
 from .bodies.body import (
+    ASKED,
     DARK_GREY,
     GHOST_NAME,
     METAL,
@@ -116,6 +117,10 @@ JOINT: Vector = (-0.8, 0.0, 0.98)
 ARM_LENGTH, DIAL = 1.3, 0.52  # lengths of the arm and of the dial's needle
 FACE: Vector = (1.36, 0.1, 0.98)  # the middle of the dial of the load
 FULL_TORQUE_NM = 3.0  # N m at which the needle lies flat
+VOLTAGE_FOOT: Vector = (-1.72, -0.3, 0.3)  # where the arrow of the motor's voltage begins
+FULL_VOLTAGE, ASKED_BESIDE = 3.0, 0.18  # V at which it is 0.6 long; how far beside it the voltage asked for stands
+FLANK, FLANK_FROM, FLANK_LONG, PLAY_GAIN = 0.035, 0.26, 0.56, 10.0  # radius, begin and end of a flank; how many times the play is drawn
+ARM_THICK = 0.075
 MARKS_NM, MARK, NUMBER = (-3.0, -1.5, 0.0, 1.5, 3.0), (0.56, 0.64), 0.84  # loads; from and to, and where their numbers are, from the middle
 
 
@@ -131,7 +136,8 @@ BODY_PARTS = (
     Part("motor", Cylinder(0.24, 0.72), METAL),
     Part("gear", Cylinder(0.28, 0.3), DARK_GREY),
     Part("hub", Cylinder(0.2, 0.5), STEEL),
-    Part("arm", Rod(0.075), PLANT_COLOUR, twin=True),
+    Part("arm", Rod(ARM_THICK), PLANT_COLOUR, twin=True),
+    *(Part(f"flank {side}", Rod(FLANK), METAL) for side in ("below", "above")),
     Part("hand", Ball(0.16), PLANT_COLOUR, twin=True),
     Part("dial", Cylinder(0.66, 0.06), METAL),
     Part("dial foot", Rod(0.06), STEEL),
@@ -156,18 +162,32 @@ def hand(angle: float) -> Vector:
     return JOINT[0] + ARM_LENGTH * cos(angle), -0.28, JOINT[2] + ARM_LENGTH * sin(angle)
 
 
+def _flank(arm: float, away: float, side: int) -> Pose:
+    """A flank of the gear that carries the arm, `away` in rad from it, drawn PLAY_GAIN times as far; the play is never drawn negative."""
+    angle = arm + side * (PLAY_GAIN * max(away, 0.0) + atan2(ARM_THICK + FLANK, FLANK_LONG))
+    begin, end = ((JOINT[0] + long * cos(angle), -0.28, JOINT[2] + long * sin(angle)) for long in (FLANK_FROM, FLANK_LONG))
+    return pose_between(begin, end)
+
+
 def body() -> Body:
-    """The arm on its geared motor, to scale, and a dial of the load torque; the arrow at the hand is the load."""
+    """The arm on its geared motor, to scale, and a dial of the load torque; the amber arrow at the hand is the load, the green one the
+    voltage, a thin one what is asked for. After the state may come the motor's angle less the arm's and half of the play, both in rad.
+    """
     def pose(x: Sequence[float], gain: float) -> Mapping[str, Pose]:
         tip, shown = hand(float(x[ANGLE_INDEX])), on_dial(float(x[LOAD_INDEX]), DIAL)
-        return FIXED_POSES | {
+        ahead, half = (float(v) for v in x[4:6]) if len(x) > 4 else (0.0, 0.0)
+        flanks = {f"flank {name}": _flank(float(x[ANGLE_INDEX]), half + side * ahead, side) for name, side in (("below", -1), ("above", 1))}
+        return FIXED_POSES | flanks | {
             "arm": pose_between((JOINT[0], -0.28, JOINT[2]), tip), "hand": Pose(tip),
             "needle": pose_between((FACE[0], FACE[1] - 0.06, FACE[2]), shown), "needle tip": Pose(shown)}
 
     def arrows(x: Sequence[float], u: Sequence[float], gain: float) -> tuple[Arrow, ...]:
         angle, tip = float(x[ANGLE_INDEX]), hand(float(x[ANGLE_INDEX]))
         across = (sin(angle), 0.0, -cos(angle))
-        return (force_arrow((tip[0], -0.5, tip[2]), across, float(x[LOAD_INDEX]), 2.0, "disturbance"),)
+        beside = VOLTAGE_FOOT[0] - ASKED_BESIDE, *VOLTAGE_FOOT[1:]
+        return (force_arrow((tip[0], -0.5, tip[2]), across, float(x[LOAD_INDEX]), 2.0, "disturbance"),
+                force_arrow(VOLTAGE_FOOT, (0.0, 0.0, 1.0), float(u[0]), FULL_VOLTAGE),
+                *(force_arrow(beside, (0.0, 0.0, 1.0), float(asked), FULL_VOLTAGE, ASKED) for asked in u[1:]))
 
     def anchors(x: Sequence[float], gain: float) -> tuple[Vector, ...]:
         return hand(float(x[ANGLE_INDEX])), on_dial(float(x[LOAD_INDEX]), DIAL)
@@ -178,8 +198,9 @@ def body() -> Body:
         arrows,
         anchors,
         1.0,
-        text("A geared arm, to scale, and a dial of the load torque, which nothing measures; the arrow at the hand is the load"),
-        labels=((text("load torque [N m]"), (FACE[0], -0.5, 0.34)),
+        text("A geared arm, to scale, and a dial of the load torque, which nothing measures; the arrow at the hand is the load, "
+             "the green one the voltage"),
+        labels=((text("load torque [N m]"), (FACE[0], -0.5, 0.34)), (text("motor voltage"), (VOLTAGE_FOOT[0], -0.5, 0.34)),
                 *((same(f"{torque:g}"), on_dial(torque, NUMBER)) for torque in MARKS_NM[2:])),
         names=(
             PartName(text("motor"), "motor", (-0.5, 0.0, 0.7)),

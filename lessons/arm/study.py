@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import degrees, inf, radians
 
 import numpy as np
 
 from observer_lab.course.figures.claims import claim
-from observer_lab.course.lesson import Board, Check, Design, Formula, Outcome
+from observer_lab.course.lesson import Board, Check, Design, Formula, Outcome, Stage
 from observer_lab.engine import autonomous_error
 from observer_lab.engine.simulation import Run, separation_meter
 from observer_lab.plants.arm import ANGLE_INDEX, CURRENT_INDEX, LOAD_INDEX, MODEL, MOTOR_DATA, PARAMETERS, SPEED_INDEX
@@ -71,8 +71,16 @@ def compute(design: Design) -> Outcome[Study]:
               metrics["separation_meter"]),
     )
     study = Study(shown, autonomous_error(run), rest, step_of(design))
-    return Outcome(design, {"K": K, "L": L}, poles, metrics, checks, run, _boards(design, error), stage(MODEL, run, design),
+    return Outcome(design, {"K": K, "L": L}, poles, metrics, checks, run, _boards(design, error), _stage(design, shown),
                    _formulas(design, K, L), _live(design, metrics, run), study)
+
+
+def _stage(design: Design, shown: Played) -> Stage:
+    """The arm between the flanks of its gear, with the voltage applied and the voltage asked for."""
+    run, plain = shown.run, stage(MODEL, shown.run, design)
+    gear = np.column_stack([shown.motor - run.x[:, ANGLE_INDEX], np.full(len(run.t), radians(design["gap"]) / 2)])
+    return replace(plain, x=np.hstack([run.x, gear]), xhat=None if plain.xhat is None else np.hstack([plain.xhat, gear]),
+                   u=np.hstack([run.u_applied, run.u_asked]), plain=plain)
 
 
 def _boards(design: Design, error: np.ndarray) -> tuple[Board, Board]:

@@ -14,7 +14,8 @@ from observer_lab.engine import observability
 from observer_lab.lessons import LESSONS
 from observer_lab.lessons.arm.loop import LOAD_AT, WINDING
 from observer_lab.lessons.arm.study import Study, sheet_rows
-from observer_lab.plants.arm import LOAD_INDEX, MOTOR_DATA, PARAMETERS, plant
+from observer_lab.plants.arm import ANGLE_INDEX, ARM_THICK, FLANK, FLANK_LONG, LOAD_INDEX, MOTOR_DATA, PARAMETERS, PLAY_GAIN, plant
+from observer_lab.plants.bodies.body import Pose
 
 LESSON = LESSONS["arm"]
 FAST = (-30 - 10j, -30 + 10j, -30 + 0j)
@@ -111,3 +112,23 @@ def test_the_numbers_in_the_words_are_those_of_the_lesson() -> None:
     for prose in LESSON.words.values():
         where = {"step": " ".join(text for _, text in prose.steps), **{id: task.solution for id, task in prose.tasks.items()}}
         assert not [(id, number) for id, numbers in said.items() for number in numbers if number not in where[id]]
+
+
+@pytest.mark.parametrize("gap", [0.0, 0.4, 3.0])
+def test_the_flanks_on_the_stage_touch_the_arm_where_the_gear_is_in_contact(gap: float) -> None:
+    """The gear's law: the arm less the motor lies within ± half of the play; a flank touches at either end of it."""
+    outcome = LESSON.compute(LESSON.apply(LESSON.start(), {"gap": gap}))
+    stage, motor, half = outcome.stage, outcome.study.played.motor, np.radians(gap) / 2
+    assert stage is not None
+
+    def angle(pose: Pose) -> float:  # of a rod, above level, from the turn of its own z axis
+        w, x, y, z = pose.wxyz
+        return float(np.arctan2(1 - 2 * (x * x + y * y), 2 * (x * z + w * y)))
+    for k in range(0, len(stage.t), 29):
+        poses = stage.body.pose(stage.x[k].tolist(), 1.0)
+        arm, low, high = (angle(poses[name]) for name in ("arm", "flank below", "flank above"))
+        thick = np.arctan2(ARM_THICK + FLANK, FLANK_LONG)
+        drawn = high - arm - thick, arm - low - thick
+        assert sum(drawn) == pytest.approx(PLAY_GAIN * 2 * half, abs=1e-6)
+        free = half - (outcome.run.x[k, ANGLE_INDEX] - motor[k])
+        assert drawn[0] == pytest.approx(PLAY_GAIN * free, abs=1e-6)
