@@ -198,8 +198,8 @@ def body() -> Body:
         arrows,
         anchors,
         1.0,
-        text("A geared arm, to scale, and a dial of the load torque, which nothing measures; the arrow at the hand is the load, "
-             "the green one the voltage"),
+        text("A geared arm, to scale, and a dial of the load torque, which nothing measures. The arrow at the hand is the load, "
+             "the green arrow the voltage"),
         labels=((text("load torque [N m]"), (FACE[0], -0.5, 0.34)), (text("motor voltage"), (VOLTAGE_FOOT[0], -0.5, 0.34)),
                 *((same(f"{torque:g}"), on_dial(torque, NUMBER)) for torque in MARKS_NM[2:])),
         names=(
