@@ -19,8 +19,8 @@ def numbers(study: Study) -> GaugeFigure:
     """Distances to hidden modes, the observer's error, NIS and the disk margin, each beside what is accepted."""
     trial, margins = study.trial, study.margins
     return GaugeFigure("numbers", text("one number for each question"), (
-        _distance(text("distance to an unobservable plant"), study.structure.seen),
-        _distance(text("distance to an uncontrollable plant"), study.structure.reached),
+        _distance(text("distance to unobservability"), study.structure.seen),
+        _distance(text("distance to uncontrollability"), study.structure.reached),
         _error(times_the_least(study.noise)),
         _refused(text("NIS of the Kalman filter, on average"), trial) if isinstance(trial, Refusal) else
         _nis(trial.expected, trial.test.dof),
@@ -40,7 +40,7 @@ def _distance(name: Text, report: Observability | Controllability | Refusal) -> 
 
 
 def _error(ratio: float | Refusal) -> Gauge:
-    name = text("error over that of the Kalman filter")
+    name = text("error over the Kalman filter's")
     if isinstance(ratio, Refusal):
         return _refused(name, ratio)
     held = ratio < MOST_ERROR
