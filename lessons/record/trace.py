@@ -14,12 +14,12 @@ from observer_lab.plants.bodies.body import GHOST_NAME, PLANT_COLOUR, Arrow, Bal
 from observer_lab.text import text
 
 COLUMNS, ROWS = 1040, 400  # pixels of the panel
-PANEL_WIDTH, PANEL_FOOT = 5.2, 1.45  # stage units: of the panel, above the tubes as they are seen
+PANEL_WIDTH, PANEL_FOOT = 5.2, 1.36  # stage units: of the panel, above the tubes as they are seen
 HALF, FINE = 3, 8  # pixels to either side of the trace; places in a column at which it is read
 FREE = 0.08  # of the panel's height, above and below
 BAR, BEFORE, PIN = 0.035, 0.04, 0.085  # stage units: how wide the bar is, how far it stands before the panel, how large a pin is
-NEARER = 1.0  # stage units that the tubes stand nearer to the eye than alone
-TITLE, NOTE = 0.24, -0.08  # stage units above the panel: the upper edge of the names of its parts; above its foot: of what is marked
+NEARER = 1.3  # stage units that the tubes stand nearer to the eye than alone
+TITLE, NOTE = 0.22, -0.08  # stage units above the panel: the upper edge of the names of its parts; above its foot: of what is marked
 READINGS = "floor"  # the role of the colour of readings
 PALER, FITTED = 0.45, 0.3  # how far the output's blue, and the ground of the part of the fit, go toward white
 FAULT, ASIDE, EXACT = "error", "paper", "lit"  # roles of the colours of marked readings
