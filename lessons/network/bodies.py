@@ -34,8 +34,8 @@ from observer_lab.plants.bodies.body import (
 from observer_lab.text import text
 
 LIT_COLOUR, UNLIT_COLOUR = rgb(COLOURS["lamp"]), rgb(COLOURS["dark"])
-LAMPS = (("sensor", -0.75), ("input", 0.75))
-LAMP_Y, LAMP_HEIGHT = -1.35, 0.42  # in front of the plant
+LAMPS = (("sensor", -1.62), ("input", 1.62))
+LAMP_Y, LAMP_HEIGHT = -1.2, 0.42  # in front of the plant
 PACKETS = 8  # on each belt: this sample's and those before it
 BELT_Y, BELT_BEGIN, PITCH = -1.02, 0.16, 0.2  # in front of the plant: from its middle outwards
 UNSEEN = -9.0  # below the floor
@@ -117,8 +117,8 @@ def ridge_body() -> Body:
     return Body((Part("base", Box((4.0, 1.3, 0.1)), DARK_GREY), *slices, Part("ball", Ball(BALL), PLANT_COLOUR, twin=True)),
                 pose, arrows, anchors, 1.0, text("A ball on a ridge rolls away by itself; the green arrow is the "
                                                  "input"), names=(
-        PartName(text("measurement arrives"), "sensor lamp", (-0.35, -0.1, -0.5)),
-        PartName(text("input arrives"), "input lamp", (0.35, -0.1, -0.5)),
+        PartName(text("measurement arrives"), "sensor lamp", (0.5, -0.1, -0.6)),
+        PartName(text("input arrives"), "input lamp", (-0.5, -0.1, -0.6)),
         PartName(GHOST_NAME, "ball", (0.7, -0.2, 0.6), True),
     ))
 
