@@ -85,9 +85,13 @@ class KeyHand(Newcomer):
         wanted = option or next(each for each in words if each != now)
         chosen = self.page.locator("[role=option][data-combobox-selected]")
         for _ in range(len(words) + 2):
-            if chosen.count() and chosen.inner_text() == wanted:
+            under = chosen.inner_text() if chosen.count() else ""
+            if under == wanted:
                 break
             self.page.keyboard.press("ArrowDown")
+            if len(words) > 1:  # the page shows it a moment later; a second press before that would go beyond
+                eventually(lambda last=under: chosen.inner_text() if chosen.count() else last, lambda now, last=under: now != last,
+                           "the next option")
         else:
             raise Stuck(f"the arrows do not reach “{wanted}” of {label}")
         self.page.keyboard.press("Enter")
