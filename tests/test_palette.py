@@ -8,7 +8,9 @@ from types import SimpleNamespace
 from typing import Any, cast
 
 import pytest
+from lesson_checks import every_lesson
 
+from observer_lab.course.lesson import Lesson
 from observer_lab.lessons import LESSONS
 from observer_lab.page.column.knob_widgets import label_of
 from observer_lab.page.screen.palette import fill_palette
@@ -75,3 +77,12 @@ def test_what_is_chosen_is_opened_in_the_view_that_has_it() -> None:
         posted.clear()
         palette.choose(f"Scene: {lesson.words['en'].scenes[lesson.path[2].id].title}")
         assert posted == [*([] if mode == "guide" else [SetMode("guide")]), GoToScene(2)]
+
+
+@every_lesson
+def test_an_arrow_on_the_stage_is_seen_on_the_ground_of_either_theme(lesson: Lesson) -> None:
+    stage = lesson.compute(lesson.start()).stage
+    if stage is None or stage.u is None:
+        return
+    roles = {arrow.role for k in (0, -1) for arrow in stage.body.arrows(stage.x[k].tolist(), stage.u[k].tolist(), stage.body.gain)}
+    assert not roles & {"reference", "label", "ink"}, "black is not seen in the dark"

@@ -25,7 +25,7 @@ SWING_S, SWING_COUNT, FRAMES = 1.5, 4, 240  # s that one swing takes on the stag
 REST, TRAVEL, LARGER = 0.55, 0.42, 1.3  # stage units of a test mass above its base plate, and how far it may swing; how large it is drawn
 MAX_DRAWN_MOTION = np.array([3.6e-3, 3.6e-3, 16e-3, 2.2e-3, 2.2e-3])  # m, m, rad, m, m: how far a motion is drawn
 PARTS = text("across"), text("height"), text("tilt"), text("left mass"), text("right mass")  # as `relative` has them
-MOTION, LONG, LEAST_SHARE = "reference", 0.62, 0.08  # the role of its arrows, stage units of the longest; a share that is drawn
+MOTION, LONG, LEAST_SHARE = "second", 0.62, 0.08  # the role of its arrows, stage units of the longest; a share that is drawn
 ACROSS_AT, HEIGHT_AT, TILT_AT = (0.0, -0.3, 2.62), (-1.95, -0.8, 1.42), (1.5, -0.8, 1.42)  # where arrows begin; of tilt at both ends
 ASIDE, NAME_ASIDE = 0.34, 0.34  # stage units from a mass to its arrow, and from an arrow to its name
 
