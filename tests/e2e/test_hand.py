@@ -39,6 +39,7 @@ def opened(page: Page, server: str, lesson_id: str, scene: str) -> None:
     page.goto(f"{server}#{write_token(lesson, SavedState(lesson.start(), 'en', False, mode='guide', scene=scene))}")
     expect(page.locator(f".ol-card[data-scene={scene}]")).to_be_visible(timeout=PATIENCE)
     expect(page.locator(".ol-cover")).to_be_hidden(timeout=PATIENCE)
+    eventually(lambda: page.evaluate(ANSWERED, True), lambda said: said is True, "a page at rest")  # a card is laid out anew for its window
 
 
 def scene_with(lesson_id: str, kind: type) -> str:
