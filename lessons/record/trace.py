@@ -91,7 +91,7 @@ def _dots(image: np.ndarray, trace: Trace, rows: np.ndarray, values: np.ndarray,
 
 
 def panel(trace: Trace) -> StagePicture:
-    """A record from the left edge to the right one, its output before its readings, on a paler ground where it is used for the fit."""
+    """A record over the width of the panel: its output before its readings. The part used for the fit has a paler ground."""
     image = np.empty((ROWS, COLUMNS, 3), np.uint8)
     image[:] = rgb(COLOURS["dark"])
     image[:, : round(trace.share(trace.first) * COLUMNS)] = _paler("dark", FITTED)

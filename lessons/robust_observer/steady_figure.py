@@ -43,7 +43,7 @@ def steady_figure(outcome: Outcome[Story], tab: Text) -> PlaneFigure:
     title, axes = text("error of û that stays"), (text("Re s of the slowest pole [rad/s]"), text("amplitude of û − u"))
     if not len(x):
         return PlaneFigure("steady", title, (), (), *axes, (-12.0, 0.0), (0.0, 1.0), tab=tab,
-                           caption=text("With the true plant the loop is unstable at all of these poles."))
+                           caption=text("The loop with the true plant is unstable at all of these poles."))
     k = int(np.argmin(left))
     top = round_up_nicely(min(float(left.max()) * 1.1, MOST_TIMES * max(float(left[k]), now if np.isfinite(now) else 0.0)) or 1.0)
     points = [Point(float(x[k]), float(left[k]), "right", "circle", text("least"))]

@@ -192,7 +192,7 @@ def compute(design: Design) -> Outcome[Study]:
 
 
 def rival_of(chosen: str) -> str:
-    """Whose deck stands below: the full LQG, or the SISO loops where that one is chosen."""
+    """The controller of the lower deck: the full LQG, or the SISO loops where the full LQG is chosen."""
     return SISO if chosen == LQE else LQE
 
 

@@ -180,7 +180,7 @@ def test_a_kick_at_the_start_is_seen_beside_the_error_without_it() -> None:
 
 @pytest.mark.parametrize("changes", [{}, {"observer_poles": (-4.0, -0.3)}, {"kick": 3.0}, {"sensor": "forgotten", "input": "step"}])
 def test_the_figure_of_both_errors_shows_all_that_is_seen_of_them(changes):
-    """What is cut off at the end is below a hundredth of the largest error, and what is shown is not mostly that."""
+    """The part cut off at the end is below a hundredth of the largest error. Most of the part shown is not."""
     o = outcome(**changes)
     figure = next(f for f in LESSON.figures(o) if f.id == "components")
     count, size = len(figure.x), np.abs(o.run.e).max(axis=1)

@@ -179,12 +179,12 @@ def test_a_matlab_file_of_a_record_with_gaps_proves_itself(tmp_path: Path) -> No
 
 
 def painted(image: np.ndarray) -> np.ndarray:
-    """Where a panel has another colour than its ground, column by column."""
+    """The pixels of a panel whose colour is not that of its ground, column by column."""
     return (image != image[0]).any(axis=2)
 
 
 def test_the_panel_shows_the_output_of_the_record_and_the_bar_where_the_run_is() -> None:
-    """The trace is as high as the output at each moment of the run, right of the part of the fit, whose ground is paler.
+    """The trace is as high as the output at each moment of the run. It stands right of the fitted part, whose ground is paler.
 
     A knob of the filter alone does not change the picture.
     """
@@ -209,7 +209,7 @@ def test_the_panel_shows_the_output_of_the_record_and_the_bar_where_the_run_is()
 
 
 def test_the_tubes_stand_below_the_panel_as_it_is_seen() -> None:
-    """No part of a tube lies before the panel from where the scenes look at it."""
+    """No part of a tube covers the panel, seen from the camera of each scene."""
     stage = LESSON.compute(LESSON.start()).stage
     assert stage is not None and stage.picture is not None
     (eye, _), (_, deep, middle) = round_plant(body_scale(reach(stage)))["plant"], stage.picture.place

@@ -176,7 +176,7 @@ def test_ghost_alone_moves_with_a_line_between_two_pictures(tmp_path) -> None:
 
 @each("name", sorted(LESSONS))
 def test_stage_of_a_running_plant_shows_nothing_of_the_simulated_run(name: str) -> None:
-    """What its body shows beside states and readings is the same all along a simulated run, so no moment of one stands beside a plant."""
+    """Beside states and readings a body shows only what is constant in a simulated run: no moment of one stands beside a plant."""
     lesson = LESSONS[name]
     outcome = lesson.compute(lesson.start())
     try:
