@@ -10,9 +10,8 @@ from observer_lab.engine.systems import root
 
 from .filters import ADC, SENSOR_SIGMA, SINE_HZ, START_SIGMAS, drawn_jumps, truth, tuned
 from .knobs import CARRIED, DT, MODEL, SAMPLE_COUNT, WHITE
-from .own_study import UNTESTED_SAMPLES as OWN_SKIP
-from .own_study import Study as OwnStudy
-from .study import UNTESTED_SAMPLES, Study
+from .own_study import OwnStudy
+from .study import Study
 
 NOT_IN_SCRIPT = "Means over many records, and the two updates in poor arithmetic"
 
@@ -45,7 +44,7 @@ def code(outcome: Outcome[Study]) -> Code:
             GivenValue("p0", d["p0"]),
             GivenValue("kick_at", round(d["kick"] / DT) if d["kick"] >= 0 else -1, "the sample at which x jumps, -1: never"),
             GivenValue("kick", MODEL.kick),
-            GivenValue("skip", UNTESTED_SAMPLES, "samples that no test looks at"),
+            GivenValue("skip", study.watcher.first, "samples that no test looks at"),
             GivenValue("seed", int(d["seed"])),
         ),
         (
@@ -92,7 +91,7 @@ def own_code(outcome: Outcome[OwnStudy]) -> Code:
             GivenValue("r", d["r"], "assumed / true R"),
             GivenValue("kick_at", at, "the sample at which x jumps, -1: never"),
             GivenValue("kick", s.impulses[0][1] if s.impulses else np.zeros(s.plant.n)),
-            GivenValue("skip", OWN_SKIP, "samples that no test looks at"),
+            GivenValue("skip", outcome.study.watcher.first, "samples that no test looks at"),
             GivenValue("seed", int(d["seed"])),
         ),
         (
@@ -114,10 +113,8 @@ def own_code(outcome: Outcome[OwnStudy]) -> Code:
 
 def _common(outcome: Outcome[Study] | Outcome[OwnStudy]) -> tuple[ShownValue, ...]:
     study, m = outcome.study, outcome.metrics
-    track = study.found.track if isinstance(study, OwnStudy) else study.track
-    h = study.found.run.scenario.dt if isinstance(study, OwnStudy) else DT
     return (ShownValue("last_gain", outcome.gains["M"]), ShownValue("M_final", outcome.gains["M_riccati"]),
-            ShownValue("eigvals(Af - Af @ M_final @ Cf)", np.exp(outcome.poles["filter"] * h), poles=True),
-            ShownValue("innovations", track.innovations), ShownValue("nis", study.nis), ShownValue("nees", study.nees),
+            ShownValue("eigvals(Af - Af @ M_final @ Cf)", np.exp(outcome.poles["filter"] * study.watcher.filter.dt), poles=True),
+            ShownValue("innovations", study.track.innovations), ShownValue("nis", study.nis), ShownValue("nees", study.nees),
             ShownValue("nis_mean", m["nis_mean"]), ShownValue("nees_mean", m["nees_mean"]), ShownValue("white_p", m["white_p"], 1.0),
             ShownValue("gain_gap", m["gain_gap"], 1.0))

@@ -13,8 +13,8 @@ from observer_lab.engine import KalmanFilter
 from observer_lab.text import format_number, same, text
 
 from .filters import SENSOR_SIGMA
-from .knobs import DT, MODEL
-from .study import VZ_INDEX, Study
+from .knobs import DT, MODEL, VZ_INDEX
+from .study import S
 
 SHEET_TAB = text("Data sheet")
 MM = 1e3  # mm in a m
@@ -63,7 +63,7 @@ def sheet_in(design: Design) -> Sheet:
     return sheet_of(design["density"], design["step"], design["push"], design["period"])
 
 
-def sheet_figure(outcome: Outcome[Study]) -> TableFigure:
+def sheet_figure(outcome: Outcome[S]) -> TableFigure:
     """R and Q from the data sheet, and the filter that they make."""
     s, T = sheet_in(outcome.design), outcome.design["period"]
 
@@ -84,7 +84,7 @@ def sheet_figure(outcome: Outcome[Study]) -> TableFigure:
                                     T=T))
 
 
-def estimators_figure(outcome: Outcome[Study]) -> TableFigure:
+def estimators_figure(outcome: Outcome[S]) -> TableFigure:
     """σ that the settled filter expects of the prediction x̂(k|k−1) and of the current estimate x̂(k|k)."""
     steady, kf = outcome.study.watcher.steady, outcome.study.watcher.filter
     before, after = (MM * np.sqrt(np.maximum(np.diag(P)[:6], 0.0)) for P in (steady.solution, steady.filtered))

@@ -9,7 +9,8 @@ import numpy as np
 from observer_lab.course.exercises.derivation import Value
 from observer_lab.course.lesson import Outcome
 
-from .study import VZ_INDEX, Study
+from .knobs import VZ_INDEX
+from .study import Study
 
 MICRO = 1e6  # mm²/s² in a m²/s²
 

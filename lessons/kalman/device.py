@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from observer_lab.course.lesson import Outcome
 from observer_lab.devices import DeviceDesign, DeviceError, design_of_filter
-from observer_lab.engine import Belief
 from observer_lab.text import text
 
 from .knobs import MODEL
-from .own_study import Study as OwnStudy
+from .own_study import OwnStudy
 from .study import Study
 
 ONE_PERIOD = text("This filter is made for its own period of {dt:.6g} s; leave the period out.")
@@ -16,16 +15,10 @@ ONE_PERIOD = text("This filter is made for its own period of {dt:.6g} s; leave t
 
 def device(outcome: Outcome[Study], ts: float | None = None) -> DeviceDesign:
     """The filter on the record that the page shows. Raises DeviceError for another period."""
-    study: Study | OwnStudy = outcome.study
-    if isinstance(study, OwnStudy):
-        found = study.found
-        kf, track, run = found.filter, found.track, found.run
-        plant = run.scenario.plant
-        start, record, page = Belief(0 * track.means[0], track.schedule.prior[0]), (run.y, run.u_applied), track.means
-    else:
-        kf, start, page, plant = study.watcher.filter, study.watcher.start, study.track.means, MODEL.plant
-        record = study.truth.y, study.truth.u
+    study = outcome.study
+    kf, plant = study.watcher.filter, study.found.run.scenario.plant if isinstance(study, OwnStudy) else MODEL.plant
     if ts is not None and abs(ts - kf.dt) > 1e-9 * kf.dt:
         raise DeviceError(ONE_PERIOD.format(dt=kf.dt))
     states = (*plant.state_names, *(f"noise {k + 1}" for k in range(kf.n - plant.n)))
-    return design_of_filter(kf, start, record, (states, plant.input_names, plant.output_names), page)
+    return design_of_filter(kf, study.watcher.start, (study.truth.y, study.truth.u), (states, plant.input_names, plant.output_names),
+                            study.track.means)

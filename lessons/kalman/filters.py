@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import lru_cache
 
 import numpy as np
 
+from observer_lab.course.lazy import LazyValue
 from observer_lab.engine import Belief, KalmanFilter, Plant, Scenario, simulate
 from observer_lab.engine.design import DiscreteFilter
 from observer_lab.engine.filters import AdcNoise, Schedule, Track, independent_errors, posterior_covariances, with_coloured_noise
@@ -37,11 +38,11 @@ def tuned() -> KalmanFilter:
 
 @dataclass(frozen=True, eq=False)
 class Truth:
-    """What happens, whoever watches: states (n_t, 6), readings (n_t, 4), what the sensors would read without noise, forces."""
+    """What happens, whoever watches, at t (n_t,): states (n_t, n), readings (n_t, p), inputs (n_t, m)."""
 
+    t: np.ndarray
     x: np.ndarray
     y: np.ndarray
-    clean: np.ndarray
     u: np.ndarray
 
 
@@ -56,9 +57,8 @@ def draw(seed: int, coloured: bool, force: float, kick: float) -> Truth:
     sampled = Plant(kf.A, kf.B, kf.C, dt=DT)
     run = simulate(Scenario(sampled, x0=x0, xhat0=np.zeros(6), horizon=HORIZON, dt=DT, reference=u, W=kf.Q, G=np.eye(6),
                             impulses=kicks, seed=seed))
-    clean = run.x @ kf.C.T
     noise = ADC.draw(SAMPLE_COUNT, 4, rng) if coloured else SENSOR_SIGMA * rng.standard_normal((SAMPLE_COUNT, 4))
-    return Truth(run.x, clean + noise, clean, u)
+    return Truth(t, run.x, run.x @ kf.C.T + noise, u)
 
 
 def drawn_jumps(seed: int) -> np.ndarray:
@@ -72,17 +72,19 @@ truth = lru_cache(maxsize=8)(draw)
 
 @dataclass(frozen=True, eq=False)
 class Watcher:
-    """A filter with what it expects before any measurement: Riccati solution, schedule and start."""
+    """A filter with what it expects before any measurement: Riccati solution, schedule and start, and from which sample on it is tested.
+
+    `independent`: how many independent samples the NEES from there on are worth, None where the record is to tell. `floor`: the share
+    of each variance that is added before NEES, for a state known exactly has none.
+    """
 
     filter: KalmanFilter
     steady: DiscreteFilter
     schedule: Schedule
     start: Belief
-
-    @cached_property
-    def independent(self) -> float:
-        """How many independent samples the NEES of a record after its first UNTESTED_SAMPLES samples are worth, by its own beliefs."""
-        return _independent(self.filter)
+    first: int
+    independent: LazyValue[float | None]
+    floor: float = 0.0
 
 
 @lru_cache(maxsize=8)
@@ -99,13 +101,17 @@ def watcher(noise: str, q: float, r: float, p0: float) -> Watcher:
         P[:6, :6], P[:6, 6:], P[6:, :6] = np.diag(p0 * START_SIGMAS**2), 0.0, 0.0
         P[6:, 6:] = np.kron(np.eye(4), ADC.relaxations[1] * np.eye(len(ADC.relaxations[0])))
         start = Belief(np.zeros(kf.n), P)
-        return Watcher(kf, steady, kf.schedule(start, SAMPLE_COUNT), start)
-    kf, start = _believing(q, r * (ADC.variance / SENSOR_SIGMA**2 if noise == COLOURED else 1.0), p0)
-    return Watcher(kf, kf.steady, kf.schedule(start, SAMPLE_COUNT), start)
+    else:
+        kf, start = _believing(q, r * (ADC.variance / SENSOR_SIGMA**2 if noise == COLOURED else 1.0), p0)
+        steady = kf.steady
+    return Watcher(kf, steady, kf.schedule(start, SAMPLE_COUNT), start, UNTESTED_SAMPLES, LazyValue(lambda: independent_samples(kf)))
 
 
-def _independent(kf: KalmanFilter) -> float:
-    """Errors hang together from sample to sample by (I − M C) A, which the filter knows of itself."""
+def independent_samples(kf: KalmanFilter) -> float:
+    """How many independent samples the tested part of a record is worth to NEES, by the filter's own beliefs.
+
+    Errors hang together from sample to sample by (I − M C) A, which the filter knows of itself.
+    """
     steady = kf.steady
     Phi = (np.eye(kf.n) - steady.filter_gain @ kf.C) @ kf.A
     return independent_errors(Phi, steady.filtered, SAMPLE_COUNT - UNTESTED_SAMPLES, T=np.eye(6, kf.n))

@@ -24,6 +24,7 @@ REPORT_LINES = (
 )
 PREDICT, UPDATE = "predict", "update"
 SINGLE, FROZEN = "single", "frozen"
+VZ_INDEX = 4  # of v_z in the state
 LAST_SAMPLE = 60  # the latest sample that can be looked at step by step
 
 

@@ -10,11 +10,11 @@ from observer_lab.course.figures.diagram import DiagramFigure
 from observer_lab.course.lesson import Outcome
 
 from ..toolkit.diagram import LoopSignals, loop
+from .deck_study import DeckStudy
 from .knobs import DT, MODEL
-from .study import Study
 
 
-def loop_of(outcome: Outcome[Study]) -> DiagramFigure:
+def loop_of(outcome: Outcome[DeckStudy]) -> DiagramFigure:
     """Plant and filter; of the gain M, which has two dozen entries, stands the size alone."""
     truth, track = outcome.study.truth, outcome.study.track
     signals = LoopSignals(DT * np.arange(len(truth.y)), truth.u, truth.y, truth.y - track.innovations, track.means)

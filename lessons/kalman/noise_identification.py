@@ -12,9 +12,9 @@ from observer_lab.course.lesson import Outcome
 from observer_lab.engine import KalmanFilter
 from observer_lab.text import text
 
+from .deck_study import DeckStudy
 from .filters import UNTESTED_SAMPLES, Truth, tuned
 from .knobs import WHITE
-from .study import Study
 
 RATIOS = np.logspace(-3.0, 3.0, 61)  # of Q over R, each in units of the truth
 CHI2_95_PERCENT = 3.841  # 95 % point of χ² with one degree of freedom
@@ -71,7 +71,7 @@ def fitted(record: Truth) -> Fit:
     return Fit(level - least, float(RATIOS[best] * r[best]), float(r[best]), float(open_[0]), float(open_[-1]), least)
 
 
-def fit_figure(outcome: Outcome[Study]) -> PlaneFigure:
+def fit_figure(outcome: Outcome[DeckStudy]) -> PlaneFigure:
     """The likelihood over the ratio, what this record leaves open, and where the present filter stands."""
     s, d, found = outcome.study, outcome.design, fitted(outcome.study.truth)
     white = d["noise"] == WHITE

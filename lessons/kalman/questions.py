@@ -12,10 +12,11 @@ from observer_lab.text import text
 
 from ..toolkit.on_board import board_question
 from ..toolkit.questions import question_of_decades
+from .all_records import expected
 from .device import device
 from .filters import UNTESTED_SAMPLES
 from .knobs import WHITE
-from .study import Study, expected
+from .study import Study
 
 VZ, ROUNDED_TO, GROWS = 4, 1e-3, 10.0  # place of the vertical velocity; m/s; times by which an option lets its cause enlarge the error
 LARGER = 16.0  # times that a noise grows in the recall

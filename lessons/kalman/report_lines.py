@@ -8,14 +8,14 @@ from observer_lab.course.figures.records import TableFigure
 from observer_lab.course.lesson import Outcome
 from observer_lab.text import same, text, text_in
 
+from .deck_study import DeckStudy
 from .knobs import GAIN_LINE, JOSEPH, MEANS, NEAR_R, NONE, REPORT_LINES, SHORT_FORM_LINE, WRONG_LINES
-from .study import Study
 
 REPORT_TAB = text("Report")
 PRINTED_MEAN, PRINTED_SIGMA, PRINTED_SAMPLES = 5.46e-10, 1e-9, 20_000  # (61), (77), 20 s at 1 kHz as assumed here
 
 
-def report_figure(outcome: Outcome[Study]) -> TableFigure:
+def report_figure(outcome: Outcome[DeckStudy]) -> TableFigure:
     """The lines one by one; the chosen one with its evidence."""
     study, chosen = outcome.study, outcome.design["line"]
     sigmas = PRINTED_MEAN / (PRINTED_SIGMA / np.sqrt(PRINTED_SAMPLES))

@@ -6,10 +6,11 @@ from observer_lab.course.exercises.typed_answers import Typed
 from observer_lab.course.lesson import Outcome, Task, Verdict, typed_task
 from observer_lab.text import Text, text
 
+from .all_records import Expected, expected
 from .data_sheet import MM
 from .filters import SENSOR_SIGMA
 from .knobs import DT, NEAR_R, NONE, WRONG_LINES
-from .study import Expected, Study, expected
+from .study import Study
 
 ENOUGH = 0.5  # share of the records that counts as found out
 NIS_BAND, MAX_FLAGGED_SHARE = (1.9, 2.1), 0.02  # NIS over all records, and the share of them that whiteness may flag

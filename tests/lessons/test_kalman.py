@@ -10,13 +10,13 @@ from scipy.linalg import expm, solve_discrete_are
 from scipy.stats import binom, chi2
 
 from observer_lab.engine import chi2_band
+from observer_lab.lessons.kalman.all_records import expected
 from observer_lab.lessons.kalman.filters import ADC, SENSOR_SIGMA, UNTESTED_SAMPLES, compare, truth, tuned, watch, watcher
 from observer_lab.lessons.kalman.job import RUN_COUNT
 from observer_lab.lessons.kalman.knobs import DT, MODEL
 from observer_lab.lessons.kalman.lesson import LESSON
 from observer_lab.lessons.kalman.noise_identification import fitted
 from observer_lab.lessons.kalman.report_lines import PRINTED_MEAN, PRINTED_SAMPLES, PRINTED_SIGMA
-from observer_lab.lessons.kalman.study import expected
 
 
 def outcome(**changes):
@@ -112,7 +112,7 @@ def test_how_often_the_right_filter_is_flagged_is_what_the_levels_say():
 def test_251_errors_count_as_thirty():
     """Var of the mean of NEES over 240 records is 2n/N′; 251 independent ones would have an eighth of it."""
     runs = [outcome(seed=seed, q=1.0, r=1.0) for seed in range(240)]
-    count = runs[0].study.watcher.independent
+    count = runs[0].study.watcher.independent.value
     assert count == pytest.approx(30.5, abs=0.1) and len(runs[0].study.settled.values) == 251
     assert np.var([o.study.settled.mean for o in runs]) == pytest.approx(12 / count, rel=0.35)  # 3.5 of its σ
 
