@@ -20,7 +20,7 @@ from observer_lab.text import NO_WORDS, Text, error_words, joined, text
 from .data import Given, record_of
 from .fusion import EVERY, Fusion, fused
 from .knobs import MAX_ORDER, NO_BIAS, NO_GATE, ONE_SENSOR, OPENING_SHARE
-from .trace import Trace, with_trace
+from .trace import Trace, body_with_trace, panel, panel_foot
 
 DEVIATIONS = 3.0  # of a pole: within them the true one is expected
 
@@ -194,8 +194,13 @@ def _stage(study: Study, smoothed: bool) -> Stage:
     level = study.found.trend.y_level
     size = np.maximum(np.abs(shown - level).max(axis=0), 1e-12)
     strongest = np.abs(record.u[first:]).max(axis=0, initial=1e-12)
-    body = tubes_body(record.output_names, size.tolist(), tuple(range(record.y.shape[1])), strongest.tolist())
-    return with_trace(Stage(body, study.t - study.t[0], shown - level, study.estimate(smoothed) - level, record.u[first:]), _trace(study))
+    count, trace = record.y.shape[1], _trace(study)
+    others = None if count == 1 else tubes_body(record.output_names[1:], size[1:].tolist(), tuple(range(count - 1)), ())
+    t, split = study.t - study.t[0], trace.share(first)
+    share = split + (1 - split) * t / t[-1]
+    x, xhat = (np.column_stack([y - level, share]) for y in (shown, study.estimate(smoothed)))
+    return Stage(body_with_trace(trace, count, strongest.tolist(), others), t, x, xhat, record.u[first:],
+                 picture=panel(trace, panel_foot(count)))
 
 
 def _trace(study: Study) -> Trace:
@@ -210,7 +215,8 @@ def _trace(study: Study) -> Trace:
     if study.second != ONE_SENSOR and given.clean is not None:
         exact = np.arange(study.first + EVERY, record.rows, EVERY)
     aside = np.flatnonzero(judged.set_aside)
-    return Trace(y, readings, study.first, jumping, aside[aside >= study.first], exact, int(biased[0]) if len(biased) else None)
+    return Trace(y, readings, study.first, predicted[:, 0], np.sqrt(judged.track.S[:, 0, 0]), jumping, aside[aside >= study.first], exact,
+                 int(biased[0]) if len(biased) else None)
 
 
 def _formulas(study: Study, gains: dict[str, np.ndarray]) -> tuple[Formula, ...]:

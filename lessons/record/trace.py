@@ -1,4 +1,4 @@
-"""Show a whole record as a trace on a panel above its tubes, and mark readings on it."""
+"""Show a whole record as a trace on a panel, with a tube that goes along it, and mark readings on it."""
 
 from __future__ import annotations
 
@@ -8,20 +8,39 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from observer_lab.colours import COLOURS, rgb
-from observer_lab.course.figures.scene import PICTURE_DEPTH, PICTURE_HEIGHT, StagePicture
-from observer_lab.course.lesson import Stage
-from observer_lab.plants.bodies.body import GHOST_NAME, PLANT_COLOUR, Arrow, Ball, Body, Box, Part, PartName, Pose, Vector
+from observer_lab.course.figures.scene import StagePicture
+from observer_lab.plants.bodies.body import (
+    DARK_GREY,
+    GHOST_NAME,
+    METAL,
+    PLANT_COLOUR,
+    STEEL,
+    Arrow,
+    Body,
+    Box,
+    Cylinder,
+    Part,
+    PartName,
+    Pose,
+    Vector,
+    force_arrow,
+)
+from observer_lab.plants.bodies.own_body import GLASS_COLOUR, MOST_ARROWS
 from observer_lab.text import text
 
-COLUMNS, ROWS = 1040, 400  # pixels of the panel
-PANEL_WIDTH, PANEL_FOOT = 5.2, 1.36  # stage units: of the panel, above the tubes as they are seen
-HALF, FINE = 3, 8  # pixels to either side of the trace; places in a column at which it is read
+COLUMNS, ROWS = 1040, 500  # pixels of the panel
+PANEL_WIDTH, PANEL_HIGH, PANEL_FOOT = 5.2, 2.5, 0.3  # stage units: of the panel, a little above the floor
+PANEL_DEEP = 0.78  # stage units: how far behind the middle of the stage it stands
+ABOVE_TUBES = 1.36  # stage units: its foot where more tubes stand before it
+HALF, FINE = 4, 8  # pixels to either side of the trace; places in a column at which it is read
 FREE = 0.08  # of the panel's height, above and below
-BAR, BEFORE, PIN = 0.035, 0.04, 0.085  # stage units: how wide the bar is, how far it stands before the panel, how large a pin is
-NEARER = 1.3  # stage units that the tubes stand nearer to the eye than alone
-TITLE, NOTE = 0.22, -0.08  # stage units above the panel: the upper edge of the names of its parts; above its foot: of what is marked
+BEFORE, GLASS, COLLAR, THICK = 0.36, 0.2, 0.3, 0.1  # stage units: of the tube before the panel: its distance, radii and collar
+BASE, RAIL, BAR = (0.7, 0.4, 0.14), 0.06, 0.035  # stage units: of what the tube stands on; of the rail and of the line on the panel
+NEARER = 1.3  # stage units that further tubes stand nearer to the eye than alone
+TITLE, NOTE = 0.16, -0.1  # stage units above the panel: the names of its parts; above its foot: of what is marked
 READINGS = "floor"  # the role of the colour of readings
 PALER, FITTED = 0.45, 0.3  # how far the output's blue, and the ground of the part of the fit, go toward white
+EXPECTED, TINT, WIDTHS = "estimate", 0.6, 2.0  # of the band of expected readings: role, share of its colour, standard deviations
 FAULT, ASIDE, EXACT = "error", "paper", "lit"  # roles of the colours of marked readings
 DOT, SMALL, RING = 6.5, 5.0, (9.0, 13.0)  # pixels: the radii of dots; the radii of a ring
 STRIP = 9  # pixels: how high the strip is along the foot where readings have a bias
@@ -31,13 +50,15 @@ STRIP = 9  # pixels: how high the strip is along the foot where readings have a 
 class Trace:
     """The first output of all rows (n,) and its readings; `first` is the row from which they judge.
 
-    faulty, aside, exact: the rows of readings that jump, that the gate sets aside, and of a second sensor; `biased`: a row from which
-    the readings have a bias.
+    predicted, spread: what the filter expects of each reading (n,) and its standard deviation √S (n,). faulty, aside, exact: the rows of
+    readings that jump, that the gate sets aside, and of a second sensor; `biased`: a row from which the readings have a bias.
     """
 
     y: np.ndarray
     readings: np.ndarray
     first: int
+    predicted: np.ndarray
+    spread: np.ndarray
     faulty: np.ndarray
     aside: np.ndarray
     exact: np.ndarray
@@ -65,17 +86,20 @@ def _row(y: np.ndarray, ends: tuple[float, float]) -> np.ndarray:
     return ((high - y) / (high - low) * (1 - 2 * FREE) + FREE) * ROWS
 
 
-def _paint(image: np.ndarray, y: np.ndarray, ends: tuple[float, float], colour: np.ndarray) -> None:
-    """Draw a trace: in each column from the least to the largest of its samples and of those at its edges."""
-    places = (np.arange(COLUMNS)[:, None] + np.linspace(0, 1, FINE)) / COLUMNS * (len(y) - 1)
-    samples = np.arange(len(y))
-    rows = _row(np.interp(places, samples, y), ends)
-    top, foot = rows.min(axis=1), rows.max(axis=1)
-    column = np.minimum(samples * COLUMNS // max(len(y) - 1, 1), COLUMNS - 1)
-    np.minimum.at(top, column, _row(y, ends))
-    np.maximum.at(foot, column, _row(y, ends))
-    high = np.arange(ROWS)[:, None]
-    image[(high >= np.maximum(top.astype(int) - HALF, 0)) & (high <= foot.astype(int) + HALF)] = colour
+def _paint(image: np.ndarray, ends: tuple[float, float], low: np.ndarray, high: np.ndarray, start: float, colour: np.ndarray) -> None:
+    """Fill what lies between two traces, which may be one, from a share of the width on: in each column all that their samples reach."""
+    count, left = len(low), round(start * COLUMNS)
+    places = (np.arange(COLUMNS)[:, None] + np.linspace(0, 1, FINE)) / COLUMNS * (count - 1)
+    samples = np.arange(count)
+    top = _row(np.interp(places, samples, high), ends).min(axis=1)
+    foot = _row(np.interp(places, samples, low), ends).max(axis=1)
+    column = np.minimum(samples * COLUMNS // max(count - 1, 1), COLUMNS - 1)
+    np.minimum.at(top, column, _row(high, ends))
+    np.maximum.at(foot, column, _row(low, ends))
+    rows = np.arange(ROWS)[:, None]
+    inside = (rows >= np.maximum(top.astype(int) - HALF, 0)) & (rows <= foot.astype(int) + HALF)
+    inside[:, :left] = False
+    image[inside] = colour
 
 
 def _dots(image: np.ndarray, trace: Trace, rows: np.ndarray, values: np.ndarray, radii: tuple[float, float], role: str) -> None:
@@ -90,61 +114,90 @@ def _dots(image: np.ndarray, trace: Trace, rows: np.ndarray, values: np.ndarray,
         image[y[seen], x[seen]] = rgb(COLOURS[role])
 
 
-def panel(trace: Trace) -> StagePicture:
-    """A record over the width of the panel: its output before its readings. The part used for the fit has a paler ground."""
+def panel_foot(count: int) -> float:
+    """How high above the floor the panel begins, with this many outputs."""
+    return PANEL_FOOT if count == 1 else ABOVE_TUBES
+
+
+def panel(trace: Trace, foot: float) -> StagePicture:
+    """A record over the width of the panel: its output before its readings, before what the filter expects of them.
+
+    The part used for the fit has a paler ground and no band.
+    """
     image = np.empty((ROWS, COLUMNS, 3), np.uint8)
     image[:] = rgb(COLOURS["dark"])
-    image[:, : round(trace.share(trace.first) * COLUMNS)] = _paler("dark", FITTED)
+    split, away = trace.share(trace.first), WIDTHS * trace.spread
+    image[:, : round(split * COLUMNS)] = _paler("dark", FITTED)
+    _paint(image, trace.ends, trace.predicted - away, trace.predicted + away, split, band_colour())
     if trace.biased is not None:
         image[-STRIP:, round(trace.share(trace.biased) * COLUMNS):] = rgb(COLOURS[FAULT])
-    _paint(image, trace.readings, trace.ends, np.array(rgb(COLOURS[READINGS]), np.uint8))
-    _paint(image, trace.y, trace.ends, _paler("plant", PALER))
+    _paint(image, trace.ends, trace.readings, trace.readings, 0.0, np.array(rgb(COLOURS[READINGS]), np.uint8))
+    _paint(image, trace.ends, trace.y, trace.y, 0.0, _paler("plant", PALER))
     _dots(image, trace, trace.faulty, trace.readings, (0.0, DOT), FAULT)
     _dots(image, trace, trace.aside, trace.readings, RING, ASIDE)
     _dots(image, trace, trace.exact, trace.y, (0.0, SMALL), EXACT)
-    return StagePicture(image, PANEL_WIDTH, PANEL_FOOT)
+    return StagePicture(image, PANEL_WIDTH, foot, PANEL_HIGH, PANEL_DEEP)
+
+
+def band_colour() -> np.ndarray:
+    """The estimate's colour, as it looks through the dark ground."""
+    return (TINT * np.array(rgb(COLOURS[EXPECTED])) + (1 - TINT) * np.array(rgb(COLOURS["dark"]))).astype(np.uint8)
 
 
 def height(y: float, low: float, high: float) -> float:
-    """How high above the floor a value stands on the panel of an output between these two; beyond them at the panel's edge."""
+    """How high above the panel's foot a value stands on the panel of an output between these two; beyond them at the panel's edge."""
     share = FREE + (1 - 2 * FREE) * (y - low) / (high - low)
-    return PANEL_FOOT + PICTURE_HEIGHT * min(max(share, 0.0), 1.0)
+    return PANEL_HIGH * min(max(share, 0.0), 1.0)
 
 
 def _near(at: Vector) -> Vector:
     return at[0], at[1] - NEARER, at[2]
 
 
-def with_trace(stage: Stage, trace: Trace) -> Stage:
-    """The stage of a record with the trace of its first output above it.
+def body_with_trace(trace: Trace, count: int, strongest: Sequence[float], others: Body | None) -> Body:
+    """The trace of a record's first output on a panel, and a tube that goes along it with the run.
 
-    A bar goes along with the run, with a pin at the output on the trace and a ghost of it at the estimate.
+    A state of the body is the `count` outputs and the share of the panel's width. The tube's collar is as high as the output on the
+    trace, its ghost as the estimate. The tubes of `others`, which are further outputs, stand on the floor before it.
+    `strongest`: per input the value whose arrow is longest.
     """
-    body, count, (low, high) = stage.body, stage.x.shape[1], trace.ends
-    assert stage.xhat is not None
+    low, high = trace.ends
+    foot, deep = panel_foot(count), PANEL_DEEP - BEFORE
     split = trace.share(trace.first)
-    share = split + (1 - split) * (stage.t - stage.t[0]) / (stage.t[-1] - stage.t[0])
+
+    def across(x: Sequence[float]) -> float:
+        return PANEL_WIDTH * (float(x[count]) - 0.5)
 
     def pose(x: Sequence[float], gain: float) -> Mapping[str, Pose]:
-        across = PANEL_WIDTH * (float(x[count]) - 0.5)
-        return {**{name: replace(each, position=_near(each.position)) for name, each in body.pose(x, gain).items()},
-                "now": Pose((across, PICTURE_DEPTH - BEFORE, PANEL_FOOT + PICTURE_HEIGHT / 2)),
-                "pin": Pose((across, PICTURE_DEPTH - BEFORE - PIN, height(float(x[0]), low, high)))}
+        middle, at = foot + PANEL_HIGH / 2, across(x)
+        rest = {} if others is None else others.pose(x[1:], gain)
+        return {**{name: replace(each, position=_near(each.position)) for name, each in rest.items()},
+                "rail": Pose((0.0, deep, foot - BASE[2])), "base": Pose((at, deep, foot - BASE[2] / 2)),
+                "glass": Pose((at, deep, middle)), "now": Pose((at, PANEL_DEEP - BAR, middle)),
+                "cap": Pose((at, deep, foot + PANEL_HIGH)),
+                "reading": Pose((at, deep, foot + height(float(x[0]), low, high)))}
 
     def arrows(x: Sequence[float], u: Sequence[float], gain: float) -> tuple[Arrow, ...]:
-        return tuple(replace(each, tail=_near(each.tail), head=_near(each.head)) for each in body.arrows(x, u, gain))
+        return tuple(force_arrow((across(x) - 1.6 * COLLAR - 0.25 * j, deep, foot + PANEL_HIGH / 2), (0.0, 0.0, 1.0), float(u[j]), most)
+                     for j, most in enumerate(strongest[:MOST_ARROWS]))
 
     def anchors(x: Sequence[float], gain: float) -> tuple[Vector, ...]:
-        return tuple(map(_near, body.anchors(x, gain)))
+        rest = () if others is None else tuple(map(_near, others.anchors(x[1:], gain)))
+        return ((across(x), deep - COLLAR, foot + height(float(x[0]), low, high)), *rest)
 
-    marks = Part("now", Box((BAR, BAR, PICTURE_HEIGHT)), COLOURS["lit"]), Part("pin", Ball(PIN), PLANT_COLOUR, twin=True)
-    titles = tuple((words, (PANEL_WIDTH * (middle - 0.5), PICTURE_DEPTH, PANEL_FOOT + PICTURE_HEIGHT + TITLE)) for words, middle in
-                   ((text("used for the fit"), split / 2), (text("not used: judges the filter"), (1 + split) / 2)))
+    parts = (Part("rail", Box((PANEL_WIDTH, RAIL, RAIL)), STEEL), Part("base", Box(BASE), DARK_GREY),
+             Part("now", Box((BAR, BAR, PANEL_HIGH)), COLOURS["lit"]), Part("cap", Cylinder(1.1 * GLASS, 0.06), METAL),
+             Part("glass", Cylinder(GLASS, PANEL_HIGH), GLASS_COLOUR, opacity=0.3),
+             Part("reading", Cylinder(COLLAR, THICK), PLANT_COLOUR, twin=True))
+    top = foot + PANEL_HIGH + TITLE
+    labels = [(words, (PANEL_WIDTH * (middle - 0.5), PANEL_DEEP, top)) for words, middle in
+              ((text("used for the fit"), split / 2), (text("not used: judges the filter"), (1 + split) / 2))]
+    labels.append((text("band: readings expected, ±2σ"), (PANEL_WIDTH * split / 2, PANEL_DEEP - BEFORE - BASE[1], foot + NOTE)))
     marked = text("marked: jumps and bias") if len(trace.faulty) else text("dots: second sensor") if len(trace.exact) else None
     if marked is not None:
-        titles = (*titles, (marked, (PANEL_WIDTH * ((1 + split) / 2 - 0.5), PICTURE_DEPTH, PANEL_FOOT + NOTE)))
-    names = (PartName(text("output"), "collar 0", (0.45, -0.1, 0.25)), PartName(GHOST_NAME, "collar 0", (0.45, -0.1, -0.25), True))
-    traced: Body = replace(body, parts=(*body.parts, *marks), pose=pose, arrows=arrows, anchors=anchors, names=names,
-                           labels=(*((words, _near(at)) for words, at in body.labels), *titles))
-    x, xhat = (np.column_stack([values, share]) for values in (stage.x, stage.xhat))
-    return replace(stage, body=traced, x=x, xhat=xhat, picture=panel(trace))
+        labels.append((marked, (PANEL_WIDTH * (split / 2 - 0.5), PANEL_DEEP, foot + NOTE)))
+    names = (PartName(text("output"), "reading", (0.55, -0.1, 0.3)), PartName(GHOST_NAME, "reading", (0.55, -0.1, -0.3), True))
+    if others is not None:
+        parts, labels = (*others.parts, *parts), [*((words, _near(at)) for words, at in others.labels), *labels]
+    note = text("The tube goes along the record; green arrows: inputs.")
+    return Body(parts, pose, arrows, anchors, 1.0, note, tuple(labels), names=names)

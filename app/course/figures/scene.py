@@ -55,23 +55,25 @@ PICTURE_DEPTH, PICTURE_WIDTH, PICTURE_HEIGHT, PICTURE_FOOT = 1.5, 4.4, 2.0, 0.1 
 
 @dataclass(frozen=True, eq=False)
 class StagePicture:
-    """A picture of pixels (rows, columns, 3), upright behind the plant and as large as fits there; `wide` and `foot` are its room."""
+    """A picture of pixels (rows, columns, 3), upright behind the plant and as large as its room: `wide`, `foot`, `high`, `deep`."""
 
     image: np.ndarray
     wide: float = PICTURE_WIDTH
     foot: float = PICTURE_FOOT
+    high: float = PICTURE_HEIGHT
+    deep: float = PICTURE_DEPTH
 
     @property
     def size(self) -> tuple[float, float]:
         """How wide and how high it stands, in stage units."""
         rows, columns, _ = self.image.shape
-        scale = min(self.wide / columns, PICTURE_HEIGHT / rows)
+        scale = min(self.wide / columns, self.high / rows)
         return scale * columns, scale * rows
 
     @property
     def place(self) -> tuple[float, float, float]:
         """Where its middle is, in stage units."""
-        return 0.0, PICTURE_DEPTH, self.foot + self.size[1] / 2
+        return 0.0, self.deep, self.foot + self.size[1] / 2
 
 
 @dataclass(frozen=True, eq=False)
