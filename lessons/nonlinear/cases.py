@@ -60,10 +60,10 @@ class Case:
 
     @cached_property
     def barred(self) -> Body:
-        """The body behind the bars of what the chosen filter states and of its RMS error; a falling body knows its σ too."""
+        """The body behind the bars of what the chosen filter states and of its RMS error; a falling body knows its σ and its lane too."""
         name = self.watched[judged(self)].name
         bars = (Bar(text("stated σ"), COLOURS["estimate"], True), Bar(text("RMS error"), COLOURS["error"]))
-        shown = len(self.guess) + (self.id == FALL_CASE)
+        shown = len(self.guess) + 2 * (self.id == FALL_CASE)
         marks = decade_marks(*self.decades, 1)[:None if self.body.gain == 1 else -1]  # a factor is written below the last one
         body = with_bars(self.body, shown, bars, marks, self.by)
         named = text("{name} [{unit}]", name=name, unit=same(self.watched[judged(self)].unit))

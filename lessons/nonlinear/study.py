@@ -63,15 +63,19 @@ def outcome_of(design: Design, study: Study) -> Outcome[Study]:
 
 
 def _stage(s: Study, who: str) -> Stage:
-    """One run behind the bars of what the filter states of its error and of its RMS error; the altitude's 3σ is a column, else a ball."""
+    """One run behind the bars of what the filter states of its error and of its RMS error; the altitude's ±3σ is a bar, else a ball."""
     case, signal = s.case, s.case.watched[judged(s.case)]
     spread = 3 * case.scale * case.error_gain * s.sigmas[who][:, case.state]
     stated = np.sqrt(np.square(s.sigmas[who]) @ np.square(signal.weights))
     sizes = signal.scale * np.column_stack([stated, s.rms[who][:, judged(case)]])
     bars, away = share_of_decades(sizes, *case.decades), np.clip(s.means[who] - s.x, -1e9, 1e9)
-    if case.id == FALL_CASE:
-        bars = np.column_stack([3 * case.error_gain * s.sigmas[who][:, case.state], bars])
-    x, xhat = (np.column_stack([states, bars]) for states in (s.x, s.x + case.error_gain * away))
+    reach = 3 * case.error_gain * s.sigmas[who][:, case.state]
+
+    def shown(states: np.ndarray, lane: float) -> np.ndarray:
+        """The record of a body, or of its ghost in lane 1."""
+        beside = [reach, np.full(len(s.t), lane)] if case.id == FALL_CASE else []
+        return np.column_stack([states, *beside, bars])
+    x, xhat = shown(s.x, 0.0), shown(s.x + case.error_gain * away, 1.0)
     u = s.u if s.u.shape[1] else np.zeros((len(s.t), 1))
     stage = Stage(case.barred, s.t, x, xhat, u, None if case.id == FALL_CASE else spread)
     return _smooth(stage) if case.id == FALL_CASE else stage

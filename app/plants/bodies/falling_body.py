@@ -88,18 +88,18 @@ def plant(parameters: Parameters = PARAMETERS) -> NonlinearPlant:
 
 
 STAGE_SCALE = 0.03 / 1000  # stage units per metre of the fall, the same across and upwards
-GROUND_LEVEL, TRACK = 0.16, 0.42  # the ground, and where the body falls
+GROUND_LEVEL, TRACK, LANE = 0.16, 0.1, 1.0  # the ground; where the body falls; stage units to the lane of its ghost, right of it
 DISH = (TRACK - 100_000 * FOOT_M * STAGE_SCALE, GROUND_LEVEL + 100_000 * FOOT_M * STAGE_SCALE)
-CAPSULE = 0.24  # radius of the body, which alone is not to scale
+CAPSULE = 0.3  # radius of the body, which alone is not to scale
 SCALE_TOP_KM = 95.0  # km, end of the scale
-SCALE_AT = 1.25
+SCALE_AT = 1.7
 TOP = GROUND_LEVEL + 1000 * SCALE_TOP_KM * STAGE_SCALE
 ARC_Y = 0.04  # stage units behind the plane of the fall: the line of equal distances; the tangent is before it
 HOT = 900.0  # m/s² at which the shield glows brightest
 GLOW = tuple(rgb(COLOURS[role]) for role in ("steel", "warm-steel", "white-hot"))
 ARC_PIECES, ARC_STEP = 12, 0.13  # of the line of equal distances, and radians from one end of a piece to the other
 TANGENT = 0.75  # stage units to either side
-BAND = 0.42  # radius of the column of 3σ about the ghost
+BAND, BAND_END = 0.035, 0.27  # radius of the bar of ±3σ through the ghost, and of its ends
 ERROR_GAIN = 100.0  # times that the lesson exaggerates the error of the ghost
 
 
@@ -113,17 +113,18 @@ def glow(slowing: float) -> tuple[int, int, int]:
 def _parts() -> tuple[Part, ...]:
     ticks = tuple(Part(f"tick {i}", Box((0.22, 0.04, 0.025)), METAL) for i in range(4))
     return (
-        Part("ground", Box((3.6, 1.5, GROUND_LEVEL)), DARK_GREY),
-        Part("air", Box((3.5, 1.4, 0.9)), COLOURS["air"], opacity=0.12),
+        Part("ground", Box((4.4, 1.5, GROUND_LEVEL)), DARK_GREY),
+        Part("air", Box((4.3, 0.02, 0.9)), COLOURS["air"], opacity=0.12),
         Part("mast", Rod(0.06), STEEL),
         Part("turret", Cylinder(0.13, 0.1), STEEL),
-        Part("dish", Cylinder(0.2, 0.05), METAL),
-        Part("beam", Rod(0.012), COLOURS["lamp"], opacity=0.5),
+        Part("dish", Cylinder(0.28, 0.06), METAL),
+        Part("beam", Rod(0.02), COLOURS["lamp"], opacity=0.5),
         Part("scale", Rod(0.03), STEEL),
         *ticks,
         *(Part(f"arc {i}", Rod(0.018), COLOURS["muted"]) for i in range(ARC_PIECES)),
         Part("tangent", Rod(0.026), COLOURS["estimate"], twin=True, unseen=True),
-        Part("band", Cylinder(BAND, 1.0), COLOURS["estimate"], twin=True, unseen=True, opacity=0.2),
+        Part("band", Cylinder(BAND, 1.0), COLOURS["estimate"], twin=True, unseen=True),
+        *(Part(f"band {end}", Cylinder(BAND_END, 0.03), COLOURS["estimate"], twin=True, unseen=True) for end in ("top", "foot")),
         Part("capsule", Cylinder(CAPSULE, 2 * CAPSULE), PLANT_COLOUR, twin=True),
         Part("nose", Ball(CAPSULE), PLANT_COLOUR, twin=True),
         Part("shield", Cylinder(1.5 * CAPSULE, 0.4 * CAPSULE), STEEL, twin=True),
@@ -131,11 +132,14 @@ def _parts() -> tuple[Part, ...]:
 
 
 def body(parameters: Parameters = PARAMETERS) -> Body:
-    """A capsule, the radar with its beam, and a scale with a mark every 30 km; to scale, but for the capsule's size."""
+    """A capsule, the radar with its beam, and a scale with a mark every 30 km; to scale, but for the capsule's size.
+
+    A state may be followed by the reach of 3σ in m and by 1 for a ghost in a lane of its own.
+    """
     k = parameters
     fixed = {
         "ground": Pose((0.0, 0.0, GROUND_LEVEL / 2)),
-        "air": Pose((0.0, 0.0, GROUND_LEVEL + 0.45)),
+        "air": Pose((0.0, 0.7, GROUND_LEVEL + 0.45)),  # behind all that falls, which would else be seen through it
         "mast": pose_between((DISH[0], 0.0, GROUND_LEVEL), (DISH[0], 0.0, DISH[1])),
         "turret": Pose((DISH[0], 0.0, DISH[1])),
         "scale": pose_between((SCALE_AT, 0.0, GROUND_LEVEL), (SCALE_AT, 0.0, GROUND_LEVEL + 1000 * SCALE_TOP_KM * STAGE_SCALE)),
@@ -145,8 +149,12 @@ def body(parameters: Parameters = PARAMETERS) -> Body:
     def at(x: Sequence[float]) -> Vector:
         return TRACK, 0.0, GROUND_LEVEL + 1.3 * CAPSULE + min(max(float(x[0]), 0.0), 1000 * SCALE_TOP_KM) * STAGE_SCALE
 
+    def in_lane(x: Sequence[float]) -> Vector:
+        across, deep, up = at(x)
+        return across + (LANE * float(x[4]) if len(x) > 4 else 0.0), deep, up
+
     def pose(x: Sequence[float], gain: float) -> Mapping[str, Pose]:
-        place = at(x)
+        place, lane = at(x), in_lane(x)[0]
         poses = dict(fixed)
         across, up = place[0] - DISH[0], place[2] - DISH[1]
         far = max(hypot(across, up), 1e-9)
@@ -165,25 +173,26 @@ def body(parameters: Parameters = PARAMETERS) -> Body:
                                         (place[0] + steep[0], -ARC_Y, max(place[2] + steep[1], GROUND_LEVEL)))
         reach = float(x[3]) * STAGE_SCALE if len(x) > 3 else 0.0
         top, foot = min(place[2] + reach, TOP), max(place[2] - reach, GROUND_LEVEL)
-        poses["band"] = Pose((place[0], 0.0, (top + foot) / 2), scale=(1.0, 1.0, max(top - foot, 1e-3)))
-        poses["capsule"] = Pose(place)
-        poses["nose"] = Pose((place[0], 0.0, place[2] + CAPSULE))
-        poses["shield"] = Pose((place[0], 0.0, place[2] - 1.1 * CAPSULE), colour=glow(slowing))
+        poses["band"] = Pose((lane, 0.0, (top + foot) / 2), scale=(1.0, 1.0, max(top - foot, 1e-3)))
+        poses |= {"band top": Pose((lane, 0.0, top)), "band foot": Pose((lane, 0.0, foot))}
+        poses["capsule"] = Pose((lane, 0.0, place[2]))
+        poses["nose"] = Pose((lane, 0.0, place[2] + CAPSULE))
+        poses["shield"] = Pose((lane, 0.0, place[2] - 1.1 * CAPSULE), colour=glow(slowing))
         return poses
 
     def arrows(x: Sequence[float], u: Sequence[float], gain: float) -> tuple[Arrow, ...]:
         place = at(x)
         slowing = exp(min(-k.density * float(x[0]), 50.0)) * float(x[1])**2 * float(x[2])
-        return (force_arrow((place[0], -2 * CAPSULE, place[2]), (0.0, 0.0, 1.0), slowing, HOT, "disturbance"),)
+        return (force_arrow((place[0] - 2 * CAPSULE, 0.0, place[2]), (0.0, 0.0, 1.0), slowing, HOT, "disturbance"),)
 
     def anchors(x: Sequence[float], gain: float) -> tuple[Vector, ...]:
-        return (at(x),)
+        return (in_lane(x),)
 
     return Body(_parts(), pose, arrows, anchors, 1.0, text("A falling body and the radar that measures its "
-                                                           "distance; a mark every 30 km. The ghost's error is "
+                                                           "distance; a mark every 30 km. The ghost falls beside it; its error is "
                                                            "drawn 100 times larger. Grey: equal distances "
-                                                           "from the radar. Red: the tangent at the estimate, and the column "
-                                                           "of 3σ about it"), names=(
+                                                           "from the radar. Red: the tangent at the estimate, and a bar "
+                                                           "of ±3σ about it"), names=(
         PartName(text("radar"), "dish", (-0.8, 0.0, 0.3)),
         PartName(text("falling body"), "capsule", (-0.45, 0.0, 0.85)),
         PartName(text("equal distances"), f"arc {ARC_PIECES - 3}", (0.3, 0.0, 0.8)),

@@ -112,18 +112,18 @@ def _names(states: int, lit: frozenset[int]) -> tuple[PartName, ...]:
 def _parts(states: int, lit: frozenset[int]) -> tuple[Part, ...]:
     thick = gauge_gap(states) / LEAST_GAP
     small = tuple(part for i in range(states) for part in (
-        Part(f"back {i}", Box((0.28 * thick, 0.05, 2.2)), STEEL if i in lit else DARK_GREY),
-        Part(f"socket {i}", Cylinder(0.12 * thick, 0.16), METAL),
-        Part(f"zero {i}", Box((0.28 * thick, 0.03, 0.02)), METAL),
+        Part(f"back {i}", Box((0.28 * thick, 0.05, 2.2)), METAL if i in lit else DARK_GREY),
+        Part(f"socket {i}", Cylinder(0.12 * thick, 0.16), STEEL),
+        Part(f"zero {i}", Box((0.28 * thick, 0.03, 0.02)), STEEL),
         Part(f"column {i}", Rod(0.06 * thick), PLANT_COLOUR if i in lit else UNLIT),
         Part(f"level {i}", Cylinder(0.11 * thick, 0.05), PLANT_COLOUR if i in lit else UNLIT),
         Part(f"lamp {i}", Ball(0.085 * thick ** 0.5), BRIGHT if i in lit else DARK_GREY),
     ))
     return (
         Part("table", Box((4.1, 0.9, 0.1)), DARK_GREY), *small,
-        Part("large back", Box((0.78, 0.07, 2.35)), STEEL),
-        Part("large socket", Cylinder(0.3, 0.16), METAL),
-        Part("large zero", Box((0.78, 0.03, 0.025)), METAL),
-        Part("large column", Rod(0.15), METAL),
+        Part("large back", Box((0.78, 0.07, 2.35)), METAL),
+        Part("large socket", Cylinder(0.3, 0.16), STEEL),
+        Part("large zero", Box((0.78, 0.03, 0.025)), STEEL),
+        Part("large column", Rod(0.15), STEEL),
         Part("large level", Cylinder(0.28, 0.07), PLANT_COLOUR, twin=True),
     )
