@@ -234,10 +234,28 @@ def test_the_bars_on_the_stage_are_what_the_filter_states_and_its_rms_error_in_d
 
 def test_the_tangent_touches_the_line_of_equal_distances_at_the_estimate() -> None:
     stage = LESSON.compute(LESSON.apply(LESSON.start(), {"filter": "ekf"})).stage
-    poses = stage.body.pose(stage.xhat[40].tolist(), 1.0)
-    middle = np.array(poses["capsule"].position)[[0, 2]]
+    poses, falls = (stage.body.pose(states[40].tolist(), 1.0) for states in (stage.xhat, stage.x))
+    middle = np.array([falls["capsule"].position[0], poses["capsule"].position[2]])  # on the body's own way down, at the estimate's height
     begin, radar = (np.array(poses[name].position)[[0, 2]] for name in ("tangent", "turret"))
     assert (middle - begin) @ (middle - radar) == pytest.approx(0, abs=1e-9)
     ends = [np.array(poses[f"arc {i}"].position)[[0, 2]] for i in range(12)]
     far = [np.hypot(*(end - radar)) for end in ends if end[1] > 0.17]
     np.testing.assert_allclose(far, np.hypot(*(middle - radar)))
+
+
+def test_the_ghost_falls_in_its_own_lane_with_its_error_a_hundred_times_larger_and_a_bar_of_three_sigma() -> None:
+    """Beside the body, so that neither covers the other; heights are those of the run, 0.03 stage units a kilometre."""
+    o = LESSON.compute(LESSON.apply(LESSON.start(), {"filter": "ukf"}))
+    study, stage = o.study, o.stage
+    for k in range(len(study.t)):
+        at = 10 * k  # the stage has ten samples a second
+        body, ghost = (stage.body.pose(states[at].tolist(), 1.0) for states in (stage.x, stage.xhat))
+        across, up = (np.subtract(ghost["capsule"].position, body["capsule"].position)[i] for i in (0, 2))
+        assert across >= 0.9
+        error, sigma = study.means["ukf"][k, 0] - study.x[k, 0], study.sigmas["ukf"][k, 0]
+        high = study.x[k, 0] + 100 * error
+        if 0 < high < 95_000 and study.x[k, 0] > 0:
+            assert up == pytest.approx(100 * error * 3e-5, abs=1e-9)
+            top = min(ghost["capsule"].position[2] + 300 * sigma * 3e-5, 0.16 + 95 * 0.03)
+            assert ghost["band top"].position[2] == pytest.approx(top)
+            assert ghost["band foot"].position[2] == pytest.approx(max(ghost["capsule"].position[2] - 300 * sigma * 3e-5, 0.16))
