@@ -238,7 +238,7 @@ def test_the_tubes_of_further_outputs_stand_below_the_panel_as_it_is_seen() -> N
         assert stage is not None and stage.picture is not None
         (eye, _), (_, deep, middle) = round_plant(body_scale(reach(stage)))["plant"], stage.picture.place
         foot, poses = middle - stage.picture.size[1] / 2, stage.body.pose(stage.x[0].tolist(), 1.0)
-        assert ("lamp 0" in poses) == more and 0 < foot
+        assert ("lamp 0" in poses) == more and foot > 0
         if more:
             lamp = poses["lamp 0"].position
             assert eye[2] + (lamp[2] - eye[2]) * (deep - eye[1]) / (lamp[1] - eye[1]) < foot
