@@ -12,6 +12,7 @@ MODEL = MODELS["spring-damper"]
 SPRING_PLANT = MODEL.plant
 HORIZON, DT = 6.0, 0.012
 RE_LOW, RE_HIGH, IM_HIGH = -16.0, 2.0, 13.0
+POLES = (-8 - 6j, -8 + 6j)  # dragged from here
 BY_SPEED, BY_POLES = "speed", "poles"
 POSITION, VELOCITY = "position", "velocity"
 KNOBS = (
@@ -21,7 +22,7 @@ KNOBS = (
            hint=text("One factor on the Kalman filter's poles, or two poles of your own on the right board.")),
     Number("speed", r"\rho", text("speed, times Kalman"), low=0.1, high=10.0, default=5.0, scale="log",
            when=("method", (BY_SPEED,)), hint=text("Both poles are ρ times those of the Kalman filter.")),
-    Poles("observer_poles", "q", text("Observer poles"), "rad/s", default=(-8 - 6j, -8 + 6j), re_low=RE_LOW,
+    Poles("observer_poles", "q", text("Observer poles"), "rad/s", default=POLES, re_low=RE_LOW,
           re_high=RE_HIGH, im_high=IM_HIGH, role="estimate", when=("method", (BY_POLES,)),
           hint=text("eig(A − LC): farther left is faster.")),
     Number("w", "W", text("force noise W"), "N² s", low=1e-2, high=1.0, default=0.04, scale="log",

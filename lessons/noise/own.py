@@ -2,31 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 
-import numpy as np
-
 from observer_lab.course.knobs import Choice, Knob, Number, Poles
-from observer_lab.course.lazy import replace_keeping_cache
-from observer_lab.course.lesson import Design, Job, Lesson, Outcome
+from observer_lab.course.lesson import Lesson
 from observer_lab.plants import Model
 from observer_lab.text import text
 
 from ..toolkit.knobs import run_knobs
-from .job import RUN_COUNT
+from .figures import figures
 from .knobs import BY_POLES
-from .own_figures import figures
-from .own_study import BELIEF, Study, compute, drawn, scenario_of, signals, watched_signal
-from .study import Trials
-
-BATCH_RUNS = 5
+from .own_study import BELIEF, judged, own_setting
+from .study import compute
 
 
 def own_knobs(model: Model) -> tuple[Knob, ...]:
     """The lesson's knobs in the plant's own measures."""
-    window, (one, two) = model.observer_window, signals(model)
+    window, (one, two) = model.observer_window, judged(model)
     return (
         Choice("method", "", text("observer by"), default=BELIEF,
                options=((BELIEF, text("belief in the process noise")), (BY_POLES, text(
@@ -51,30 +44,7 @@ def own_knobs(model: Model) -> tuple[Knob, ...]:
     )
 
 
-def try_often(model: Model, outcome: Outcome[Study]) -> Iterator[tuple[float, Trials]]:
-    """The job: many runs on fresh noise, each error taken about its noise-free course."""
-    scenario, study, row = (scenario_of(model, outcome.design, outcome.gains["L"]), outcome.study,
-                            np.array(watched_signal(model, outcome.design).weights))
-    total = np.zeros(len(study.grown))
-    for k, seed in enumerate(np.random.SeedSequence(int(outcome.design["seed"])).generate_state(RUN_COUNT), start=1):
-        e = drawn(replace(scenario, seed=int(seed))).e
-        shared = min(len(e), len(total))
-        total[:shared] += ((e[:shared] - study.quiet[:shared]) @ row) ** 2
-        if k % BATCH_RUNS == 0:
-            yield k / RUN_COUNT, Trials(k, (total / k)[:, None])
-
-
-def shown(outcome: Outcome[Study], trials: Trials) -> Outcome[Study]:
-    """The outcome with what the runs showed."""
-    return replace(outcome, study=replace_keeping_cache(outcome.study, trials=trials))
-
-
-def key(design: Design) -> Design:
-    """What the runs rest on: the whole design, for one error alone is averaged."""
-    return design
-
-
 def adapted(lesson: Lesson, model: Model) -> Lesson:
     """The lesson on a person's own plant, where a Kalman filter for it exists; the tasks stay with the block."""
-    return replace(lesson, knobs=own_knobs(model), compute=partial(compute, model), figures=partial(figures, model), tasks=(),
-                   job=Job(text("Try {runs} runs", runs=RUN_COUNT), partial(try_often, model), key, shown, figure="variance", follows=True))
+    here = own_setting(model)
+    return replace(lesson, knobs=own_knobs(model), compute=partial(compute, here), figures=partial(figures, here), tasks=())

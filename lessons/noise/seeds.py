@@ -13,7 +13,7 @@ from observer_lab.engine import simulate
 from observer_lab.text import text
 
 from .knobs import DT
-from .study import Study, scenario_of
+from .study import Study
 
 BATCH_RUNS, STRIDE = 5, 5  # runs between two results, samples between two points of a course
 NAMES = (text("position error [m]"), text("velocity error [m/s]"))
@@ -21,7 +21,7 @@ NAMES = (text("position error [m]"), text("velocity error [m/s]"))
 
 def run_seeds(outcome: Outcome[Study], seeds: np.ndarray) -> Iterator[tuple[float, SeedErrors | None]]:
     """The error about its course without noise, whose covariance P(t) the Lyapunov equation predicts from P(0) = 0."""
-    scenario, study = scenario_of(outcome.design, outcome.gains["L"]), outcome.study
+    study, scenario = outcome.study, outcome.study.run.scenario
     times = DT * np.arange(len(study.quiet))
     errors, paths = np.full((len(seeds), 2), np.nan), np.full((len(seeds), len(times[::STRIDE])), np.nan)
     sigmas = np.sqrt(np.maximum(study.grown[::STRIDE, 0, 0], 0.0))

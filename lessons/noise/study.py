@@ -1,45 +1,39 @@
-"""Compute the block's error variance: steady, over observer speed, and over time."""
+"""Compute a design of lesson 8: an observer's error variance and one noisy run."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
 
 import numpy as np
-from scipy.linalg import expm
 
-from observer_lab.course.figures.claims import claim
 from observer_lab.course.knobs import KnobError
+from observer_lab.course.lazy import LazyMap, LazySequence, LazyValue, TabFigures
 from observer_lab.course.lesson import Board, Check, Design, Formula, Outcome, Stage
-from observer_lab.engine import Plant, Scenario, error_parts, lqe, observer_gain, simulate
+from observer_lab.engine import Plant, Scenario, error_parts, lqe, simulate
 from observer_lab.engine.design import Optimal
-from observer_lab.engine.filters import ErrorParts
+from observer_lab.engine.filters import ErrorParts, growing_error
 from observer_lab.engine.simulation import Run
-from observer_lab.engine.systems import settled_covariance
-from observer_lab.plants.spring_damper import STAGE_SCALE
+from observer_lab.plants import Model, Signal
 from observer_lab.text import Text, text
 
-from ..toolkit.boards import listed
-from ..toolkit.knobs import held, kicks
-from ..toolkit.latex import matrix, number
-from ..toolkit.shares import percent
-from .knobs import BY_POLES, BY_SPEED, DT, HORIZON, IM_HIGH, MODEL, RE_HIGH, RE_LOW, SPRING_PLANT, VELOCITY
-from .readings_body import stage_with_readings, with_readings
+from ..toolkit.boards import bolts, listed
+from ..toolkit.knobs import kicks
+from .knobs import BY_POLES
 
-OBSERVER_SPEEDS = np.logspace(-0.5, 2.5, 61)  # rad/s
-
-MOTION_GAIN = 2.0  # so that noise and its estimate are seen to move
-BODY = with_readings(replace(MODEL.body, gain=MOTION_GAIN))
+ROUNDING = 1e-6  # of tr P_min: a negative eigenvalue of P − P_min that is no larger comes of rounding
 
 
 @dataclass(frozen=True, eq=False)
-class Ray:
-    """Observers whose poles are those of one pattern times a factor.
+class Sweep:
+    """Observers along one number, the speed in rad/s or the assumed process noise over the true one.
 
-    speed (n,): geometric mean of |pole| in rad/s; process, sensor (n, 2): variances of the error in position and
-    velocity by cause; peak (n,): largest velocity error for each metre of starting error, without noise, in 1/s.
+    along (n,); process, sensor (n, k): variances of the error in the k signals by cause; peak (n,): largest error without noise of the
+    signal that is not measured.
     """
 
-    speed: np.ndarray
+    along: np.ndarray
     process: np.ndarray
     sensor: np.ndarray
     peak: np.ndarray
@@ -47,7 +41,7 @@ class Ray:
 
 @dataclass(frozen=True, eq=False)
 class Trials:
-    """Monte-Carlo: mean square (n_t, k) of k components of e about its noise-free course over `count` runs."""
+    """Monte-Carlo: mean square (n_t, k) of the error of k signals about its noise-free course over `count` runs."""
 
     count: int
     square: np.ndarray
@@ -55,166 +49,175 @@ class Trials:
 
 @dataclass(frozen=True, eq=False)
 class Study:
-    """Everything about the noise of one design. `quiet` is the error without noise (n_t, 2), `grown` P at each sample."""
+    """The observer of a design, its error's parts and its run; what other observers do, and the rest, when it is looked at."""
 
-    parts: ErrorParts
+    here: Setting
+    design: Design
     kalman: Optimal
-    ray: Ray
-    quiet: np.ndarray
-    grown: np.ndarray
+    L: np.ndarray
+    poles: np.ndarray
+    parts: ErrorParts
+    run: Run
     trials: Trials | None = None
 
+    @property
+    def judged(self) -> int:
+        """The place of the signal whose error is judged."""
+        return self.here.judged(self.design)
 
-def scenario_of(design: Design, L: np.ndarray) -> Scenario:
-    """Plant and observer under both noises, nobody steering."""
-    return Scenario(SPRING_PLANT, None, L, x0=(design["error0"], 0.0), xhat0=(0.0, 0.0), horizon=HORIZON, dt=DT,
-                    W=[[design["w"]]], V=[[design["v"]]], G=SPRING_PLANT.B, impulses=kicks(design, MODEL, (DT, HORIZON)),
-                    seed=int(design["seed"]))
+    @property
+    def hidden(self) -> int:
+        """The place of the signal whose peak is told and that stands below the measured one."""
+        return self.here.hidden(self.design)
 
+    @cached_property
+    def rows(self) -> np.ndarray:
+        """The weights (k, n) of the signals."""
+        return np.array([signal.weights for signal in self.here.signals])
 
-def compute(design: Design) -> Outcome[Study]:
-    """The observer's error covariance beside the least one, the ray through its poles, and one noisy run."""
-    W, V = design["w"], design["v"]
-    kalman = lqe(SPRING_PLANT.A, SPRING_PLANT.B, SPRING_PLANT.C, [[W]], [[V]])
-    poles, L = _observer(design, kalman)
-    parts = error_parts(SPRING_PLANT, L, SPRING_PLANT.B, [[W]], [[V]])
-    scenario = scenario_of(design, L)
-    run, quiet = simulate(scenario), simulate(replace(scenario, W=None, V=None))
-    study = Study(parts, kalman, ray_of(SPRING_PLANT, poles, OBSERVER_SPEEDS, W, V), quiet.e,
-                  growing(SPRING_PLANT, L, parts, V, DT, len(run.t)))
-    metrics = _metrics(design, study, poles, L)
-    ratio = metrics["variance_ratio"]
-    checks = (
-        Check("least", text("within 1 % of the least variance"), ratio <= 1.01, ratio, informative=True),
-        Check("floor", text("no observer beats the Kalman filter: P − P_min ≥ 0"),
-              metrics["floor"] > -1e-9, metrics["floor"]),
-    )
-    return Outcome(design, {"L": L, "L_kalman": kalman.gain}, {"observer": np.asarray(poles), "kalman": kalman.poles},
-                   metrics, checks, run, _boards(poles, kalman, SPRING_PLANT.A - L @ SPRING_PLANT.C), _stage(run, study, design),
-                   _formulas(L, study), _live(design, metrics), study)
+    @cached_property
+    def least(self) -> np.ndarray:
+        """P_min, what the Kalman filter leaves of the error."""
+        return error_parts(self.here.model.plant, self.kalman.gain, *self.here.noises(self.design)).total
 
+    @cached_property
+    def quiet(self) -> np.ndarray:
+        """The error without noise (n_t, n), as far as both runs go."""
+        return drawn(replace(self.run.scenario, W=None, V=None)).e[:len(self.run.t)]
 
-def _observer(design: Design, kalman: Optimal) -> tuple[tuple[complex, ...], np.ndarray]:
-    """Poles and gain. Raises KnobError where the error does not settle."""
-    if design["method"] == BY_SPEED:
-        poles = tuple(complex(p) * design["speed"] for p in kalman.poles)
-        if design["speed"] == 1.0:
-            return poles, kalman.gain
-    else:
-        poles = design["observer_poles"]
-    if max(p.real for p in poles) > -0.02:
-        raise KnobError(text("An observer pole is not left of −0.02, so the error has no settled variance; "
-                             "drag it left."))
-    return poles, observer_gain(SPRING_PLANT.A, SPRING_PLANT.C, poles).gain
+    @cached_property
+    def grown(self) -> np.ndarray:
+        """The covariance (n_t, k, k) of the signals' errors about that."""
+        model, V = self.here.model, self.here.noises(self.design)[2]
+        return growing_error(model.plant, self.L, self.parts, V, model.dt, self.rows, len(self.quiet))
 
+    @cached_property
+    def sweep(self) -> Sweep:
+        """Other observers."""
+        return self.here.sweep(self)
 
-def _metrics(design: Design, study: Study, poles: tuple[complex, ...], L: np.ndarray) -> dict[str, float]:
-    P, least, i = study.parts.total, study.kalman.solution, int(design["watch"] == VELOCITY)
-    size = np.abs(study.quiet)
-    late = np.flatnonzero(size[:, 1] > 0.02 * max(float(size[:, 1].max()), 1e-12))
-    return {
-        "position_rms": float(np.sqrt(P[0, 0])), "velocity_rms": float(np.sqrt(P[1, 1])),
-        "least_position_rms": float(np.sqrt(least[0, 0])), "least_velocity_rms": float(np.sqrt(least[1, 1])),
-        "variance_ratio": float(P[i, i] / least[i, i]),
-        "worst_ratio": float(max(P[0, 0] / least[0, 0], P[1, 1] / least[1, 1])),
-        "floor": float(np.linalg.eigvalsh(P - least)[0] / np.trace(least)),
-        "sensor_share": float(study.parts.sensor[i, i] / P[i, i]),
-        "speed": float(np.sqrt(abs(poles[0] * poles[1]))), "kalman_speed": float(np.sqrt(np.abs(np.prod(study.kalman.poles)))),
-        "peak": float(size[:, 1].max()),
-        "settled_after": 0.0 if not len(late) else float(DT * (late[-1] + 1)) if late[-1] + 1 < len(size) else np.inf,
-        "riccati_residual": study.kalman.residual, "largest_gain": float(np.abs(L).max()),
-    }
+    @property
+    def peak(self) -> float:
+        """The largest error of the hidden signal in this run, without noise."""
+        return float(np.abs(self.quiet @ self.rows[self.hidden]).max())
+
+    def deviation(self, P: np.ndarray, i: int) -> float:
+        """σ of the i-th signal under the covariance P (n, n) of the error."""
+        return float(np.sqrt(max(self.rows[i] @ P @ self.rows[i], 1e-300)))
+
+    @property
+    def ratio(self) -> float:
+        """σ of the judged signal over the least possible."""
+        return self.deviation(self.parts.total, self.judged) / self.deviation(self.least, self.judged)
+
+    @property
+    def sensor_share(self) -> float:
+        """The share of its variance that sensor noise makes."""
+        return (self.deviation(self.parts.sensor, self.judged) / self.deviation(self.parts.total, self.judged)) ** 2
 
 
-def _boards(poles: tuple[complex, ...], kalman: Optimal, error: np.ndarray) -> tuple[Board, Board]:
+@dataclass(frozen=True, eq=False)
+class Look:
+    """How the figures show a plant.
+
+    `over`: the title of the sweep, of a name; `process`: what process noise is called; `axis`, `ends`: the label of the sweep and the
+    decades that it spans; `places`: where on it the design stands, if it does, and the Kalman filter; `decades`: how many σ spans at
+    least and at most; `peak`: title, curve and label of the largest errors, `peak_ends` their decades, if fixed; `labels`: of
+    axes over time by the figure's id, where it is not the unit; `windows`: their least ranges; `captions`: what stands below a figure.
+    """
+
+    over: Text
+    process: Text
+    axis: str
+    ends: tuple[float, float]
+    places: Callable[[Study], tuple[float | None, float]]
+    decades: tuple[float, float]
+    peak: tuple[Text, Text, str]
+    peak_ends: tuple[float, float] | None
+    labels: Mapping[str, str]
+    windows: Mapping[str, tuple[float, float]]
+    captions: Mapping[str, Callable[[Study], Text]]
+
+
+@dataclass(frozen=True, eq=False)
+class Setting:
+    """The plant of the lesson, the signals whose errors it shows, and what differs in its designs.
+
+    `model`: with the grid of the run and the window of the boards; `noises`: G, W and V of a design; `start`: x(0); `observer`: poles
+    and gain, given the Kalman filter; `numbers`, `tried`: further metrics, of a design and of its trials; `more`: further tabs; `heavy`:
+    the sweep waits until a hand pauses.
+    """
+
+    model: Model
+    signals: tuple[Signal, ...]
+    judged: Callable[[Design], int]
+    hidden: Callable[[Design], int]
+    noises: Callable[[Design], tuple[np.ndarray, np.ndarray, np.ndarray]]
+    start: Callable[[Design], Sequence[float]]
+    observer: Callable[[Design, Optimal], tuple[np.ndarray, np.ndarray]]
+    sweep: Callable[[Study], Sweep]
+    stage: Callable[[Study], Stage]
+    numbers: Callable[[Study], Mapping[str, float]]
+    formulas: Callable[[Study], tuple[Formula, ...]]
+    live: Callable[[Study], Text]
+    look: Look
+    more: Callable[[Outcome[Study]], tuple[TabFigures, ...]] = lambda _: ()
+    tried: Callable[[Study, Trials], Mapping[str, float]] = lambda *_: {}
+    heavy: bool = False
+
+
+@lru_cache(maxsize=32)
+def _best(plant: Plant, G: bytes, W: bytes, V: bytes) -> Optimal:
+    G_ = np.frombuffer(G).reshape(plant.n, -1)
+    return lqe(plant.A, G_, plant.C, np.frombuffer(W).reshape(G_.shape[1], -1), np.frombuffer(V).reshape(plant.p, plant.p))
+
+
+def drawn(scenario: Scenario) -> Run:
+    """The run of a scenario. Raises KnobError where its noise outgrows every number."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        run = simulate(scenario)
+    if len(run.t) < 2 or not np.all(np.isfinite(run.x)):
+        raise KnobError(text("The noise of this plant outgrows every number within the run."))
+    return run
+
+
+def compute(here: Setting, design: Design) -> Outcome[Study]:
+    """The observer's error covariance beside the least one, other observers, and one noisy run. Raises EngineError."""
+    model, plant = here.model, here.model.plant
+    G, W, V = here.noises(design)
+    kalman = _best(plant, *(np.ascontiguousarray(M).tobytes() for M in (G, W, V)))
+    poles, L = here.observer(design, kalman)
+    parts = error_parts(plant, L, G, W, V)
+    runs_away = float(np.real(plant.poles).max()) > 1e-9 and model.controller is not None
+    run = drawn(Scenario(
+        plant, model.controller.gain if runs_away and model.controller else None, L, x0=here.start(design), xhat0=model.guess,
+        horizon=model.horizon, dt=model.dt, W=W, V=V, G=G, impulses=kicks(design, model), seed=int(design["seed"])))
+    study = Study(here, design, kalman, L, poles, parts, run)
+    metrics = LazyMap(lambda: {**_metrics(study), **here.numbers(study)})
+    return Outcome(design, {"L": L, "L_kalman": kalman.gain}, {"observer": poles, "kalman": kalman.poles}, metrics,
+                   LazySequence(lambda: _checks(study, metrics["floor"])), run, _boards(study), here.stage(study),
+                   LazySequence(lambda: here.formulas(study)), LazyValue(lambda: here.live(study)), study)
+
+
+def _metrics(s: Study) -> dict[str, float]:
+    gap = s.parts.total - s.least
+    return {"floor": float(np.linalg.eigvalsh(gap)[0] / max(np.trace(s.least), 1e-300)), "largest_gain": float(np.abs(s.L).max()),
+            "peak": s.peak}
+
+
+def _checks(s: Study, floor: float) -> tuple[Check, ...]:
     return (
-        Board("kalman", text("poles of the Kalman filter"), listed(kalman.poles), side="left",
-              re_low=RE_LOW, re_high=RE_HIGH, im_high=IM_HIGH),
+        Check("least", text("within 1 % of the least variance"), s.ratio**2 <= 1.01, s.ratio**2, informative=True),
+        Check("floor", text("no observer beats the Kalman filter: P − P_min ≥ 0"), floor > -ROUNDING, floor))
+
+
+def _boards(s: Study) -> tuple[Board, Board]:
+    model, window, by_hand = s.here.model, s.here.model.observer_window, s.design["method"] == BY_POLES
+    return (
+        Board("kalman", text("poles of the Kalman filter"), listed(s.kalman.poles), side="left",
+              re_low=window.re_low, re_high=window.re_high, im_high=window.im_high),
         Board("observer", text("observer poles  eig(A − LC)"),
-              listed(poles), "observer_poles", role="estimate", side="right", re_low=RE_LOW,
-              re_high=RE_HIGH, im_high=IM_HIGH, also=(("method", BY_POLES),), landscape=error),
-    )
-
-
-def _stage(run: Run, study: Study, design: Design) -> Stage:
-    """The block under its last readings; one reading, held for a step, has the variance V/dt."""
-    plain = Stage(
-        BODY, run.t, run.x, run.xhat, run.u_applied, 3 * STAGE_SCALE * MOTION_GAIN * np.sqrt(np.maximum(study.grown[:, 0, 0], 0.0)),
-        held=held(design, MODEL),
-    )
-    return stage_with_readings(plain, run.y[:, 0], float(np.sqrt(design["v"] / DT)))
-
-
-def _formulas(L: np.ndarray, study: Study) -> tuple[Formula, ...]:
-    P = study.parts.total
-    return (
-        Formula("lyapunov", r"F P + P F^{\mathsf T} + B W B^{\mathsf T} + L V L^{\mathsf T} = 0,\quad F = A - LC"),
-        Formula("L", rf"L = {matrix(L)}, \quad L_{{\mathrm{{Kalman}}}} = {matrix(study.kalman.gain)}"),
-        Formula("P", rf"P = {matrix(P, 2)}"),
-        Formula("least", rf"P_{{\min}} = {matrix(study.kalman.solution, 2)}, \quad "
-                rf"\mathrm{{tr}}\,(P - P_{{\min}}) = {number(float(np.trace(P - study.kalman.solution)), 2)}"),
-    )
-
-
-def _live(design: Design, m: dict[str, float]) -> Text:
-    ratio, share = np.sqrt(m["variance_ratio"]), percent(m["sensor_share"])
-    name = text("velocity") if design["watch"] == VELOCITY else text("position")
-    least = text("The {name} error is as small as any observer can make it: {share} % of its variance is "
-                 "sensor noise.",
-                 name=name, share=share)
-    return claim(least, ratio, below=1.005, otherwise=text(
-        "The {name} error is {ratio:.3g} times the least possible; {share} % of its variance is "
-        "sensor noise.", name=name, ratio=ratio, share=share))
-
-
-def ray_of(plant: Plant, pattern: tuple[complex, ...], speeds: np.ndarray, W: float, V: float) -> Ray:
-    """All observers along a ray at once, for two states and one output: Ackermann's gain, Lyapunov by Kronecker."""
-    unit = np.asarray(pattern) / np.sqrt(abs(pattern[0] * pattern[1]))
-    damping, square = -np.real(unit.sum()) * speeds, np.real(unit[0] * unit[1]) * speeds**2  # s² + damping s + square
-    A, C, eye = plant.A, plant.C, np.eye(2)
-    last = np.linalg.solve(np.vstack([C, C @ A]), np.array([[0.0], [1.0]]))
-    L = (A @ A + damping[:, None, None] * A + square[:, None, None] * eye) @ last
-    F = A - L @ C
-    M = np.einsum("kij,ab->kiajb", F, eye) + np.einsum("ij,kab->kiajb", eye, F)
-    noise = np.stack([np.broadcast_to(W * plant.B @ plant.B.T, F.shape), V * L @ np.swapaxes(L, 1, 2)], axis=-1)
-    P = np.linalg.solve(M.reshape(-1, 4, 4), -noise.reshape(-1, 4, 2)).reshape(-1, 2, 2, 2)
-    variances = np.maximum(np.diagonal(P, axis1=1, axis2=2), 0.0)  # (n, cause, state)
-    return Ray(speeds, variances[:, 0], variances[:, 1], peak_of(F[:, 1, 0], damping, square))
-
-
-def peak_of(F21: np.ndarray, damping: np.ndarray, square: np.ndarray) -> np.ndarray:
-    """max |e₂(t)| for ė = F e from e(0) = (1, 0): e₂ = F₂₁ e^{αt} sinh(δt)/δ with α = −damping/2, δ² = α² − square.
-
-    Its slope vanishes at tanh(δt) = −δ/α, where sinh(δt)/δ = 1/√square.
-    """
-    alpha = -damping / 2
-    gap = alpha**2 - square
-    delta = np.sqrt(np.abs(gap))
-    small = delta < 1e-6 * np.abs(alpha)
-    safe = np.where(small, 1.0, delta)
-    turning = np.arctan2(safe, -alpha) / safe
-    real = np.arctanh(np.minimum(safe / -alpha, 1 - 1e-12)) / safe
-    t = np.where(small, -1 / alpha, np.where(gap < 0, turning, real))
-    return np.abs(F21) * np.exp(alpha * t) / np.sqrt(square)
-
-
-def growing(plant: Plant, L: np.ndarray, parts: ErrorParts, V: float, dt: float, steps: int) -> np.ndarray:
-    """Covariances (steps, 2, 2) of e at 0, dt, … from P(0) = 0, exactly as simulated: v is held over a step.
-
-    P_k = P_h − Φᵏ P_h Φᵏᵀ, where P_h is the limit with the sampled sensor noise of covariance V/dt.
-    """
-    F = plant.A - L @ plant.C
-    wide = np.zeros((4, 4))
-    wide[:2, :2], wide[:2, 2:] = F, np.eye(2)
-    both: np.ndarray = expm(wide * dt)
-    Phi: np.ndarray = both[:2, :2]
-    push: np.ndarray = both[:2, 2:] @ L
-    limit = parts.process + settled_covariance(Phi, np.sqrt(V / dt) * push, dt=1.0)
-    powers = np.empty((steps, 2, 2))
-    powers[0], done = np.eye(2), 1
-    jump: np.ndarray = Phi
-    while done < steps:
-        more = min(done, steps - done)
-        powers[done:done + more] = powers[:more] @ jump
-        done, jump = done + more, jump @ jump
-    return limit - powers @ limit @ np.swapaxes(powers, 1, 2)
+              s.design["observer_poles"] if by_hand else listed(s.poles),
+              "observer_poles" if by_hand or len(s.poles) == len(model.observer_poles) else None,
+              bolts(model.observer, window) if by_hand else (), role="estimate", side="right", re_low=window.re_low,
+              re_high=window.re_high, im_high=window.im_high, also=(("method", BY_POLES),), landscape=model.plant.A - s.L @ model.plant.C))

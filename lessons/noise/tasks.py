@@ -36,11 +36,11 @@ def _by_hand(outcome: Outcome[Study]) -> Verdict:
 
 
 def _other_side(outcome: Outcome[Study]) -> Verdict:
-    ray, m = outcome.study.ray, outcome.metrics
+    sweep, m = outcome.study.sweep, outcome.metrics
     if outcome.design["method"] != "speed" or outcome.design["watch"] != "velocity":
         return Verdict(False, text("Use the Kalman pattern and judge by velocity."))
-    wanted = float(np.exp(np.interp(np.log(TWIN_SPEED * m["kalman_speed"]), np.log(ray.speed),
-                                    0.5 * np.log(ray.process[:, 1] + ray.sensor[:, 1]))))
+    wanted = float(np.exp(np.interp(np.log(TWIN_SPEED * m["kalman_speed"]), np.log(sweep.along),
+                                    0.5 * np.log(sweep.process[:, 1] + sweep.sensor[:, 1]))))
     gap = m["velocity_rms"] / wanted - 1
     numbers = f"σ = {m['velocity_rms']:.3g} m/s, {wanted:.3g} m/s"
     if outcome.design["speed"] <= 1:

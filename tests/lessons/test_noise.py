@@ -11,10 +11,10 @@ from scipy.optimize import minimize
 from scipy.stats import chi2
 
 from observer_lab.engine import error_parts
+from observer_lab.lessons.noise.block import ray_of
 from observer_lab.lessons.noise.job import RUN_COUNT
 from observer_lab.lessons.noise.knobs import SPRING_PLANT
 from observer_lab.lessons.noise.lesson import LESSON
-from observer_lab.lessons.noise.study import ray_of
 
 W, V = 0.04, 4e-4
 
@@ -40,12 +40,12 @@ def test_the_minimum_over_gains_is_the_kalman_gain_whatever_is_judged(weights):
 
 
 def test_the_valley_touches_the_floor_at_kalmans_speed_only():
-    ray = outcome(speed=1.0).study.ray
+    ray = outcome(speed=1.0).study.sweep
     floor = np.diag(outcome().study.kalman.solution)
     ratio = (ray.process + ray.sensor) / floor
     assert (ratio >= 1 - 1e-12).all()
     for i in range(2):
-        assert ray.speed[np.argmin(ratio[:, i])] == pytest.approx(101 ** 0.25, rel=0.06)  # a step of the grid
+        assert ray.along[np.argmin(ratio[:, i])] == pytest.approx(101 ** 0.25, rel=0.06)  # a step of the grid
         assert (np.diff(np.sign(np.diff(ratio[:, i]))) != 0).sum() >= 1
     assert outcome(speed=1.0).metrics["variance_ratio"] == pytest.approx(1.0, abs=1e-9)
 
@@ -58,7 +58,7 @@ def test_kalmans_speed_is_the_fourth_root_that_spectral_factorisation_gives():
 def test_the_ray_equals_one_lyapunov_equation_after_another():
     pattern = (-3 - 1j, -3 + 1j)
     ray = ray_of(SPRING_PLANT, pattern, np.array([0.5, 4.0, 60.0]), W, V)
-    for k, speed in enumerate(ray.speed):
+    for k, speed in enumerate(ray.along):
         q = np.array(pattern) / np.sqrt(10) * speed
         L = control.place(SPRING_PLANT.A.T, SPRING_PLANT.C.T, q).T
         assert np.allclose(ray.process[k] + ray.sensor[k], np.diag(variances_of(L)), rtol=1e-8)

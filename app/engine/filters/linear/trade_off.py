@@ -67,7 +67,7 @@ def error_parts(plant: Plant, L: object, G: object, W: object, V: object) -> Err
 @takes(plant=PLANT, L=matrix("n p"), parts=instance(ErrorParts), V=covariance("p"), dt=SECONDS, rows=matrix("k n"),
        steps=count(1, 1_000_000))
 def growing_error(plant: Plant, L: object, parts: ErrorParts, V: object, dt: float, rows: object, steps: int) -> np.ndarray:
-    """Variances (steps, k) of rows @ e at 0, dt, … from P(0) = 0, as a simulation with v held over a step draws them.
+    """Covariances (steps, k, k) of rows @ e at 0, dt, … from P(0) = 0, as a simulation with v held over a step draws them.
 
     `parts` as `error_parts` gives them, rows k×n, dt the step in s (the plant's own period where it is sampled; EngineError for another).
     P_j = P_h − Φʲ P_h Φᵀʲ, with P_h the limit for sensor noise of covariance V/dt held over a step.
@@ -82,11 +82,13 @@ def growing_error(plant: Plant, L: object, parts: ErrorParts, V: object, dt: flo
         Phi, inner = step_matrices(F, dt)
         push = inner @ L
         limit = parts.process + settled_covariance(Phi, push @ root(V / dt), dt=dt)
-    found, far = np.empty((steps, len(C))), C
-    for j in range(steps):
-        found[j] = np.einsum("ki,ij,kj->k", C, limit, C) - np.einsum("ki,ij,kj->k", far, limit, far)
-        far = far @ Phi
-    return np.maximum(found, 0.0)
+    far, done = np.empty((steps, *C.shape)), 1
+    far[0], jump = C, Phi
+    while done < steps:  # rows @ Φʲ, twice as many with each turn
+        more = min(done, steps - done)
+        far[done:done + more] = far[:more] @ jump
+        done, jump = done + more, jump @ jump
+    return C @ limit @ C.T - far @ limit @ far.swapaxes(1, 2)
 
 
 @takes(plant=PLANT, G=matrix("n q"), W=covariance("q"), V=covariance("p"), ratio=SERIES)

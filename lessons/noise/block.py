@@ -1,0 +1,191 @@
+"""Compute what lesson 8 has on the block alone: observers over their speed, and what is said of them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import MappingProxyType
+
+import numpy as np
+
+from observer_lab.course.figures.claims import claim
+from observer_lab.course.figures.diagram import DIAGRAM
+from observer_lab.course.knobs import KnobError
+from observer_lab.course.lazy import TabFigures, tab_figures
+from observer_lab.course.lesson import Design, Formula, Outcome, Stage
+from observer_lab.engine import Plant, observer_gain
+from observer_lab.engine.design import Optimal
+from observer_lab.plants import Signal
+from observer_lab.plants.model import Window
+from observer_lab.plants.spring_damper import STAGE_SCALE
+from observer_lab.text import Text, text
+
+from ..toolkit.diagram import loop
+from ..toolkit.knobs import held, untouched
+from ..toolkit.latex import matrix, number
+from ..toolkit.shares import percent
+from .knobs import BY_SPEED, DT, HORIZON, IM_HIGH, MODEL, POLES, RE_HIGH, RE_LOW, SPRING_PLANT, VELOCITY
+from .readings_body import stage_with_readings, with_readings
+from .study import Look, Setting, Study, Sweep, Trials
+
+OBSERVER_SPEEDS = np.logspace(-0.5, 2.5, 61)  # rad/s
+
+MOTION_GAIN = 2.0  # so that noise and its estimate are seen to move
+BLOCK = replace(MODEL, body=with_readings(replace(MODEL.body, gain=MOTION_GAIN)), horizon=HORIZON, dt=DT, observer_poles=POLES,
+                observer_window=Window(RE_LOW, RE_HIGH, IM_HIGH))
+SIGNALS = (Signal(text("position"), (1.0, 0.0), "m"), Signal(text("velocity"), (0.0, 1.0), "m/s"))
+
+
+def _observer(design: Design, kalman: Optimal) -> tuple[np.ndarray, np.ndarray]:
+    """Poles and gain. Raises KnobError where the error does not settle."""
+    if design["method"] == BY_SPEED:
+        poles = tuple(complex(p) * design["speed"] for p in kalman.poles)
+        if design["speed"] == 1.0:
+            return np.asarray(poles), kalman.gain
+    else:
+        poles = design["observer_poles"]
+    if max(p.real for p in poles) > -0.02:
+        raise KnobError(text("An observer pole is not left of −0.02, so the error has no settled variance; "
+                             "drag it left."))
+    return np.asarray(poles), observer_gain(SPRING_PLANT.A, SPRING_PLANT.C, poles).gain
+
+
+def speed_of(poles: np.ndarray) -> float:
+    """The geometric mean of |pole| in rad/s."""
+    return float(np.sqrt(np.abs(np.prod(poles))))
+
+
+def _numbers(s: Study) -> dict[str, float]:
+    P, least, size = s.parts.total, s.least, np.abs(s.quiet[:, 1])
+    late = np.flatnonzero(size > 0.02 * max(float(size.max()), 1e-12))
+    return {
+        "position_rms": s.deviation(P, 0), "velocity_rms": s.deviation(P, 1),
+        "least_position_rms": s.deviation(least, 0), "least_velocity_rms": s.deviation(least, 1),
+        "variance_ratio": s.ratio**2, "worst_ratio": float(max(P[0, 0] / least[0, 0], P[1, 1] / least[1, 1])),
+        "sensor_share": s.sensor_share, "speed": speed_of(s.poles), "kalman_speed": speed_of(s.kalman.poles),
+        "settled_after": 0.0 if not len(late) else float(DT * (late[-1] + 1)) if late[-1] + 1 < len(size) else np.inf,
+        "riccati_residual": s.kalman.residual,
+    }
+
+
+def _tried(s: Study, trials: Trials) -> dict[str, float]:
+    tail = trials.square[-1] / np.diagonal(s.grown[-1])
+    return {"trial_ratio_position": float(tail[0]), "trial_ratio_velocity": float(tail[1])}
+
+
+def _stage(s: Study) -> Stage:
+    """The block under its last readings; one reading, held for a step, has the variance V/dt."""
+    spread = 3 * STAGE_SCALE * MOTION_GAIN * np.sqrt(np.maximum(s.grown[:, 0, 0], 0.0))
+    plain = Stage(BLOCK.body, s.run.t, s.run.x, s.run.xhat, s.run.u_applied, spread, held=held(s.design, MODEL))
+    return stage_with_readings(plain, s.run.y[:, 0], float(np.sqrt(s.design["v"] / DT)))
+
+
+def _formulas(s: Study) -> tuple[Formula, ...]:
+    P = s.parts.total
+    return (
+        Formula("lyapunov", r"F P + P F^{\mathsf T} + B W B^{\mathsf T} + L V L^{\mathsf T} = 0,\quad F = A - LC"),
+        Formula("L", rf"L = {matrix(s.L)}, \quad L_{{\mathrm{{Kalman}}}} = {matrix(s.kalman.gain)}"),
+        Formula("P", rf"P = {matrix(P, 2)}"),
+        Formula("least", rf"P_{{\min}} = {matrix(s.least, 2)}, \quad "
+                rf"\mathrm{{tr}}\,(P - P_{{\min}}) = {number(float(np.trace(P - s.least)), 2)}"),
+    )
+
+
+def _live(s: Study) -> Text:
+    name, share = SIGNALS[s.judged].name, percent(s.sensor_share)
+    least = text("The {name} error is as small as any observer can make it: {share} % of its variance is "
+                 "sensor noise.",
+                 name=name, share=share)
+    return claim(least, s.ratio, below=1.005, otherwise=text(
+        "The {name} error is {ratio:.3g} times the least possible; {share} % of its variance is "
+        "sensor noise.", name=name, ratio=s.ratio, share=share))
+
+
+def ray_of(plant: Plant, pattern: tuple[complex, ...], speeds: np.ndarray, W: float, V: float) -> Sweep:
+    """All observers along a ray at once, for two states and one output: Ackermann's gain, Lyapunov by Kronecker."""
+    unit = np.asarray(pattern) / np.sqrt(abs(pattern[0] * pattern[1]))
+    damping, square = -np.real(unit.sum()) * speeds, np.real(unit[0] * unit[1]) * speeds**2  # s² + damping s + square
+    A, C, eye = plant.A, plant.C, np.eye(2)
+    last = np.linalg.solve(np.vstack([C, C @ A]), np.array([[0.0], [1.0]]))
+    L = (A @ A + damping[:, None, None] * A + square[:, None, None] * eye) @ last
+    F = A - L @ C
+    M = np.einsum("kij,ab->kiajb", F, eye) + np.einsum("ij,kab->kiajb", eye, F)
+    noise = np.stack([np.broadcast_to(W * plant.B @ plant.B.T, F.shape), V * L @ np.swapaxes(L, 1, 2)], axis=-1)
+    P = np.linalg.solve(M.reshape(-1, 4, 4), -noise.reshape(-1, 4, 2)).reshape(-1, 2, 2, 2)
+    variances = np.maximum(np.diagonal(P, axis1=1, axis2=2), 0.0)  # (n, cause, state)
+    return Sweep(speeds, variances[:, 0], variances[:, 1], peak_of(F[:, 1, 0], damping, square))
+
+
+def peak_of(F21: np.ndarray, damping: np.ndarray, square: np.ndarray) -> np.ndarray:
+    """max |e₂(t)| for ė = F e from e(0) = (1, 0): e₂ = F₂₁ e^{αt} sinh(δt)/δ with α = −damping/2, δ² = α² − square.
+
+    Its slope vanishes at tanh(δt) = −δ/α, where sinh(δt)/δ = 1/√square.
+    """
+    alpha = -damping / 2
+    gap = alpha**2 - square
+    delta = np.sqrt(np.abs(gap))
+    small = delta < 1e-6 * np.abs(alpha)
+    safe = np.where(small, 1.0, delta)
+    turning = np.arctan2(safe, -alpha) / safe
+    real = np.arctanh(np.minimum(safe / -alpha, 1 - 1e-12)) / safe
+    t = np.where(small, -1 / alpha, np.where(gap < 0, turning, real))
+    return np.abs(F21) * np.exp(alpha * t) / np.sqrt(square)
+
+
+# --- what stands below the figures -------------------------------------------------------------------------------------
+def _valley_words(s: Study) -> Text:
+    i, unit = s.judged, SIGNALS[s.judged].unit
+    now, least = s.deviation(s.parts.total, i), s.deviation(s.least, i)
+    if now < 1.005 * least:
+        return text("σ = {now:.3g} {units}: this is the bottom.", now=now, units=unit)
+    total = s.sweep.process[:, i] + s.sweep.sensor[:, i]
+    best = float(s.sweep.along[np.argmin(total)])
+    away, gain = float(np.log(speed_of(s.poles) / best)), 100 * (now / float(np.sqrt(total.min())) - 1)
+    turned = claim(text("Slower would be better."), away, above=0.0, otherwise=claim(text("Faster would be better."), away, below=0.0))
+    advice = claim(text("No other speed is half a per cent better; only another pattern is."), gain, below=0.5, otherwise=turned)
+    return text("σ = {now:.3g} {units}, {share} % of σ² from the sensor; the least is {least:.3g} {units}. "
+                "{advice}",
+                now=now, units=unit, share=percent(s.sensor_share), least=least, advice=advice)
+
+
+def _peak_words(s: Study) -> Text:
+    start = s.design["error0"]
+    if untouched(s.design):
+        return text("With {d:.2g} m of starting error the velocity estimate is wrong by up to {peak:.3g} m/s.", d=start, peak=s.peak)
+    return text("With {d:.2g} m of starting error and the kick or pull the velocity estimate is wrong by up to "
+                "{peak:.3g} m/s.",
+                d=start, peak=s.peak)
+
+
+def _floor_words(s: Study) -> Text:
+    gap, worst = float(np.linalg.eigvalsh(s.parts.total - s.least)[0]), float(np.abs(s.least).max())
+    return claim(text("P − P_min has no negative eigenvalue: no combination of errors is smaller than the Kalman "
+                      "filter's."), gap, above=-1e-9 * worst, otherwise=text("P − P_min has a negative eigenvalue by rounding."))
+
+
+def _reading_words(s: Study) -> Text:
+    return text("A single reading is off by σ = {noise:.2g} m; the settled estimate by {position_rms:.2g} m.",
+                noise=float(np.sqrt(s.design["v"] / DT)), position_rms=s.deviation(s.parts.total, 0))
+
+
+def _velocity_words(s: Study) -> Text:
+    return text("Nobody measures the velocity; its settled estimate is off by σ = {velocity_rms:.2g} m/s.",
+                velocity_rms=s.deviation(s.parts.total, 1))
+
+
+def _diagram(outcome: Outcome[Study]) -> tuple[TabFigures, ...]:
+    return (tab_figures(DIAGRAM, lambda: (loop(SPRING_PLANT, outcome.study.run, outcome.study.L),)),)
+
+
+LOOK = Look(
+    text("error of {name} over observer speed"), text("force noise"), "|p| [rad/s]", (-0.5, 2.5),
+    lambda s: (float(np.log10(speed_of(s.poles))), float(np.log10(speed_of(s.kalman.poles)))), (3.0, 3.0),
+    (text("peak of the velocity error, without noise"), text("for 1 m of starting error"), "max|e₂| [m/s]"), (-0.5, 2.5),
+    MappingProxyType({"measured": "q [m]", "velocity": "v [m/s]"}),
+    MappingProxyType({"measured": (-0.5, 0.5), "velocity": (-0.5, 0.5), "error": (-0.2, 0.2)}),
+    MappingProxyType({"valley": _valley_words, "peaks": _peak_words, "shares": _floor_words, "measured": _reading_words,
+                      "velocity": _velocity_words}))
+BLOCK_SETTING = Setting(
+    BLOCK, SIGNALS, lambda design: int(design["watch"] == VELOCITY), lambda _: 1,
+    lambda design: (SPRING_PLANT.B, np.array([[design["w"]]]), np.array([[design["v"]]])), lambda design: (design["error0"], 0.0),
+    _observer, lambda s: ray_of(SPRING_PLANT, tuple(s.poles), OBSERVER_SPEEDS, s.design["w"], s.design["v"]), _stage, _numbers, _formulas,
+    _live, LOOK, _diagram, _tried)
