@@ -147,7 +147,7 @@ def the_least(one: Said, match: re.Match[str]) -> None:
 def times_the_least(one: Said, match: re.Match[str]) -> None:
     P, least = _variances(one)
     if one.lesson.plant:  # of the watched signal: a state, an output, or a weighted sum that the study names
-        row = one.outcome.study.row[0]
+        row = one.outcome.study.rows[one.outcome.study.judged]
         ratio = float(np.sqrt(row @ P @ row / (row @ least @ row)))
         assert np.linalg.norm(row) > 0 and abs(ratio - read(match[1])) < 0.01 * ratio, f"{ratio:.4g}"
         return
