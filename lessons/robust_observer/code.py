@@ -9,10 +9,9 @@ from observer_lab.course.script_record import Code, GivenValue, ShownValue
 from observer_lab.engine.observers import FunctionalObserver
 
 from .knobs import EXAMPLE_FOUR, EXAMPLE_THREE
-from .own_loop import WAVES, lengths
-from .own_loop import Story as OwnStory
-from .own_plant import Scaled
-from .study import DT, EXAMPLE_CASES, HORIZON, V_AMPLITUDE, V_RATE_RAD_S, Story, errors, input_error, start_of, turn, weighted
+from .loop import S
+from .own_plant import Here, lengths
+from .study import DT, EXAMPLE_CASES, HORIZON, V_AMPLITUDE, V_RATE_RAD_S, Story, errors, start_of, turn, weighted
 
 NOT_IN_SCRIPT = "Worst cases over the model errors, the error index, and what RLO finds"
 
@@ -21,11 +20,11 @@ def code(outcome: Outcome[Story]) -> Code:
     """The records of a design that its script starts from and finds again."""
     d, m, story = outcome.design, outcome.metrics, outcome.study
     case = EXAMPLE_CASES[d["example"]]
-    example, o, (dA, dC) = case.example, story.observer, errors(d)
+    example, o = case.example, story.observer
     return Code(
         ("robust_two_outputs" if d["example"] == EXAMPLE_FOUR else "robust_paper", "robust"),
         (
-            *_plant(o, dA, input_error(d), dC),
+            *_plant(o, *errors(d)),
             GivenValue("A_1", example.wrong.A[0], "what may be wrong in A"),
             GivenValue("A_2", example.wrong.A[1]),
             GivenValue("C_1", example.wrong.C[0], "and in C"),
@@ -46,37 +45,36 @@ def code(outcome: Outcome[Story]) -> Code:
             ShownValue("x", story.true.x),
             ShownValue("z", story.true.z),
             ShownValue("u", story.true.u[:, 0]),
-            ShownValue("e_u", story.true.e_u[:, 0]),
+            ShownValue("e_u", story.true.e),
             *(ShownValue(name, m[name]) for name in ("error_start", "late_error")),
         ),
         NOT_IN_SCRIPT,
     )
 
 
-def own_code(units: Scaled, outcome: Outcome[OwnStory], K: np.ndarray, dA: np.ndarray, dC: np.ndarray) -> Code:
-    """The same on a person's own plant; K is the whole controller."""
+def own_code(here: Here, outcome: Outcome[S]) -> Code:
+    """The same on a person's own plant."""
     d, m, story = outcome.design, outcome.metrics, outcome.study
-    o, true = story.observer, story.true
-    horizon = float(true.t[-1])
+    o, true, drive = story.observer, story.true, story.true.loop.drive
     return Code(
         ("robust_own", "robust"),
         (
-            *_plant(o, dA, 0 * o.plant.B, dC),
+            *_plant(o, *here.errors(d)),
             GivenValue("D", np.asarray(o.plant.D)),
-            GivenValue("K_all", K, "the controller's gain, of the many with its poles the page's"),
+            GivenValue("K_all", here.rows(d)[0], "the controller's gain, of the many with its poles the page's"),
             _given_rows(o),
             GivenValue("M_open", False),
             GivenValue("M_chosen", 0.0),
-            GivenValue("units", units.unit, "typical sizes of the states"),
-            GivenValue("lengths", lengths(o.T * units.unit), "of the rows of T in them"),
-            GivenValue("wanted_input", story.fed, "whether an input is wanted, or a state"),
-            GivenValue("j", int(d["wanted"][1:]) - 1 if story.fed else 0, "the input that v is added to"),
+            GivenValue("units", here.scaled.unit, "typical sizes of the states"),
+            GivenValue("lengths", lengths(o.T * here.scaled.unit), "of the rows of T in them"),
+            GivenValue("wanted_input", drive.fed, "whether an input is wanted, or a state"),
+            GivenValue("j", drive.on, "the input that v is added to"),
             *_weights(d, outcome.poles["observer"], d["alpha"]),
             GivenValue("x_start", true.x[0]),
-            GivenValue("h", horizon / (len(true.t) - 1), "s"),
+            GivenValue("h", float(true.t[-1]) / (len(true.t) - 1), "s"),
             GivenValue("count", len(true.t)),
-            GivenValue("push", d["push"], "v = push sin(turn t)"),
-            GivenValue("turn", 2 * np.pi * WAVES / horizon, "rad/s"),
+            GivenValue("push", drive.amplitude, "v = push sin(turn t)"),
+            GivenValue("turn", drive.rate, "rad/s"),
         ),
         (
             *_found(outcome),
@@ -121,7 +119,7 @@ def _weights(d: Design, poles: np.ndarray, alpha: np.ndarray | float) -> tuple[G
     )
 
 
-def _found(outcome: Outcome[Story] | Outcome[OwnStory]) -> tuple[ShownValue, ...]:
+def _found(outcome: Outcome[S]) -> tuple[ShownValue, ...]:
     gains = outcome.gains
     natural = float(np.abs(gains["K"]).max() / np.abs(gains["T"]).max())  # of N, which is zero where y says what is wanted
     direct = float(np.abs(gains["K"]).max() / np.abs(outcome.study.observer.plant.C).max())  # of M, which may be zero too

@@ -9,13 +9,12 @@ import numpy as np
 from observer_lab.course.exercises.derivation import Value
 from observer_lab.course.lesson import Outcome
 
-from .own_loop import Story as OwnStory
-from .study import Story
+from .loop import S
 
 REAL = 1e-9
 
 
-def derived(outcome: Outcome[Story] | Outcome[OwnStory]) -> Mapping[str, Value]:
+def derived(outcome: Outcome[S]) -> Mapping[str, Value]:
     """Both conditions, the parts of J, and the row that belongs to the first real pole, if there is one."""
     o = outcome.study.observer
     A, C, order = o.plant.A, o.plant.C, {1: 1, 2: 2, "inf": np.inf}[o.norm]

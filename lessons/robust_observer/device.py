@@ -9,8 +9,8 @@ from observer_lab.devices import HELD_READINGS, DeviceDesign, DeviceError, linea
 from observer_lab.engine.systems import discretise
 from observer_lab.text import text
 
-from .own_loop import Story as OwnStory
-from .study import DT, Story
+from .loop import Story
+from .own_job import Story as OwnStory
 
 LOOP_LOST = text("Sampled every {ts:.3g} s the loop with the model is unstable: its largest pole has modulus {radius:.4g}. Choose a "
                  "shorter period.")
@@ -19,14 +19,13 @@ POLES_KEPT = text("Largest pole of the sampled loop with the model: modulus {rad
 
 def device(outcome: Outcome[Story], ts: float | None = None) -> DeviceDesign:
     """The observer on the page's run with the true plant. Raises DeviceError where the sampled loop is unstable."""
-    story: Story | OwnStory = outcome.study
-    o = story.observer
+    story, o = outcome.study, outcome.study.observer
     plant = o.plant
-    own = isinstance(story, OwnStory)
-    step = float(story.true.t[1] - story.true.t[0]) if own else DT
+    drives = not isinstance(story, OwnStory)
+    run = story.true if drives else story.model
+    step = float(run.t[1])
     every = max(1, round((step if ts is None else ts) / step))
     period = every * step
-    drives = not own and len(o.K) == plant.m
     D = np.asarray(plant.D)
     F, L, H = sampled_observer(o.F, (o.L, o.TB - o.L @ D), period)
     names = tuple(f"K x {k + 1}" for k in range(len(o.K)))
@@ -40,15 +39,6 @@ def device(outcome: Outcome[Story], ts: float | None = None) -> DeviceDesign:
         if radius >= 1:
             raise DeviceError(LOOP_LOST.format(ts=period, radius=radius))
         loss = (POLES_KEPT.format(radius=radius),)
-    y, u, z, r = _record(story)
-    routine = linear_routine("functional observer", period, matrices, z, (names, plant.input_names, plant.output_names),
+    routine = linear_routine("functional observer", period, matrices, run.z[0], (names, plant.input_names, plant.output_names),
                              HELD_READINGS.format(ts=period), drives=drives)
-    return DeviceDesign(routine, y[::every], u[::every], r[::every] if drives else None, None, loss=loss)
-
-
-def _record(story: Story | OwnStory) -> tuple[np.ndarray, ...]:
-    """Readings, inputs, the observer's start and the command along the page's run."""
-    if isinstance(story, OwnStory):
-        run, plant = story.model, story.observer.plant
-        return run.x @ plant.C.T + run.u @ np.asarray(plant.D).T, run.u, np.zeros(story.observer.order), np.zeros_like(run.u)
-    return story.true.y, story.true.u, story.true.z[0], story.true.v
+    return DeviceDesign(routine, run.y[::every], run.u[::every], run.v[::every, None] if drives else None, None, loss=loss)

@@ -9,7 +9,7 @@ from observer_lab.course.figures.ranges import round_up_nicely
 from observer_lab.course.figures.records import Curve, LineFigure, MapFigure, PlaneFigure, Point, TableFigure, over_frequency
 from observer_lab.course.lazy import FigureSet, tab_figures
 from observer_lab.course.lesson import Design, Outcome
-from observer_lab.engine.observers import Attempt
+from observer_lab.engine.observers import Attempt, Existence
 from observer_lab.text import Text, format_number, joined, same, text, text_in
 
 from ..toolkit.latex import pole_words
@@ -17,10 +17,10 @@ from .assumptions import ASSUMED_TAB, assumed_figures
 from .criterion import criterion_1, of_two, steering, steering_3
 from .knobs import COLUMNS, EXAMPLE_FOUR, EXAMPLE_ONE, EXAMPLE_THREE, EXAMPLE_TWO, NORMS, REMARKS, SENSITIVITY_LINES
 from .paper_slips import PRINTED_SIZES, claimed_columns, free_columns, remark_3, true_size
-from .rank_conditions import ORDERS_TAB, paper_missed, paper_ranks
+from .rank_conditions import ORDERS_TAB, missed, ranks
 from .rectangle_map import pair_map
 from .steady_figure import steady_figure
-from .study import DISPLAY_LIMIT, EXAMPLE_CASES, FREQUENCIES, Search, Story
+from .study import DISPLAY_LIMIT, EXAMPLE_CASES, FREQUENCIES, PAPER, Search, Story
 
 TIME_TAB, J_TAB = text("Time"), text("Criterion J")
 WORST_TAB, PAPER_TAB = text("Worst case"), text("Paper")
@@ -38,8 +38,8 @@ def figures(outcome: Outcome[Story]) -> FigureSet:
     return FigureSet(tab_figures(TIME_TAB, lambda: (_error(outcome), _input(outcome), _output(outcome))),
                  tab_figures(J_TAB, lambda: (_criterion(outcome), _map_of(outcome), _found(outcome))),
                  tab_figures(WORST_TAB, lambda: (_frequency(outcome), _sweep(outcome), steady_figure(outcome, WORST_TAB))),
-                 tab_figures(PAPER_TAB, lambda: (_numbers(outcome), paper_ranks(outcome, PAPER_TAB), _slips(outcome))),
-                 tab_figures(ORDERS_TAB, lambda: (paper_missed(outcome),)),
+                 tab_figures(PAPER_TAB, lambda: (_numbers(outcome), ranks(PAPER, outcome, PAPER_TAB, _ranks_told), _slips(outcome))),
+                 tab_figures(ORDERS_TAB, lambda: (missed(PAPER, outcome),)),
                  tab_figures(ASSUMED_TAB, lambda: assumed_figures(outcome.design)))
 
 
@@ -49,9 +49,9 @@ def _edge(values: np.ndarray) -> np.ndarray:
 
 def _error(outcome: Outcome[Story]) -> LineFigure:
     story, late = outcome.study, outcome.metrics["late_error"]
-    steady = story.steady
+    steady = story.true.loop.steady()
     t, window = story.true.t, (-5.0, 5.0)
-    same_plant = np.array_equal(story.true.e_u, story.model.e_u)
+    same_plant = np.array_equal(story.true.e, story.model.e)
     caption = (text("Plant and model agree: e_u decays with the observer's poles, for every v.") if same_plant else
                text("With the true plant the loop is unstable, and e_u grows with it; on the model it decays.")
                if outcome.metrics["slowest_loop"] >= 0 else
@@ -60,8 +60,8 @@ def _error(outcome: Outcome[Story]) -> LineFigure:
                          "With the true plant e_u tends to an amplitude of {steady:.2g}. At the end of this run the start still shows: "
                          "up to {late:.2g}.", steady=steady, late=late)))
     return LineFigure("e_u", text("error of the input, û − Kx in the paper's sign"), t,
-                      (Curve(text("true plant"), _edge(story.true.e_u[:, 0]), "error"),
-                       Curve(text("model"), _edge(story.model.e_u[:, 0]), "reference", "dash", 1.6)),
+                      (Curve(text("true plant"), _edge(story.true.e), "error"),
+                       Curve(text("model"), _edge(story.model.e), "reference", "dash", 1.6)),
                       "e_u", window=window, caption=caption, tab=TIME_TAB)
 
 
@@ -70,9 +70,9 @@ def _input(outcome: Outcome[Story]) -> LineFigure:
     given = run.u[:, 0]
     peak = min(float(np.max(np.abs(given))), DISPLAY_LIMIT)
     return LineFigure("input", text("input wanted and given"), run.t,
-                      (Curve(text("wanted, −Kx + v"), _edge(given - run.e_u[:, 0]), "plant"),
+                      (Curve(text("wanted, −Kx + v"), _edge(given - run.e), "plant"),
                        Curve(text("given"), _edge(given), "estimate", "dash"),
-                       Curve(same("v"), run.v[:, 0], "muted", "dot", 1.4)), "u", window=(-10.0, 10.0),
+                       Curve(same("v"), run.v, "muted", "dot", 1.4)), "u", window=(-10.0, 10.0),
                       caption=text("v = −4 sin(5t + π/2). Largest input given: {peak:.3g}.", peak=peak), tab=TIME_TAB)
 
 
@@ -256,6 +256,13 @@ def _numbers(outcome: Outcome[Story]) -> TableFigure:
                        (text("matrix"), text("here, u = −K x̂"),
                         text("paper, u = +K x̂")), tuple(rows), tab=PAPER_TAB,
                        caption=text("F, T and L do not change; K, N and M do. The last row is an index that includes N and not W."))
+
+
+def _ranks_told(design: Design, rung: Existence) -> Text:
+    if design["example"] == EXAMPLE_THREE:
+        return text("T itself is T₀ and Q = I in (12): N = (K − M′C)T⁻¹ for every M′, and M = M′. Three rows of rank 2 leave one column.")
+    return claim(text("The {rows} rows of [T; C] have rank {rank}, and with K no more: N and M exist and are fixed.",
+                      rows=rung.rows, rank=rung.rank), float(rung.missed), below=1e-9)
 
 
 def _share(value: float | None) -> Text | str:

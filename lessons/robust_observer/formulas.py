@@ -21,7 +21,7 @@ LAWS = MappingProxyType({
 })
 
 
-def formulas_of(o: FunctionalObserver, design: Design) -> tuple[Formula, ...]:
+def formulas_of(design: Design, o: FunctionalObserver) -> tuple[Formula, ...]:
     """The law of an example, J, and the matrices of the observer with both signs."""
     sign = text("The paper prints u = +K x. Here u = −K x̂: its K, N and M change sign; F, T and L do not.")
     law = LAWS[design["example"]]

@@ -7,33 +7,40 @@ import numpy as np
 from observer_lab.course.figures.records import Curve, LineFigure, PlaneFigure, Point, TableFigure, over_frequency
 from observer_lab.course.lazy import FigureSet, tab_figures
 from observer_lab.course.lesson import Design, Outcome
-from observer_lab.engine.observers import FunctionalObserver, criterion
+from observer_lab.engine.observers import Existence, FunctionalObserver, criterion
 from observer_lab.text import NO_WORDS, Text, format_number, same, text
 
 from ..toolkit.latex import pole_words
 from .figures import J_TAB, NO_VALUE, TIME_TAB
-from .own_job import inside
-from .own_loop import Run, Story
+from .loop import Run, Setting, amplitudes
+from .own_job import Story, inside
 from .own_plant import Here
-from .rank_conditions import ORDERS_TAB, missed_figure, own_ladder, own_ranks
+from .rank_conditions import ORDERS_TAB, missed, ranks
 
 LOOP_TAB = text("Loop")
 CHOSEN, RLO, MODEL = text("true plant"), text("true plant, RLO"), text(
     "model")
 
 
-def figures(here: Here, outcome: Outcome[Story]) -> FigureSet:
+def figures(here: Here, setting: Setting, outcome: Outcome[Story]) -> FigureSet:
     """Time, criterion, loop: at most three in a tab."""
-    story = outcome.study
+    story, design = outcome.study, outcome.design
+    unit = here.unit(design)
     return FigureSet(
-        tab_figures(TIME_TAB, lambda: (_error(outcome, story), _signal(story))),
-        tab_figures(J_TAB, lambda: (_compared(outcome, story), own_ranks(here, outcome, story.observer.order, J_TAB), _attempts(story))),
-        tab_figures(ORDERS_TAB, lambda: (missed_figure(own_ladder(here, outcome.design), story.observer.order),)),
-        tab_figures(LOOP_TAB, lambda: (_gain(story), _plane(outcome.design, story))),
+        tab_figures(TIME_TAB, lambda: (_error(dict(here.wanted)[design["wanted"]], unit, outcome), _signal(unit, story))),
+        tab_figures(J_TAB, lambda: (_compared(outcome, story), ranks(setting, outcome, J_TAB, _ranks_told), _attempts(story))),
+        tab_figures(ORDERS_TAB, lambda: (missed(setting, outcome),)),
+        tab_figures(LOOP_TAB, lambda: (_gain(here, story), _plane(here, design, story))),
     )
 
 
-def _error(outcome: Outcome[Story], story: Story) -> LineFigure:
+def _ranks_told(design: Design, rung: Existence) -> Text:
+    return text("Order 0 is the readings alone, My. As soon as the rank with K is no higher, an observer exists; rows of [T; C] beyond "
+                "their rank leave M′ free. Each order has the poles of its own knob; an order without one has a pole more.")
+
+
+def _error(name: Text, unit: str, outcome: Outcome[Story]) -> LineFigure:
+    story = outcome.study
     late, size = outcome.metrics["late_error"], outcome.metrics["late_wanted"]
     ideal = story.model.late(story.model.e)
     curves = [Curve(CHOSEN, story.true.e, "error"), Curve(MODEL, story.model.e, "reference", "dash", 1.6)]
@@ -42,20 +49,18 @@ def _error(outcome: Outcome[Story], story: Story) -> LineFigure:
                 late=late, ideal=ideal, size=size)
     if story.found_run is not None:
         curves.append(Curve(RLO, story.found_run.e, "force", "dot"))
-    return LineFigure("e_u", text("error of the estimate: {name}", name=story.name), story.true.t, tuple(curves),
-                      f"e [{story.unit}]", caption=said, tab=TIME_TAB)
+    return LineFigure("e_u", text("error of the estimate: {name}", name=name), story.true.t, tuple(curves),
+                      f"e [{unit}]", caption=said, tab=TIME_TAB)
 
 
-def _signal(story: Story) -> LineFigure:
-    run, sign = story.true, -1.0 if story.fed else 1.0
-    push = run.v if story.fed else 0.0
-    title = text("input wanted and given") if story.fed else text(
-        "state and its estimate")
-    names = ((text("wanted, −Kx + v"), text("given")) if story.fed
-             else (text("true"), text("estimate")))
+def _signal(unit: str, story: Story) -> LineFigure:
+    run, fed = story.true, story.true.loop.drive.fed
+    sign, push = (-1.0, run.v) if fed else (1.0, 0.0)
+    title = text("input wanted and given") if fed else text("state and its estimate")
+    names = (text("wanted, −Kx + v"), text("given")) if fed else (text("true"), text("estimate"))
     wanted, given = sign * run.wanted + push, sign * (run.wanted - run.e) + push
     return LineFigure("signal", title, run.t, (Curve(names[0], wanted, "plant"), Curve(names[1], given, "estimate", "dash"),
-                                               Curve(same("v"), run.v, "muted", "dot", 1.4)), f"[{story.unit}]", tab=TIME_TAB,
+                                               Curve(same("v"), run.v, "muted", "dot", 1.4)), f"[{unit}]", tab=TIME_TAB,
                       caption=text("Largest difference: {e:.3g}.", e=np.abs(run.e).max()))
 
 
@@ -112,24 +117,24 @@ def _attempts(story: Story) -> TableFigure:
 
 
 # --- loop ----------------------------------------------------------------------------------------------------------
-def _gain(story: Story) -> LineFigure:
-    run = story.true
-    top = max(float(run.gain.max()), 1e-300)
-    floor = 1e-8 * top
-    curves = [Curve(CHOSEN, np.maximum(run.gain, floor), "error")]
+def _gain(here: Here, story: Story) -> LineFigure:
+    run, f = story.true, here.frequencies
+    gain = amplitudes((run.loop,), f)[0]
+    floor = 1e-8 * max(float(gain.max()), 1e-300)
+    curves = [Curve(CHOSEN, np.maximum(gain, floor), "error")]
     if story.found_run is not None:
-        curves.append(Curve(RLO, np.maximum(story.found_run.gain, floor), "force", "dot"))
-    k = int(np.argmax(run.gain))
+        curves.append(Curve(RLO, np.maximum(amplitudes((story.found_run.loop,), f)[0], floor), "force", "dot"))
+    k = int(np.argmax(gain))
     said = (text("The loop is unstable, so the gain has no meaning over time.")
             if run.poles.real.max() >= 0 else
             text("Largest {gain:.3g}, near {f:.3g} Hz; on the model it would be zero.",
-                 gain=run.gain[k], f=run.f[k]))
-    return over_frequency("gain", text("from v to the error of the estimate"), run.f, tuple(curves), "|e/v|",
+                 gain=gain[k], f=f[k]))
+    return over_frequency("gain", text("from v to the error of the estimate"), f, tuple(curves), "|e/v|",
                            caption=said, tab=LOOP_TAB)
 
 
-def _plane(design: Design, story: Story) -> PlaneFigure:
-    w = story.window
+def _plane(here: Here, design: Design, story: Story) -> PlaneFigure:
+    w = here.model.observer_window
     low, high = 1.6 * w.re_low, max(w.re_high, 0.3 * -w.re_low)
     tall = 1.2 * w.im_high
     points = [Point(float(np.clip(p.real, low, high)), float(np.clip(p.imag, -tall, tall)), role, mark)  # type: ignore[arg-type]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Hashable, Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -16,11 +16,19 @@ from observer_lab.engine.systems import Poles
 from observer_lab.text import text
 
 from .knobs import NORMS
-from .own_loop import errors, run_of, wanted_of, weighted
+from .loop import Run, Setting, run_of
+from .loop import Story as PlainStory
 from .own_plant import WORST_CONDITION, Here, met
-from .study import Story
 
 NUDGES = (1e-6, 1e-5, 1e-4, 1e-3)
+
+
+@dataclass(frozen=True, eq=False)
+class Story(PlainStory):
+    """With what RLO found and its run on the true plant, if it has run."""
+
+    found: RobustObserver | None = None
+    found_run: Run | None = None
 
 
 def key(design: Design) -> Hashable:
@@ -38,10 +46,10 @@ def inside(poles: Poles, design: Design) -> bool:
 def search(here: Here, outcome: Outcome[Story]) -> Iterator[tuple[float, RobustObserver | None]]:
     """Algorithm RLO for this plant; a better observer of the same order that is already chosen stays the result."""
     design, chosen = outcome.design, outcome.study.observer
-    units, row, result = here.scaled, wanted_of(here, design)[1], None
+    units, row, result = here.scaled, here.rows(design)[1], None
     region = Region(design["region_low"] / units.rate, design["region_high"] / units.rate, 0.0, design["region_tall"] / units.rate)
     try:
-        for part, found in rlo_steps(units.inner, row * units.unit, wrong=units.within(weighted(here, design)),
+        for part, found in rlo_steps(units.inner, row * units.unit, wrong=units.within(here.weighed(design)),
                                      norm=NORMS[design["norm"]], region=region,
                                      max_order=here.highest, worst_condition=WORST_CONDITION):
             result = found
@@ -50,7 +58,7 @@ def search(here: Here, outcome: Outcome[Story]) -> Iterator[tuple[float, RobustO
         raise KnobError(text("Algorithm RLO finds no observer in this region whose [T; C] has a condition number "
                              "below 10⁴; widen the region, also to complex poles.")) from problem
     assert result is not None
-    found = units.given(result.observer, row, weighted(here, design))
+    found = units.given(result.observer, row, here.weighed(design))
     result = replace(result, observer=found)
     if not met(found):
         result = beside(here, design, row, result)
@@ -68,7 +76,7 @@ def beside(here: Here, design: Design, row: np.ndarray, result: RobustObserver) 
             if not inside(poles, design):
                 continue
             try:
-                near = here.scaled.observer(row, tuple(poles), weighted(here, design), NORMS[design["norm"]])
+                near = here.scaled.observer(row, tuple(poles), here.weighed(design), NORMS[design["norm"]])
             except (EngineError, np.linalg.LinAlgError):
                 continue
             if met(near) and near.J - result.value < 10 * share * result.value:
@@ -76,9 +84,9 @@ def beside(here: Here, design: Design, row: np.ndarray, result: RobustObserver) 
     return result
 
 
-def shown(here: Here, outcome: Outcome[Story], result: RobustObserver) -> Outcome[Story]:
+def shown(setting: Setting, outcome: Outcome[Story], result: RobustObserver) -> Outcome[Story]:
     """The outcome with what RLO found, run under the same errors of the plant."""
-    run = run_of(here, outcome.design, result.observer, *errors(here, outcome.design))
+    run = run_of(setting, outcome.design, result.observer, setting.errors(outcome.design))
     more = {"J_rlo": float(result.value), "order_rlo": float(result.observer.order),
             "late_error_rlo": run.late(run.e)}
     return replace(outcome, study=replace(outcome.study, found=result, found_run=run), metrics=merge_lazily(outcome.metrics, more))

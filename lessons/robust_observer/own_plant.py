@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from observer_lab.course.knobs import KnobError, Poles
+from observer_lab.course.lesson import Design
 from observer_lab.engine import EngineError, Plant, functional_observer, observability
 from observer_lab.engine.design import typical_rate
 from observer_lab.engine.observers import FunctionalObserver, Norm, Perturbations, every_entry, perturbations
@@ -14,11 +15,14 @@ from observer_lab.plants import Model
 from observer_lab.plants.signal_names import signal_name
 from observer_lab.text import Text, same, text
 
-from .study import CONDITION_RTOL
+from ..toolkit.gains import feedback
+from .knobs import NORMS
+from .loop import CONDITION_RTOL, Errors, weighed
 
 MAX_LOW_ORDERS = 3  # orders offered from the lowest on; the highest comes with them
 COINCIDENT_POLES_RTOL = 1e-6  # poles nearer to each other than this, relative, coincide
 WORST_CONDITION = 1e4  # of [T; C]
+FREQUENCIES = 50
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,6 +76,73 @@ class Here:
     @property
     def plant(self) -> Plant:
         return self.model.plant
+
+    @property
+    def frequencies(self) -> np.ndarray:
+        """Frequencies in Hz around those of the run."""
+        return np.geomspace(0.2, 200.0, FREQUENCIES) / self.model.horizon
+
+    def unit(self, design: Design) -> str:
+        """The unit of what is wanted."""
+        names = self.plant.input_names if design["wanted"][0] == "u" else self.plant.state_names
+        return self.plant.unit(names[int(design["wanted"][1:]) - 1])
+
+    def weighed(self, design: Design) -> Perturbations:
+        """Every entry of A and C wrong by itself, with the design's weights."""
+        return weighed(self.entries, design)
+
+    def errors(self, design: Design) -> Errors:
+        """ΔA, ΔB = 0, ΔC of the true plant."""
+        A, C = self.plant.A, self.plant.C
+        rng = np.random.default_rng(int(design["signs"]))
+        a, c = (rng.choice([-1.0, 1.0], M.shape) if design["signs"] else np.ones(M.shape) for M in (A, C))
+        return design["delta_a"] / 100 * a * A, 0 * self.plant.B, design["delta_c"] / 100 * c * C
+
+    def rows(self, design: Design) -> tuple[np.ndarray, np.ndarray]:
+        """K (m×n) of the whole controller, and the wanted row (1×n)."""
+        K = feedback(self.plant, design["controller_poles"], self.model)
+        return K, row_of(self.plant, K, design["wanted"])
+
+    def inner(self, design: Design) -> tuple[Plant, np.ndarray, float]:
+        """The plant and the wanted row in its own units, and their unit of time in 1/s."""
+        return self.scaled.inner, self.rows(design)[1] * self.scaled.unit, self.scaled.rate
+
+    def orders(self, design: Design) -> tuple[tuple[complex, ...], ...]:
+        """No poles, those of each order that the page offers, and one more than the highest has."""
+        offered = [tuple(design[f"poles_{order}"]) for order, _ in self.starts]
+        return ((), *offered, (*offered[-1], complex(2 * min(p.real for p in offered[-1]))))
+
+    def observer(self, design: Design) -> FunctionalObserver:
+        """The observer of the design. Raises KnobError, in one sentence, where its poles give none."""
+        order = int(design["order"])
+        poles = design[f"poles_{order}"]
+        if max(p.real for p in poles) >= -1e-6 * -self.model.observer_window.re_low:
+            raise KnobError(text("An observer pole is not in the left half plane, so its error would not decay; drag it left."))
+        if coincide(poles):
+            raise KnobError(text("Two observer poles coincide; this form of the observer needs them apart, so move one."))
+        try:
+            found = self.scaled.observer(self.rows(design)[1], poles, self.weighed(design), NORMS[design["norm"]])
+        except (EngineError, np.linalg.LinAlgError) as problem:
+            raise _none(order) from problem
+        if not met(found):
+            raise _none(order)
+        return found
+
+    def unit_rows(self, o: FunctionalObserver) -> FunctionalObserver:
+        """The same observer with z in rows of T of unit length."""
+        size = lengths(o.T * self.scaled.unit)
+        return replace(o, F=o.F * size / size[:, None], T=o.T / size[:, None], L=o.L / size[:, None], N=o.N * size)
+
+
+def _none(order: int) -> KnobError:
+    return KnobError(text("With these poles no observer of order {order} gives the function to 10⁻⁹; raise the order or move the poles.",
+                          order=order))
+
+
+def lengths(rows: np.ndarray) -> np.ndarray:
+    """The length of each row, 1 for a row of zeros."""
+    length = np.linalg.norm(rows, axis=1)
+    return np.where(length > 0, length, 1.0)
 
 
 def fitted(model: Model) -> Here:

@@ -9,10 +9,10 @@ from observer_lab.course.figures.records import Curve, PlaneFigure, Point
 from observer_lab.course.knobs import KnobError
 from observer_lab.course.lesson import Outcome
 from observer_lab.engine import EngineError
-from observer_lab.engine.observers import perturbed_loop
 from observer_lab.text import Text, text
 
-from .study import EXAMPLE_CASES, Story, errors, input_error, observer_of, steady_error
+from .loop import loop_of
+from .study import EXAMPLE_CASES, PAPER, Story, observer_of
 
 SLOWEST = np.linspace(-12.0, -0.2, 60)  # rad/s, real part of the slowest pole of each observer that is drawn
 MOST_TIMES = 6.0  # how many times the least error the axis reaches, or the present one
@@ -22,7 +22,7 @@ def errors_that_stay(outcome: Outcome[Story]) -> tuple[np.ndarray, np.ndarray]:
     """Real part of the slowest pole and amplitude of e_u under v, where all poles move by the same amount."""
     design = outcome.design
     knob = EXAMPLE_CASES[design["example"]].poles
-    now, (dA, dC), dB = design[knob], errors(design), input_error(design)
+    now, errors = design[knob], PAPER.errors(design)
     slowest = max(pole.real for pole in now)
     found = []
     for at in np.union1d(SLOWEST, [slowest]):
@@ -30,7 +30,7 @@ def errors_that_stay(outcome: Outcome[Story]) -> tuple[np.ndarray, np.ndarray]:
             observer = observer_of(design.with_values(**{knob: tuple(pole + (at - slowest) for pole in now)}))
         except (KnobError, EngineError):
             continue  # no observer with these poles
-        left = steady_error(perturbed_loop(observer, dA=dA, dB=dB, dC=dC))
+        left = loop_of(PAPER, design, observer, errors).steady()
         if np.isfinite(left):
             found.append((float(at), left))
     return (np.array([at for at, _ in found]), np.array([left for _, left in found]))
@@ -39,7 +39,7 @@ def errors_that_stay(outcome: Outcome[Story]) -> tuple[np.ndarray, np.ndarray]:
 def steady_figure(outcome: Outcome[Story], tab: Text) -> PlaneFigure:
     """The curve, its least value and where the observer is now."""
     x, left = errors_that_stay(outcome)
-    now, slowest = outcome.study.steady, float(outcome.poles["observer"].real.max())
+    now, slowest = outcome.study.true.loop.steady(), float(outcome.poles["observer"].real.max())
     title, axes = text("error of û that stays"), (text("Re s of the slowest pole [rad/s]"), text("amplitude of û − u"))
     if not len(x):
         return PlaneFigure("steady", title, (), (), *axes, (-12.0, 0.0), (0.0, 1.0), tab=tab,

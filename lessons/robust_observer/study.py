@@ -5,7 +5,7 @@ House sign u = −K x̂ throughout; the source has u = +K x̂, so its K, N and M
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from types import MappingProxyType
@@ -14,23 +14,14 @@ import numpy as np
 
 from observer_lab.course.figures.claims import claim
 from observer_lab.course.knobs import KnobError, Number
-from observer_lab.course.lazy import LazyMap, LazySequence, LazyValue
-from observer_lab.course.lesson import Board, Check, Design, Outcome, Stage
-from observer_lab.engine import Plant, functional_observer, simulate_functional
-from observer_lab.engine.observers import (
-    FunctionalObserver,
-    FunctionalRun,
-    Norm,
-    Perturbations,
-    RobustObserver,
-    error_index,
-    peak_gain,
-    perturbed_loop,
-    vertices,
-)
+from observer_lab.course.lazy import LazyValue
+from observer_lab.course.lesson import Board, Check, Design, Stage
+from observer_lab.engine import functional_observer
+from observer_lab.engine.observers import FunctionalObserver, Norm, Perturbations, RobustObserver, error_index, peak_gain, vertices
+from observer_lab.plants import Window
 from observer_lab.plants.bodies.body import Body
 from observer_lab.plants.bodies.duan_body import rack_body
-from observer_lab.plants.duan import EXAMPLE_1, EXAMPLE_2, Example, outer_input
+from observer_lab.plants.duan import EXAMPLE_1, EXAMPLE_2, Example
 from observer_lab.plants.two_carts import CARTS, directions
 from observer_lab.text import Text, joined, text
 
@@ -38,13 +29,17 @@ from ..toolkit.boards import listed
 from ..toolkit.latex import pole_words
 from .formulas import formulas_of
 from .knobs import ERRORS_GROUP, EXAMPLE_FOUR, EXAMPLE_ONE, EXAMPLE_THREE, EXAMPLE_TWO, IM_HIGH, KNOBS, NORMS, RE_HIGH, RE_LOW
+from .loop import CONDITION_RTOL, Drive, Errors, Loop, Run, Setting, amplitudes, loop_of, run_of, weighed
+from .loop import Story as PlainStory
 
 HORIZON, DT = 6.0, 0.015
 BEST_POLE = -5 / 3  # least J of example 1 with unit weights
 FREQUENCIES = np.geomspace(0.02, 20.0, 120)  # Hz
 V_AMPLITUDE, V_RATE_RAD_S = 4.0, 5.0  # amplitude and rad/s of the paper's v
+RUNAWAY = 1e12  # a state beyond ends what a run tells
 DISPLAY_LIMIT = 1e3  # gains and signals beyond are drawn at the edge
 SLOWEST_POLE_RAD_S = -0.01  # rad/s: an observer pole nearer to the imaginary axis is refused
+LADDER_POLES = (-4.0, -2.5, -6.0, -7.5)  # rad/s, of the orders that the board does not show
 MIN_POLE_GAP = 1e-3  # two real poles of example 2 must be farther apart than this
 
 
@@ -75,9 +70,8 @@ EXAMPLE_CASES: MappingProxyType[str, Case] = MappingProxyType({
 
 def weighted(design: Design) -> Perturbations:
     """The directions of the model error with the design's weights: α₁ and α₂ of A, one β and one γ of C."""
-    w = EXAMPLE_CASES[design["example"]].example.wrong
-    return replace(w, alpha=design["alpha"] * np.array([1.0, design["second"]]), beta=np.full(len(w.C), design["beta"]),
-                   gamma=np.full(len(w.C), design["gamma"]))
+    wrong = weighed(EXAMPLE_CASES[design["example"]].example.wrong, design)
+    return replace(wrong, alpha=wrong.alpha * np.array([1.0, design["second"]]))
 
 
 def deltas(design: Design) -> tuple[np.ndarray, np.ndarray]:
@@ -86,15 +80,10 @@ def deltas(design: Design) -> tuple[np.ndarray, np.ndarray]:
     return np.array([a1, a2]), np.array([c])
 
 
-def errors(design: Design) -> tuple[np.ndarray, np.ndarray]:
-    """ΔA, ΔC of the true plant."""
-    w, (a, c) = EXAMPLE_CASES[design["example"]].example.wrong, deltas(design)
-    return np.tensordot(a, w.A, 1), np.tensordot(c, w.C, 1)
-
-
-def input_error(design: Design) -> np.ndarray:
-    """ΔB = δ_b B of the true plant."""
-    return design["input"] * EXAMPLE_CASES[design["example"]].example.plant.B
+def errors(design: Design) -> Errors:
+    """ΔA, ΔB = δ_b B and ΔC of the true plant."""
+    example, (a, c) = EXAMPLE_CASES[design["example"]].example, deltas(design)
+    return np.tensordot(a, example.wrong.A, 1), design["input"] * example.plant.B, np.tensordot(c, example.wrong.C, 1)
 
 
 def turn(design: Design) -> np.ndarray:
@@ -138,41 +127,17 @@ def start_of(design: Design) -> np.ndarray:
     return turn(design) @ z0 if design["example"] == EXAMPLE_TWO and design["carried"] else z0
 
 
-def shown(run: FunctionalRun) -> FunctionalRun:
-    """The run over the whole horizon, held where it has left every scale."""
-    count = round(HORIZON / DT) + 1
-    if len(run.t) == count:
-        return run
-    index = np.minimum(np.arange(count), len(run.t) - 1)
-    return replace(run, t=DT * np.arange(count), x=run.x[index], z=run.z[index], y=run.y[index], v=run.v[index],
-                   u=run.u[index], e_u=run.e_u[index])
+def gains_over_frequency(loops: Sequence[Loop]) -> tuple[np.ndarray, float]:
+    """|v → e_u| of each loop over FREQUENCIES (len(loops), n_f), and the peak of all but the first.
 
-
-def gains_over_frequency(observer: FunctionalObserver, dB: np.ndarray,
-                         pairs: Sequence[tuple[np.ndarray, np.ndarray]]) -> tuple[np.ndarray, float]:
-    """|v → e_u| of the loop for each (ΔA, ΔC), over FREQUENCIES (len(pairs), n_f), and the peak of all but the first.
-
-    The first has ΔB as well.
-
-    DISPLAY_LIMIT where a loop is unstable. The peak is exact for the pair that is highest on the grid.
+    DISPLAY_LIMIT where a loop is unstable. The peak is exact for the loop that is highest on the grid.
     """
-    loops = [perturbed_loop(observer, dA=dA, dB=dB if k == 0 else None, dC=dC) for k, (dA, dC) in enumerate(pairs)]
-    A, B, C = (np.stack([getattr(loop, name) for loop in loops]) for name in "ABC")
-    s = 2j * np.pi * np.append(FREQUENCIES, 1e-7)  # and all but a constant
-    solved = np.linalg.solve(s[None, :, None, None] * np.eye(A.shape[1]) - A[:, None], B[:, None] + 0j)
-    gain = np.abs((C[:, None] @ solved)[..., 0, 0])
-    unstable = np.max(np.real(np.linalg.eigvals(A)), axis=1) >= 0
+    gain = amplitudes(loops, np.append(FREQUENCIES, 1e-7))  # and all but a constant
+    unstable = np.array([np.max(np.real(np.linalg.eigvals(loop.A))) >= 0 for loop in loops])
     gain[unstable] = DISPLAY_LIMIT
-    k = 1 + int(np.argmax(gain[1:].max(axis=1)))
-    peak = np.inf if unstable[1:].any() else peak_gain(A[k], B[k], C[k], np.zeros((1, 1)))[0]
+    high = loops[1 + int(np.argmax(gain[1:].max(axis=1)))]
+    peak = np.inf if unstable[1:].any() else peak_gain(high.A, high.b[:, None], high.error, np.zeros((1, 1)))[0]
     return np.minimum(gain[:, :-1], DISPLAY_LIMIT), float(min(peak, DISPLAY_LIMIT))
-
-
-def steady_error(loop: Plant) -> float:
-    """Amplitude of e_u once the start has died out, under v = `V_AMPLITUDE` sin(`V_RATE_RAD_S` t + φ): V_AMPLITUDE·|C (jω − A)⁻¹ B|."""
-    if np.max(np.real(loop.poles)) >= 0:
-        return np.inf
-    return V_AMPLITUDE * float(abs((loop.C @ np.linalg.solve(1j * V_RATE_RAD_S * np.eye(len(loop.A)) - loop.A, loop.B + 0j))[0, 0]))
 
 
 def vertices_of(design: Design) -> tuple[tuple[np.ndarray, np.ndarray], ...]:
@@ -181,7 +146,6 @@ def vertices_of(design: Design) -> tuple[tuple[np.ndarray, np.ndarray], ...]:
 
 
 LOOP_LOW, LOOP_HIGH, LOOP_IM = -32.0, 4.0, 8.0  # of the loop's
-CONDITION_RTOL = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -195,23 +159,11 @@ class Search:
 
 
 @dataclass(frozen=True, eq=False)
-class Story:
-    """The observer, its run on the true plant and, when they are looked at, on the model, and `gains_over_frequency`.
+class Story(PlainStory):
+    """With `gains_over_frequency` of the true loop and of the eight vertices, and what RLO found."""
 
-    steady: amplitude at which e_u settles on the true plant under v, ∞ where its loop is unstable.
-    """
-
-    observer: FunctionalObserver
-    alone: LazyValue[FunctionalRun]
-    true: FunctionalRun
     gains: LazyValue[tuple[np.ndarray, float]]
-    steady: float
     search: Search | None = None
-
-    @property
-    def model(self) -> FunctionalRun:
-        """The run on the model."""
-        return self.alone.value
 
     @property
     def now(self) -> np.ndarray:
@@ -229,61 +181,39 @@ class Story:
         return self.gains.value[1]
 
 
-def compute(design: Design) -> Outcome[Story]:
-    """The observer in house sign, one run on the model and one on the true plant, the worst of eight vertices."""
-    case = EXAMPLE_CASES[design["example"]]
-    example, observer, (dA, dC), dB = case.example, observer_of(design), errors(design), input_error(design)
-    z0 = start_of(design)
-    model = LazyValue(lambda: simulate_functional(observer, outer_input, x0=example.x0, z0=z0, horizon=HORIZON, dt=DT))
-    true = shown(simulate_functional(observer, outer_input, x0=example.x0, z0=z0, horizon=HORIZON, dt=DT, dA=dA, dB=dB, dC=dC))
-    gains = LazyValue(lambda: gains_over_frequency(observer, dB, ((dA, dC), *vertices_of(design))))
-    loop = perturbed_loop(observer, dA=dA, dB=dB, dC=dC)
-    story = Story(observer, model, true, gains, steady_error(loop))
-    late = true.t > 0.75 * HORIZON
-    known = {"J": observer.J, "order": float(observer.order), "slowest_loop": float(np.max(np.real(loop.poles))),
-             "error_start": float(true.e_u[0, 0]), "late_error": float(min(np.abs(true.e_u[late]).max(), DISPLAY_LIMIT))}
-    metrics = LazyMap(lambda: {
-        **known, "error_index": min(error_index(observer), 1e9), "dynamics_residual": observer.dynamics_residual,
-        "output_residual": observer.output_residual, "worst_gain": story.peak,
-        "largest_N": float(np.abs(observer.N).max()), "coordinate_gap": _coordinate_gap(design, story.model),
-    }, known)
-    o = observer
-    return Outcome(design, {"F": o.F, "T": o.T, "L": o.L, "N": o.N, "M": o.M, "K": o.K},
-                   {"observer": np.array(design[case.poles]), "loop": loop.poles}, metrics, LazySequence(lambda: _checks(metrics)), None,
-                   _boards(design, case.poles, loop.poles), _stage(case, design, true), LazySequence(lambda: formulas_of(o, design)),
-                   LazyValue(lambda: _live(design, metrics)), story)
+def _story(design: Design, plain: PlainStory) -> Story:
+    o, exact = plain.observer, 0 * plain.observer.plant.B
+    return Story(o, plain.alone, plain.true, LazyValue(lambda: gains_over_frequency(
+        (plain.true.loop, *(loop_of(PAPER, design, o, (dA, exact, dC)) for dA, dC in vertices_of(design))))))
 
 
-def _checks(metrics: Mapping[str, float]) -> tuple[Check, Check]:
+def _told(design: Design, story: Story) -> dict[str, float]:
+    o = story.observer
+    return {"error_index": min(error_index(o), 1e9), "worst_gain": story.peak, "largest_N": float(np.abs(o.N).max()),
+            "coordinate_gap": _coordinate_gap(design, story.model)}
+
+
+def _conditions(metrics: Mapping[str, float]) -> tuple[Check]:
     kept = max(metrics["dynamics_residual"], metrics["output_residual"])
-    return (
-        Check("conditions", text("T A − F T = L C and K = N T + M C"), kept < CONDITION_RTOL, kept),
-        Check("stable", text("the loop with the true plant is stable"), metrics["slowest_loop"] < 0, metrics["slowest_loop"]),
-    )
+    return (Check("conditions", text("T A − F T = L C and K = N T + M C"), kept < CONDITION_RTOL, kept),)
 
 
-def _coordinate_gap(design: Design, model: FunctionalRun) -> float:
+def _coordinate_gap(design: Design, model: Run) -> float:
     """How far e_u on the model is from that of W = I started at the published z(0)."""
     if design["example"] != EXAMPLE_TWO:
         return 0.0
-    example = EXAMPLE_CASES[EXAMPLE_TWO].example
-    plain = simulate_functional(observer_of(design, np.eye(2)), outer_input, x0=example.x0, z0=example.z0, horizon=HORIZON,
-                                dt=DT)
-    return float(np.abs(plain.e_u - model.e_u).max())
+    plain = run_of(PAPER, design.with_values(carried=False), observer_of(design, np.eye(2)))
+    return float(np.abs(plain.e - model.e).max())
 
 
-def _boards(design: Design, knob: str, loop: np.ndarray) -> tuple[Board, Board]:
-    return (
-        Board("loop", text("poles of the loop with the true plant"),
-              listed(loop),
-              role="plant", side="left", re_low=LOOP_LOW, re_high=LOOP_HIGH, im_high=LOOP_IM),
-        Board("observer", text("observer poles  eig F"), design[knob], knob, role="estimate",
-              side="right", re_low=RE_LOW, re_high=RE_HIGH, im_high=IM_HIGH),
-    )
+def _loop_board(design: Design, loop: np.ndarray) -> Board:
+    return Board("loop", text("poles of the loop with the true plant"), listed(loop), role="plant", side="left", re_low=LOOP_LOW,
+                 re_high=LOOP_HIGH, im_high=LOOP_IM)
 
 
-def _stage(case: Case, design: Design, run: FunctionalRun) -> Stage:
-    given, wanted = run.u, run.u - run.e_u
+def _stage(design: Design, story: Story) -> Stage:
+    case, run = EXAMPLE_CASES[design["example"]], story.true
+    given, wanted = run.u, run.u - run.e[:, None]
     shares = np.tile([design[name] / ERROR_KNOBS[name].high for name in case.deltas], (len(run.t), 1))
     states = np.clip(np.hstack([run.x, run.z, shares]), -DISPLAY_LIMIT, DISPLAY_LIMIT)
     true, ghost = (np.hstack([states, np.clip(u, -DISPLAY_LIMIT, DISPLAY_LIMIT)]) for u in (wanted, given))
@@ -298,3 +228,28 @@ def _live(design: Design, metrics: Mapping[str, float]) -> Text:
                      late_error=metrics["late_error"]), metrics["slowest_loop"], below=0.0,
                 otherwise=text("With the true plant the loop is unstable."))
     return joined(start, end)
+
+
+def _bounded(states: np.ndarray) -> np.ndarray:
+    """The states as they are, held where one of them has left every scale."""
+    lost = ~(np.abs(states).max(axis=1) < RUNAWAY)
+    return states[np.minimum(np.arange(len(states)), int(np.argmax(lost)) - 1)] if lost.any() else states
+
+
+def _rows(design: Design) -> tuple[np.ndarray, np.ndarray]:
+    K = EXAMPLE_CASES[design["example"]].example.K
+    return K, K
+
+
+def _orders(design: Design) -> Iterator[Sequence[complex]]:
+    case = EXAMPLE_CASES[design["example"]]
+    poles = design[case.poles]
+    return (poles if order == len(poles) else LADDER_POLES[:order] for order in range(case.example.plant.n + 1))
+
+
+PAPER = Setting(
+    HORIZON, DT, 0.75 * HORIZON + DT / 2, DISPLAY_LIMIT, Window(RE_LOW, RE_HIGH, IM_HIGH), _rows,
+    lambda design: (EXAMPLE_CASES[design["example"]].example.plant, _rows(design)[0], 1.0), _orders, observer_of, errors,
+    lambda design: Drive(-V_AMPLITUDE, V_RATE_RAD_S, np.pi / 2),
+    lambda design: (EXAMPLE_CASES[design["example"]].example.x0, start_of(design)), _bounded,
+    lambda design: EXAMPLE_CASES[design["example"]].poles, _story, _told, _conditions, _loop_board, _stage, formulas_of, _live)

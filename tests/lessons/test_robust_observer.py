@@ -89,9 +89,9 @@ def test_the_region_binds_the_search():
 
 def test_on_the_model_the_error_forgets_v_and_the_plant():
     o = outcome(pole=(-5.0,)).study.model
-    np.testing.assert_allclose(o.e_u[:, 0], -111 * np.exp(-5 * o.t), atol=1e-9)
+    np.testing.assert_allclose(o.e, -111 * np.exp(-5 * o.t), atol=1e-9)
     o = outcome(pole=(-5 / 3,)).study.model
-    np.testing.assert_allclose(o.e_u[:, 0], -11 * np.exp(-5 / 3 * o.t), atol=1e-10)
+    np.testing.assert_allclose(o.e, -11 * np.exp(-5 / 3 * o.t), atol=1e-10)
 
 
 @pytest.mark.parametrize(("s", "start", "amplitude"), [(-5, -116, 0.941342), (-5 / 3, -11, 0.431366)])
@@ -101,7 +101,7 @@ def test_figure_1_start_and_steady_amplitude_of_the_perturbed_loop(s, start, amp
     assert o.metrics["error_start"] == pytest.approx(start, abs=1e-10)  # at −5/3 as on the model, since M = 0
     late = run.t > 5.4
     wave = np.column_stack([np.sin(5 * run.t[late]), np.cos(5 * run.t[late])])
-    fitted = np.hypot(*np.linalg.lstsq(wave, run.e_u[late, 0], rcond=None)[0])
+    fitted = np.hypot(*np.linalg.lstsq(wave, run.e[late], rcond=None)[0])
     assert fitted == pytest.approx(amplitude, abs=5e-4)  # what is left of the transient after 5.4 s
     at_5 = np.interp(5 / (2 * np.pi), FREQUENCIES, o.study.now)
     assert 4 * at_5 == pytest.approx(amplitude, rel=5e-3)  # read off the frequency curve
@@ -196,7 +196,7 @@ def test_one_state_for_example_2_would_need_an_unstable_pole():
 def test_W_changes_J_and_nothing_that_can_be_felt_once_the_start_is_carried_along(w):
     plain, apart, carried = (outcome(example="2", w12=x, carried=on) for x, on in ((0.0, False), (w, False), (w, True)))
     assert carried.metrics["coordinate_gap"] < 1e-9 < 1 < apart.metrics["coordinate_gap"]
-    np.testing.assert_allclose(carried.study.true.e_u, plain.study.true.e_u, atol=1e-9)
+    np.testing.assert_allclose(carried.study.true.e, plain.study.true.e, atol=1e-9)
     np.testing.assert_allclose(carried.poles["loop"], plain.poles["loop"], atol=1e-8)
     np.testing.assert_allclose(carried.study.worst, plain.study.worst, rtol=1e-8)
     assert carried.metrics["error_index"] == pytest.approx(plain.metrics["error_index"], rel=1e-9)
@@ -223,7 +223,7 @@ def test_the_perturbed_run_of_example_2_against_an_adaptive_solver_of_the_papers
 def test_only_the_input_has_a_ghost_and_their_distance_is_e_u(d):
     o = LESSON.compute(d)
     np.testing.assert_array_equal(o.stage.x[:, :-1], o.stage.xhat[:, :-1])
-    np.testing.assert_allclose(o.stage.xhat[:, -1] - o.stage.x[:, -1], o.study.true.e_u[:, 0], atol=1e-9)
+    np.testing.assert_allclose(o.stage.xhat[:, -1] - o.stage.x[:, -1], o.study.true.e, atol=1e-9)
     beads = [o.stage.body.pose(o.stage.x[9].tolist(), 1.0)[f"{name} {k}"].position[0] for name in ("bead", "model") for k in range(3)]
     reach = [knob.high for name in EXAMPLE_CASES[d["example"]].deltas for knob in LESSON.knobs if knob.name == name]
     shares = [d[name] / high for name, high in zip(EXAMPLE_CASES[d["example"]].deltas, reach, strict=True)]
@@ -302,14 +302,15 @@ def test_a_transient_is_not_called_an_amplitude(s: float) -> None:
     o = outcome(pole=(s,))
     caption, slowest = next(f for f in LESSON.figures(o) if f.id == "e_u").caption("en"), o.metrics["slowest_loop"]
     if slowest >= 0:
-        assert "unstable" in caption and np.isinf(o.study.steady)
+        assert "unstable" in caption and np.isinf(o.study.true.loop.steady())
         return
-    dA, dC = errors(o.design)
+    dA, _, dC = errors(o.design)
     long = simulate_functional(o.study.observer, outer_input, x0=EXAMPLE_1.x0, z0=EXAMPLE_1.z0, horizon=max(20.0, 12 / -slowest),
                                dt=0.01, dA=dA, dC=dC)
     settled = np.abs(long.e_u[-500:, 0]).max()
-    assert o.study.steady == pytest.approx(settled, rel=0.01)
-    assert ("tends to an amplitude" in caption) == (o.metrics["late_error"] >= 1.2 * settled) and f"{o.study.steady:.2g}" in caption
+    steady = o.study.true.loop.steady()
+    assert steady == pytest.approx(settled, rel=0.01)
+    assert ("tends to an amplitude" in caption) == (o.metrics["late_error"] >= 1.2 * settled) and f"{steady:.2g}" in caption
 
 
 def test_two_roads_are_open_to_a_pair_only():
@@ -338,7 +339,7 @@ def test_an_error_of_the_input_drives_the_estimate_while_J_stays(example: str) -
     loop = np.block([[A - 1.3 * B @ K, -1.3 * B @ N], [0.3 * o.T @ B @ K, o.F + 0.3 * o.T @ B @ N]])
     drive = np.vstack([1.3 * B, -0.3 * o.T @ B])
     gain = np.abs(np.hstack([np.zeros((1, n)), N]) @ np.linalg.solve(5j * np.eye(n + q) - loop, drive + 0j))[0, 0]
-    assert np.isclose(4 * gain, wrong.study.steady, rtol=1e-9) and wrong.study.steady > 0
+    assert np.isclose(4 * gain, wrong.study.true.loop.steady(), rtol=1e-9) and wrong.study.true.loop.steady() > 0
     assert np.allclose(np.sort_complex(np.linalg.eigvals(loop)), np.sort_complex(wrong.poles["loop"]))
 
 

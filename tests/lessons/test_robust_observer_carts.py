@@ -112,7 +112,7 @@ def test_a_bound_of_zero_leaves_real_poles():
 @pytest.mark.parametrize("poles", [(-4, -2.5), pair(-0.5, 2.0)])
 def test_the_run_of_the_carts_is_a_matrix_exponential(poles):
     o = LESSON.compute(LESSON.apply(CARTS, {"pair": poles}))
-    g, (dA, dC) = o.gains, errors(o.design)
+    g, (dA, _, dC) = o.gains, errors(o.design)
     np.testing.assert_allclose(dA, 0.5 * WRONG_A[0] + 0.2 * WRONG_A[1])
     B, seen = np.array([[0], [1], [0], [0.0]]), C + dC
     drive = np.vstack([B, g["T"] @ B])

@@ -57,7 +57,7 @@ def test_on_the_model_no_free_number_is_seen_but_in_how_the_start_is_forgotten()
         e = o.study.observer
         start = np.array([-0.3, -0.3]) - e.T @ [1.0, 1.0]
         eps = start * np.exp(np.outer(o.study.model.t, [-4.0, -2.5]))
-        np.testing.assert_allclose(o.study.model.e_u[:, 0], -(eps @ e.N.T)[:, 0], atol=1e-9)
+        np.testing.assert_allclose(o.study.model.e, -(eps @ e.N.T)[:, 0], atol=1e-9)
 
 
 def test_J_asks_for_no_direct_path_and_the_worst_case_for_another():

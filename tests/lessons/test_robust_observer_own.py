@@ -16,7 +16,7 @@ from observer_lab.course.lesson import Lesson, Outcome
 from observer_lab.engine import EngineError, Plant, observability, simulate_functional
 from observer_lab.engine.observers import criterion, perturbed_loop
 from observer_lab.lessons.robust_observer.lesson import LESSON
-from observer_lab.lessons.robust_observer.own_loop import errors, loop_of, run_of
+from observer_lab.lessons.robust_observer.loop import amplitudes, loop_of, run_of
 from observer_lab.lessons.robust_observer.own_plant import Here, fitted
 from observer_lab.plants.examples import EXAMPLES, example
 from observer_lab.plants.own_plant import canonical_text
@@ -26,7 +26,7 @@ SMALL = tuple(name for name in FITS if name != "beam")  # RLO on sixteen states 
 
 
 def here_of(lesson: Lesson) -> Here:
-    return lesson.compute.args[0]  # type: ignore[attr-defined]
+    return lesson.figures.args[0]  # type: ignore[attr-defined]
 
 
 def conditions(outcome: Outcome) -> tuple[float, float]:
@@ -136,10 +136,11 @@ def test_with_one_input_the_loop_is_that_of_the_engine(name: str) -> None:
     lesson = LESSON.fit(example(name))
     here, design = here_of(lesson), lesson.start()
     o = lesson.compute(design).study.observer
-    dA, dC = errors(here, design)
-    np.testing.assert_allclose(np.sort_complex(np.linalg.eigvals(loop_of(here, design, o, dA, dC).A)),
+    setting, (dA, _, dC) = lesson.compute.args[0], here.errors(design)  # type: ignore[attr-defined]
+    loop = loop_of(setting, design, o, here.errors(design))
+    np.testing.assert_allclose(np.sort_complex(np.linalg.eigvals(loop.A)),
                                np.sort_complex(perturbed_loop(o, dA=dA, dB=None, dC=dC).poles), rtol=1e-5)
-    run = run_of(here, design, o, dA, dC)
+    run = run_of(setting, design, o, here.errors(design))
     turn = 2 * np.pi * 3 / here.model.horizon
     engine = simulate_functional(o, lambda t: design["push"] * np.sin(turn * t), x0=here.model.x0, z0=None,
                                  horizon=here.model.horizon, dt=here.model.dt,
@@ -163,7 +164,7 @@ def test_without_errors_the_estimate_errs_by_what_its_own_poles_leave(name: str)
         k = len(run.t) // 8
         np.testing.assert_allclose(run.e[k], (o.N @ expm(o.F * run.t[k]) @ eps).item(), atol=1e-6 * max(np.abs(run.e).max(), 1e-9))
         if design["push"]:
-            assert run.gain.max() * design["push"] <= 1e-6 * np.abs(run.wanted).max()
+            assert amplitudes((run.loop,), here.frequencies).max() * design["push"] <= 1e-6 * np.abs(run.wanted).max()
 
 
 def test_the_ghost_is_the_whole_state_where_z_and_y_give_it() -> None:

@@ -85,7 +85,7 @@ def missed(shown: Shown) -> np.ndarray:
     """û − Kx of a robust observer on the true plant (n_t,): the loop written out and joined to the oscillator that makes v."""
     d, o = shown.outcome.design, shown.outcome.study.observer
     A, B, C = o.plant.A, o.plant.B, o.plant.C
-    dA, dC = errors(d)
+    dA, _, dC = errors(d)
     true_A, true_B, true_C = A + dA, (1 + d["input"]) * B, C + dC
     steer, turns = -np.hstack([o.M @ true_C, o.N]), np.array([[0.0, 5.0], [-5.0, 0.0]])
     n, q = len(A), o.order
