@@ -90,7 +90,7 @@ class Scene:
     `runs` says that the run then plays from its start. `figures` and `boards` are ids; `formulas` the ids of live equations; `lines`
     are lines of algebra in LaTeX that come one after another, see `guide/moving_lines.py`. `minutes` is the planned time, `core`
     whether the scene belongs to the path of 15 minutes. `moment` is the share of the run at which it rests, None where plant and
-    estimate differ most.
+    estimate differ most; `told` is another such share once its question has been answered.
     """
 
     id: str
@@ -107,6 +107,7 @@ class Scene:
     core: bool = True
     lines: tuple[str, ...] = ()
     moment: float | None = None
+    told: float | None = None
 
     @property
     def answers(self) -> bool:

@@ -14,7 +14,7 @@ from .toml_table import Table, check_value, knob_named, read_table, read_values
 
 ACTION_KEYS = MappingProxyType({"answer": "choose", "move": "move", "goal": "move", "task": "solve"})  # which action each belongs to
 SCENE_KEYS = ("id", "do", *ACTION_KEYS, "set", "play", "knobs", "figures", "boards", "formulas", "lines", "camera",
-              "moment", "runs", "minutes", "core")
+              "moment", "told", "runs", "minutes", "core")
 ACTIONS = ("read", "predict", "again", "choose", "move", "play", "kick", "pull", "solve")
 HEADING, BEGIN, END = re.compile(r"## ([\w-]+):"), "```toml", "```"
 
@@ -65,18 +65,22 @@ def _scene(table: Table, knobs: Sequence[Knob], tasks: Sequence[str], words: Map
                                          key=key, action=action))
     if action == Question.SECOND.value and not again:
         raise table.refuse("do", text("This scene asks the second prediction, and the lesson has no table [again]."))
+    if "told" in table.data and action not in ("choose", "predict", "again"):
+        raise table.refuse("told", text("Only a scene that asks a question may have told."))
     options = len(words[id].options) if id in words else 0
     return Scene(id, _action(action, table, knobs, tasks, options), read_values(table, "set", knobs), read_values(table, "play", knobs),
                  shown, drawn, table.names("boards"), table.names("formulas"), table.switch("runs", True),
                  table.one_of("camera", ("", *get_args(Camera)), ""), minutes, table.switch("core", True),
-                 table.names("lines"), _moment(table) if "moment" in table.data else None)
+                 table.names("lines"), _moment(table, "moment"), _moment(table, "told"))
 
 
-def _moment(table: Table) -> float:
-    """The share of its run at which a scene rests."""
-    share = table.number("moment")
+def _moment(table: Table, key: str) -> float | None:
+    """The share of its run at which a scene rests, None where it says none."""
+    if key not in table.data:
+        return None
+    share = table.number(key)
     if not 0 <= share <= 1:
-        raise table.refuse("moment", text("moment is a share of the run, 0 to 1; it is {share:g}.", share=share))
+        raise table.refuse(key, text("{key} is a share of the run, 0 to 1; it is {share:g}.", key=key, share=share))
     return share
 
 

@@ -70,7 +70,7 @@ def tick(show: Presenter, now: float) -> None:
         part = part_with_error(show)
         show.state = replace(show.state, t=part.begin, loop=replace(loop, part=part, rounds=loop.rounds - 1))
     else:
-        t = end if loop is None else min(loop.rest, end)
+        t = min(loop.rest, end) if loop is not None else telling_moment(show) if _told(show) else end
         show.state = replace(show.state, t=t, playing=False, loop=None)
         show.view.pose(t)
         show.change(replace(show.state, revealed=show.state.revealed or show.state.predicted is not None))
@@ -111,13 +111,24 @@ def part_with_error(show: Presenter) -> ErrorWindow:
 
 
 def telling_moment(show: Presenter) -> float:
-    """The moment at which a run that is over rests: the scene's, else where plant and estimate differ most, the end without estimate."""
+    """The moment at which a run that is over rests: the scene's, else where plant and estimate differ most, the end without estimate.
+
+    A scene that has been answered may have another one, at which its verdict is seen.
+    """
     stage, scene = show.picture.outcome.stage, show.picture.scene
     if stage is None:
         return 0.0
-    if scene is not None and scene.moment is not None:
-        return scene.moment * show.picture.end
+    if scene is not None:
+        share = scene.told if scene.told is not None and scene.id in show.state.chosen else scene.moment
+        if share is not None:
+            return share * show.picture.end
     return part_with_error(show).telling if stage.xhat is not None else show.picture.end
+
+
+def _told(show: Presenter) -> bool:
+    """Whether the run is the one that the verdict of the open scene speaks of."""
+    scene = show.picture.scene
+    return scene is not None and scene.id in show.state.chosen and show.state.done.get(scene.id) == show.design
 
 
 def _untouched(show: Presenter) -> bool:
