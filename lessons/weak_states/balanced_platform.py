@@ -1,24 +1,24 @@
-"""Balance the platform: Hankel values, modes by strength, truncation errors."""
+"""Balance the platform: its modes by strength, and three Hankel values from its geometry."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import lru_cache
 
 import numpy as np
 
-from observer_lab.engine import Plant, balanced_truncation, frequency_response
-from observer_lab.engine.structure import Truncation
+from observer_lab.engine import Plant, balanced_truncation
 from observer_lab.plants.platform.lqg_weights import COIL_COUNT
-from observer_lab.plants.platform.model import Parameters, plant
+from observer_lab.plants.platform.model import Parameters, in_time_units, plant
 from observer_lab.text import Text, subscript, text
+
+from .study import Reduced, System
 
 STATE_COUNT = 10
 HEARD = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, np.sqrt(2.0), 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]])  # HR = −HL: three rows do
 MODE_NAMES = (text("up and down"), text("sideways, with pitch"), text("pitch, with sideways"), text("test masses together"),
          text("test masses against each other"))
 VERTICAL_MODE, SIDEWAYS_MODE, PITCH_MODE, MASSES_TOGETHER_MODE, MASSES_AGAINST_MODE = range(5)
-EQUAL = 1e-3  # of a Hankel value: the pairs of this plant differ by less, different motions by far more
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,96 +50,47 @@ class Motion:
 
 
 @dataclass(frozen=True, eq=False)
-class System:
-    """A platform, balanced: T and left take the ten states to balanced ones and back; hankel (10,), largest first.
-
-    unit: metres of ground motion that count as one at the plant's last two inputs; its coils count newtons.
-    """
+class Platform(System):
+    """A platform, balanced. unit: metres of ground motion that count as one at the plant's last two inputs; its coils count newtons."""
 
     parameters: Parameters
     unit: float
-    plant: Plant
-    balanced: Truncation
     motions: tuple[Motion, ...]
 
     def pair(self, kind: int) -> int:
         """Which pair of Hankel values, counted from 0, is this kind of motion's."""
         return [m.kind for m in self.motions].index(kind)
 
-    @property
-    def hankel(self) -> np.ndarray:
-        """The ten Hankel singular values."""
-        return self.balanced.hankel
+    def heard(self, plant: Plant) -> np.ndarray:
+        """The response with rows (VL, √2 HL, VR)."""
+        return super().heard(Plant(plant.A, plant.B, HEARD @ plant.C, HEARD @ np.asarray(plant.D)))
 
-    @cached_property
-    def frequencies(self) -> np.ndarray:
-        """Hz: 0.01 to 300, denser about every mode and with each mode itself."""
-        about = [m.frequency * (1 + m.damping * np.linspace(-3, 3, 13)) for m in self.motions]
-        return np.unique(np.concatenate([np.geomspace(0.01, 300, 130), *about]))
+    def counted(self, clock: float) -> Plant:
+        """The plant with its time in units of `clock` seconds; metres, radians and newtons stay."""
+        return in_time_units(self.plant, clock)
 
-    @cached_property
-    def response(self) -> np.ndarray:
-        """G(j2πf), rows (VL, √2 HL, VR)."""
-        return _heard(self.plant, self.frequencies)
-
-
-@dataclass(frozen=True, eq=False)
-class Cut:
-    """A model of `order` states and what it loses: σ_max(G − G_r) over frequency, its peak and where, and two bounds on it.
-
-    bound: 2 Σ σ over all that is cut. sharp: the same with equal values counted once; None where the cut runs between equal ones.
-    """
-
-    order: int
-    model: Plant
-    error: np.ndarray
-    peak: float
-    where: float
-    bound: float
-    sharp: float | None
+    def reduced(self, order: int) -> Reduced:
+        """The first `order` balanced states, which is the balanced truncation to that order."""
+        b = self.balanced
+        small = Plant(b.plant.A[:order, :order], b.plant.B[:order], b.plant.C[:, :order], b.plant.D)
+        return small, b.T[:, :order], b.left[:order], float(2 * self.hankel[order:].sum())
 
 
 @lru_cache(maxsize=32)
-def system(parameters: Parameters, unit: float = 1.0) -> System:
+def system(parameters: Parameters, unit: float = 1.0) -> Platform:
     """The plant of these parameters, the ground counted in units of `unit` m, balanced."""
     P = plant(parameters)
     P = replace(P, B=P.B * np.append(np.ones(COIL_COUNT), np.full(P.m - COIL_COUNT, unit)))
-    return System(parameters, unit, P, balanced_truncation(P, STATE_COUNT), _motions(parameters, P))
+    motions = _motions(parameters, P)
+    about = [m.frequency * (1 + m.damping * np.linspace(-3, 3, 13)) for m in motions]  # Hz: 0.01 to 300, denser about every mode
+    f = np.unique(np.concatenate([np.geomspace(0.01, 300, 130), *about]))
+    return Platform(P, balanced_truncation(P, STATE_COUNT), f, parameters, unit, motions)
 
 
-def model(s: System, order: int) -> Plant:
-    """The first `order` balanced states, which is the balanced truncation to that order."""
-    b = s.balanced.plant
-    return Plant(b.A[:order, :order], b.B[:order], b.C[:, :order], b.D)
-
-
-@lru_cache(maxsize=64)
-def cut(s: System, order: int) -> Cut:
-    """The balanced truncation to `order` states, and its error over frequency."""
-    small = model(s, order)
-    gap = s.response - _heard(small, s.frequencies)
-    error = np.sqrt(np.maximum(np.linalg.eigvalsh(gap @ np.swapaxes(gap.conj(), 1, 2))[:, -1], 0.0))
-    at = int(error.argmax())
-    return Cut(order, small, error, float(error[at]), float(s.frequencies[at]),
-               float(2 * s.hankel[order:].sum()), sharp_bound(s.hankel, order))
-
-
-def sharp_bound(values: np.ndarray, order: int) -> float | None:
-    """2 Σ over the distinct values that are cut, each once however often it occurs; None if kept and cut values are equal.
-
-    Values that differ by less than EQUAL of themselves count as equal. Source: Glover (1984), theorem 9.6; Enns (1984).
-    """
-    steps = np.flatnonzero(values[:-1] - values[1:] > EQUAL * values[:-1]) + 1  # where another value begins
-    if order == len(values):
-        return 0.0
-    if order and order not in steps:
-        return None
-    return float(2 * values[[order, *(k for k in steps if k > order)]].sum())
-
-
-def believed(s: System, order: int, x: np.ndarray) -> np.ndarray:
+def believed(s: Platform, order: int, x: np.ndarray) -> np.ndarray:
     """What a model of `order` states can hold of states x (…, 10): the projection T_r left_r x."""
-    return x @ (s.balanced.T[:, :order] @ s.balanced.left[:order]).T
+    _, T, left, _ = s.reduced(order)
+    return x @ (T @ left).T
 
 
 def closed_forms(p: Parameters, unit: float = 1.0) -> tuple[tuple[int, float], ...]:
@@ -160,10 +111,6 @@ def relative(p: Parameters, x: np.ndarray) -> np.ndarray:
     """(x, z, θ, p_L − z + sθ, p_R − z − sθ): the test masses as their sensors see them; x (…, 10) or (…, 5)."""
     left, right = x[..., 3] - x[..., 1] + p.s * x[..., 2], x[..., 4] - x[..., 1] - p.s * x[..., 2]
     return np.stack([x[..., 0], x[..., 1], x[..., 2], left, right], axis=-1)
-
-
-def _heard(P: Plant, f: np.ndarray) -> np.ndarray:
-    return frequency_response(P.A, P.B, HEARD @ P.C, HEARD @ np.asarray(P.D), 2 * np.pi * f)
 
 
 def _motions(p: Parameters, P: Plant) -> tuple[Motion, ...]:

@@ -18,7 +18,7 @@ from observer_lab.plants.bodies.deck_body import STAGE_SCALE, platform_body
 from observer_lab.plants.platform.model import Parameters
 from observer_lab.text import text
 
-from .balanced_platform import STATE_COUNT, Motion, System, believed, relative
+from .balanced_platform import STATE_COUNT, Motion, Platform, believed, relative
 
 NOMINAL = Parameters()
 SWING_S, SWING_COUNT, FRAMES = 1.5, 4, 240  # s that one swing takes on the stage, swings, samples
@@ -108,7 +108,7 @@ def slower(motion: Motion) -> float:
     return motion.frequency * SWING_S
 
 
-def swing(s: System, motion: Motion, order: int) -> Stage:
+def swing(s: Platform, motion: Motion, order: int) -> Stage:
     """The motion undamped, one swing in SWING_S seconds; its largest part begins at MAX_DRAWN_MOTION. The ghost is the model's."""
     p = s.parameters
     shape = _begun(p, motion)
@@ -119,7 +119,7 @@ def swing(s: System, motion: Motion, order: int) -> Stage:
     return Stage(_marked(p, motion), t, np.hstack([true, fixed]), np.hstack([guess, fixed]), np.zeros((len(t), 1)))
 
 
-def share(s: System, motion: Motion, order: int) -> float:
+def share(s: Platform, motion: Motion, order: int) -> float:
     """How much of the motion a model of `order` states holds: 1 if all of it."""
     p, held = s.parameters, believed(s, order, motion.shape)
     true, guess = (relative(p, v) / MAX_DRAWN_MOTION for v in (motion.shape, held))

@@ -9,11 +9,12 @@ import numpy as np
 from observer_lab.course.exercises.derivation import Value
 from observer_lab.course.lesson import Outcome
 
-from .balanced_platform import MASSES_TOGETHER_MODE, closed_forms, sharp_bound
-from .study import Study
+from .balanced_platform import MASSES_TOGETHER_MODE, closed_forms
+from .platform_study import PlatformStudy
+from .study import sharp_bound
 
 
-def derived(outcome: Outcome[Study]) -> Mapping[str, Value]:
+def derived(outcome: Outcome[PlatformStudy]) -> Mapping[str, Value]:
     """Of the motion on the stage: ‖wᴴB‖, ‖Cv‖, |Re λ| and its strength; the bounds of the order; the closed form."""
     s = outcome.study.system
     motion, p = s.motions[int(outcome.design["pair"]) - 1], s.parameters

@@ -1,156 +1,133 @@
-"""Balance the user's own plant for lesson 12: Hankel values, truncations, one blow on plant and model."""
+"""Balance the user's own plant for lesson 12, and show one blow on plant and model."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property
 
 import numpy as np
 from scipy.linalg import expm
 
+from observer_lab.course.figures.records import Curve, LineFigure, PlaneFigure
 from observer_lab.course.knobs import KnobError
-from observer_lab.engine import EngineError, Plant, balanced_truncation, frequency_response
+from observer_lab.course.lazy import tab_figures
+from observer_lab.course.lesson import Stage
+from observer_lab.engine import EngineError, balanced_truncation
 from observer_lab.engine.design import typical_rate
-from observer_lab.engine.structure import Truncation, split_stable
+from observer_lab.engine.structure import split_stable
 from observer_lab.plants import Model
-from observer_lab.text import text
+from observer_lab.plants.signal_names import signal_name
+from observer_lab.text import Text, joined, text
 
-from .balanced_platform import Cut, sharp_bound
-from .study import Ranks, ranks_of
+from .figures import FLOOR_SHARE, HANKEL_TAB, MOTION_TAB, bars, show
+from .study import Setting, Study, System
 
 GOOD_SHARE = 0.01  # of σ₁: the order at the start is the least whose bound 2Σσ is below it
 MAX_GROWTH_EXPONENT = 5.0  # how many times e a run may grow
-SAMPLES = 240  # of a run
+SAMPLES, OUTPUTS = 240, 3  # of a run; that are drawn
 
 
 @dataclass(frozen=True, eq=False)
-class OwnSystem:
-    """A plant and its balanced states: `whole` keeps all that take part between u and y, the unstable ones last."""
+class OwnSystem(System):
+    """A person's own plant, balanced."""
 
     model: Model
-    whole: Truncation
-
-    @property
-    def plant(self) -> Plant:
-        """The plant as it came."""
-        return self.model.plant
-
-    @property
-    def hankel(self) -> np.ndarray:
-        """The Hankel values of its stable part, largest first."""
-        return self.whole.hankel
 
     @property
     def least(self) -> int:
-        """The unstable states, which no model may leave out; one state at the least."""
-        return max(self.whole.kept, 1)
+        """The unstable states; one state at the least."""
+        return max(self.kept, 1)
 
     @property
-    def most(self) -> int:
-        """How many states take part between u and y."""
-        return self.whole.plant.n
-
-    @cached_property
-    def frequencies(self) -> np.ndarray:
-        """Hz: two decades to both sides of all modes that move, denser about each."""
-        poles = self.plant.poles
-        speeds = np.abs(poles)[np.abs(poles) > 1e-7 * max(np.abs(poles).max(), 1e-300)]
-        speeds = speeds if speeds.size else np.array([typical_rate(self.plant)])
-        about = np.outer(speeds, np.linspace(0.9, 1.1, 9)).ravel()
-        return np.unique(np.concatenate([np.geomspace(speeds.min() / 100, 100 * speeds.max(), 120), about])) / (2 * np.pi)
-
-    @cached_property
-    def response(self) -> np.ndarray:
-        """G(j2πf)."""
-        return heard(self.plant, self.frequencies)
-
-    @cached_property
     def good(self) -> int:
         """The least order whose bound is below a hundredth of the largest Hankel value."""
         tail = 2 * np.append(np.cumsum(self.hankel[::-1])[::-1], 0.0)
         fine = int(np.argmax(tail <= GOOD_SHARE * self.hankel[0]))
-        return min(max(self.whole.kept + fine, self.least), self.most)
+        return min(max(self.kept + fine, self.least), self.most)
 
 
 @dataclass(frozen=True, eq=False)
-class OwnStudy:
-    """Ranks with time in units of `clock`, a cut to `order` states, and one blow on both. Each is found when it is looked at."""
+class OwnStudy(Study):
+    """A cut of a person's own plant, and one blow on both."""
 
     system: OwnSystem
-    clock: float
-    order: int
-
-    @cached_property
-    def ranks(self) -> Ranks:
-        """Singular values of both matrices; the states stay in the units given."""
-        return _ranks(self.system, self.clock)
-
-    @cached_property
-    def cut(self) -> Cut:
-        """The truncation and its error."""
-        return cut(self.system, self.order)
-
-    @cached_property
-    def truncation(self) -> Truncation:
-        """The truncation with its two transformations."""
-        return _truncation(self.system, self.order)
 
     @cached_property
     def blow(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """t (k,), states of the plant (k×n) after a blow on its first input, and those of the model, T z (k×n)."""
-        return blow(self.system, self.order)
+        """t (k,), states of the plant (k×n) after a blow on its first input, and those of the model, T z (k×n).
+
+        Both run free: x(0) = kick, z(0) = left x(0).
+        """
+        s, c = self.system, self.cut
+        fastest, start = float(np.real(s.plant.poles).max()), np.asarray(s.model.kick)
+        t = np.linspace(0.0, min(s.model.horizon, MAX_GROWTH_EXPONENT / fastest) if fastest > 0 else s.model.horizon, SAMPLES + 1)
+        return t, _free(s.plant.A, start, t[1]), _free(c.model.A, c.left @ start, t[1]) @ c.T.T
 
 
-def heard(plant: Plant, f: np.ndarray) -> np.ndarray:
-    """G(j2πf), a matrix for each f in Hz; a pole on the axis is passed beside it."""
-    with np.errstate(all="ignore"):
-        return frequency_response(plant.A, plant.B, plant.C, np.asarray(plant.D), 2 * np.pi * f)
-
-
-@lru_cache(maxsize=64)
-def _ranks(s: OwnSystem, clock: float) -> Ranks:
-    P = s.plant
-    return ranks_of(Plant(clock * P.A, clock * P.B, P.C, P.D), clock)
-
-
-@lru_cache(maxsize=64)
-def _truncation(s: OwnSystem, order: int) -> Truncation:
-    return s.whole if order == s.most else balanced_truncation(s.plant, order)
-
-
-@lru_cache(maxsize=64)
-def cut(s: OwnSystem, order: int) -> Cut:
-    """The truncation to `order` states, its error over frequency, and both bounds."""
-    small, stable = _truncation(s, order), order - s.whole.kept
-    gap = s.response - heard(small.plant, s.frequencies)
-    error = np.linalg.norm(np.where(np.isfinite(gap), gap, 0.0), 2, axis=(1, 2))
-    at = int(error.argmax())
-    return Cut(order, small.plant, error, float(error[at]), float(s.frequencies[at]), small.error_bound, sharp_bound(s.hankel, stable))
-
-
-def blow(s: OwnSystem, order: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Both run free from the same blow: x(0) = kick, z(0) = left x(0)."""
-    small = _truncation(s, order)
-    fastest = float(np.real(s.plant.poles).max())
-    t = np.linspace(0.0, min(s.model.horizon, MAX_GROWTH_EXPONENT / fastest) if fastest > 0 else s.model.horizon, SAMPLES + 1)
-    start = np.asarray(s.model.kick)
-    return t, _free(s.plant.A, start, t[1], SAMPLES), _free(small.plant.A, small.left @ start, t[1], SAMPLES) @ small.T.T
-
-
-def _free(A: np.ndarray, start: np.ndarray, dt: float, steps: int) -> np.ndarray:
+def _free(A: np.ndarray, start: np.ndarray, dt: float) -> np.ndarray:
     step, states = expm(A * dt), [start]
-    for _ in range(steps):
+    for _ in range(SAMPLES):
         states.append(step @ states[-1])
     return np.array(states)
 
 
 def system_of(model: Model) -> OwnSystem:
     """The plant, balanced. Raises KnobError where there is nothing to cut, EngineError where Gramians are lost in rounding."""
-    plant = model.plant
-    unstable = plant.n - split_stable(plant).stable.n
-    for order in range(plant.n, unstable, -1):
+    plant, poles = model.plant, model.plant.poles
+    speeds = np.abs(poles)[np.abs(poles) > 1e-7 * max(np.abs(poles).max(), 1e-300)]
+    speeds = speeds if speeds.size else np.array([typical_rate(plant)])
+    about = np.outer(speeds, np.linspace(0.9, 1.1, 9)).ravel()  # two decades to both sides of all modes that move, denser about each
+    f = np.unique(np.concatenate([np.geomspace(speeds.min() / 100, 100 * speeds.max(), 120), about])) / (2 * np.pi)
+    for order in range(plant.n, plant.n - split_stable(plant).stable.n, -1):
         try:
-            return OwnSystem(model, balanced_truncation(plant, order))
+            return OwnSystem(plant, balanced_truncation(plant, order), f, model)
         except EngineError:
             continue
     raise KnobError(text("This lesson leaves states out by their Hankel values. This plant has no stable state between input and output."))
+
+
+def own_setting(s: OwnSystem) -> Setting[OwnStudy]:
+    """A person's own plant: a blow on plant and model takes the place of the platform's motions."""
+    return Setting(
+        lambda design: OwnStudy(s, design["clock"], int(design["order"])), lambda study: Stage(s.model.body, *study.blow), lambda _: {},
+        lambda _: {"unstable": float(s.kept)}, lambda study, _: (study.bound_check,), lambda _: (), _live, _staircase,
+        lambda outcome: (tab_figures(MOTION_TAB, lambda: (_outputs(outcome.study),)),))
+
+
+def _live(study: OwnStudy) -> Text:
+    s, c = study.system, study.cut
+    if c.order == s.plant.n:
+        return text("States kept: all {n}.", n=s.plant.n)
+    if c.order == s.most:
+        return text("States kept: {order} of {n}, all that take part between input and output.", order=c.order, n=s.plant.n)
+    return text("States kept: {order} of {n}. The largest error is {error:.3g}, its bound 2Σσ {bound:.3g}.",
+                order=c.order, n=s.plant.n, error=c.peak, bound=c.bound)
+
+
+def _staircase(study: OwnStudy) -> PlaneFigure:
+    """The Hankel values of the stable part, kept and cut."""
+    s, stable = study.system, study.order - study.system.kept
+    floor = float(np.log10(max(s.hankel[0], 1e-300) * FLOOR_SHARE))
+    values = np.log10(np.maximum(s.hankel, 10**floor))
+    index, curves = np.arange(1.0, len(values) + 1), []
+    for name, role, part in ((text("kept"), "plant", slice(0, stable)), (text("cut"), "muted", slice(stable, None))):
+        if len(values[part]):
+            x, y = bars(index[part], values[part], floor, 0.33)
+            curves.append(Curve(name, y, role, x=x, width=2.6))
+    said = text("Largest {first}, smallest {last}.", first=show(s.hankel[0]), last=show(s.hankel[-1]))
+    if s.kept:
+        said = joined(said, text("Unstable states, which have no Hankel value and always stay: {kept}.", kept=s.kept))
+    return PlaneFigure("staircase", text("Hankel singular values"), tuple(curves), (), "i", "σ", (0.3, len(values) + 0.7),
+                       (floor, float(values[0]) + 1.0), tab=HANKEL_TAB, powers="y", caption=said)
+
+
+def _outputs(study: OwnStudy) -> LineFigure:
+    """The first outputs of plant and model after a blow on the first input."""
+    P, (t, x, believed) = study.system.plant, study.blow
+    curves = []
+    for i, name in enumerate(P.output_names[:OUTPUTS]):
+        said = signal_name(P, name)
+        curves += [Curve(text("{name}, plant", name=said), x @ P.C[i], "plant"),
+                   Curve(text("{name}, model", name=said), believed @ P.C[i], "estimate", "dash")]
+    return LineFigure("outputs", text("outputs after a blow on the first input"), t, tuple(curves), tab=MOTION_TAB,
+                      caption=text("Dashed: the model, which starts from its part of the same blow."))

@@ -12,7 +12,7 @@ from observer_lab.engine import Plant
 from observer_lab.engine.structure import observability_matrix
 from observer_lab.text import text
 
-from .balanced_platform import MASSES_AGAINST_MODE, MASSES_TOGETHER_MODE, PITCH_MODE, Motion, System, relative
+from .balanced_platform import MASSES_AGAINST_MODE, MASSES_TOGETHER_MODE, PITCH_MODE, Motion, Platform, relative
 from .body import MAX_DRAWN_MOTION
 
 CHAINS = (3, 3, 2, 1)  # states of four chains, each with a sensor at its end; one more state acts on no sensor
@@ -35,7 +35,7 @@ def recall(asked: Asked) -> DrawnQuestion:
                                   ((1, 0, 0), (0, 1, 0), (0, 0, 1)), (len(A) - found, spare, gained))
 
 
-def _moves(s: System, motion: Motion) -> np.ndarray:
+def _moves(s: Platform, motion: Motion) -> np.ndarray:
     """How deck (pitch) and test masses move at one moment, each as a share of the largest way that is drawn."""
     parts = relative(s.parameters, motion.shape) / MAX_DRAWN_MOTION
     parts = np.real(parts / parts[np.argmax(np.abs(parts))])[2:]

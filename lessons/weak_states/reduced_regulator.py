@@ -13,7 +13,7 @@ from observer_lab.engine.feedback import Lqg, NoisyLoop
 from observer_lab.plants.platform.lqg_weights import FIGURE_V, Weights, coils, ground
 from observer_lab.text import text
 
-from .balanced_platform import STATE_COUNT, System, model
+from .balanced_platform import STATE_COUNT, Platform
 
 WEIGHT_OUTPUTS, STATES_ALIKE = "outputs", "alike"
 PRESSED = ((WEIGHT_OUTPUTS, text("the four outputs")), (STATES_ALIKE, text("every balanced state alike")))
@@ -83,9 +83,9 @@ class Compared:
 
 
 @lru_cache(maxsize=32)
-def _on(s: System, order: int, v0: float, pressed: str) -> Loop:
+def _on(s: Platform, order: int, v0: float, pressed: str) -> Loop:
     weights = weights_of(s, v0)
-    small = model(s, order)
+    small = s.reduced(order)[0]
     Q = weights.Q(small) if pressed == WEIGHT_OUTPUTS else EQUAL * np.eye(order)
     design = lqg(coils(small), Q, weights.R, weights.W, weights.V, G=ground(small))
     K, L = by_pair(design.K), by_pair(design.L.T)
@@ -97,18 +97,18 @@ def _on(s: System, order: int, v0: float, pressed: str) -> Loop:
     return Loop(design, K, L, rightmost, loop.psd(s.frequencies), LazyValue(lambda: loop.cost(paid, weights.R)), weights.alpha_r)
 
 
-def weights_of(s: System, v0: float = FIGURE_V) -> Weights:
+def weights_of(s: Platform, v0: float = FIGURE_V) -> Weights:
     """The report's weights; the ground's intensity in the square of the unit in which it is counted."""
     return Weights(v0=v0, beta_q=1 / s.unit**2)
 
 
 @lru_cache(maxsize=32)
-def _free(s: System) -> np.ndarray:
+def _free(s: Platform) -> np.ndarray:
     weights = weights_of(s)
     return noisy_loop(coils(s.plant), None, ground(s.plant), weights.W).psd(s.frequencies)
 
 
-def compare(s: System, order: int, v0: float, pressed: str) -> Compared:
+def compare(s: Platform, order: int, v0: float, pressed: str) -> Compared:
     """Both designs for measurement noise of intensity v0 in (m/s)² s, Q from the outputs or from every balanced state."""
     return Compared(_free(s), _on(s, STATE_COUNT, v0, pressed), _on(s, order, v0, pressed))
 
@@ -120,5 +120,5 @@ def by_pair(gain: np.ndarray) -> np.ndarray:
     return np.sqrt(squares.reshape(PAIRS, 2).sum(axis=1))
 
 
-def _closed(s: System, controller: Plant, weights: Weights) -> NoisyLoop:
+def _closed(s: Platform, controller: Plant, weights: Weights) -> NoisyLoop:
     return noisy_loop(coils(s.plant), controller, ground(s.plant), weights.W, V=weights.V)

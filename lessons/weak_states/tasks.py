@@ -6,10 +6,11 @@ from observer_lab.course.exercises.typed_answers import Typed
 from observer_lab.course.lesson import Outcome, Task, Verdict, typed_task
 from observer_lab.text import text
 
-from .balanced_platform import MASSES_AGAINST_MODE, STATE_COUNT, cut
+from .balanced_platform import MASSES_AGAINST_MODE, STATE_COUNT
 from .body import NOMINAL, share
 from .figures import show
-from .study import RELATIVE, Study
+from .platform_study import PlatformStudy
+from .study import RELATIVE, cut
 
 MAX_MODEL_ERROR = 0.2  # error that the second task allows
 MIN_RELATIVE_TOLERANCE = 1e-6  # least relative tolerance of the third
@@ -17,7 +18,7 @@ CENTRE_TOLERANCE_M = 0.10  # m that a sensor may stand off the centre in the fou
 WEAKEST = 10 * 8.852673e-05  # ten times the σ9 of the start
 
 
-def _face(outcome: Outcome[Study]) -> Verdict:
+def _face(outcome: Outcome[PlatformStudy]) -> Verdict:
     s, order, pair = outcome.study.system, outcome.study.cut.order, int(outcome.design["pair"]) - 1
     motion = s.motions[pair]
     held = [share(s, m, order) > 0.5 for m in s.motions]
@@ -31,7 +32,7 @@ def _face(outcome: Outcome[Study]) -> Verdict:
                               hankel=show(s.hankel[2 * pair]), frequency=motion.frequency))
 
 
-def _wider(outcome: Outcome[Study]) -> Verdict:
+def _wider(outcome: Outcome[PlatformStudy]) -> Verdict:
     s, c, compared = outcome.study.system, outcome.study.cut, outcome.study.compared
     if c.peak > MAX_MODEL_ERROR:
         return Verdict(False, text("{order} states err by {peak}; at most {small} is allowed.",
@@ -47,7 +48,7 @@ def _wider(outcome: Outcome[Study]) -> Verdict:
                               order=c.order, peak=show(c.peak), extra=show(100 * compared.extra, 2)))
 
 
-def _clock(outcome: Outcome[Study]) -> Verdict:
+def _clock(outcome: Outcome[PlatformStudy]) -> Verdict:
     d, r = outcome.design, outcome.study.ranks
     now = r.at(d["tolerance"], d["measure"])
     said = text("ranks {now} and {now2} with time in units of {clock} s",
@@ -60,7 +61,7 @@ def _clock(outcome: Outcome[Study]) -> Verdict:
                               tolerance=show(d["tolerance"]), said=said))
 
 
-def _geometry(outcome: Outcome[Study]) -> Verdict:
+def _geometry(outcome: Outcome[PlatformStudy]) -> Verdict:
     s = outcome.study.system
     weakest = s.hankel[-2]
     if s.parameters.mu > NOMINAL.mu * (1 + 1e-9):
@@ -84,11 +85,11 @@ ALMOST_TWINS = Typed("(a-b)^2/(4*a*b*(a+b)^2)", ("a", "b"), slips=(
     ("1/(4*a*b)", text("That is without what stands off the diagonal: the lags share their input.")),
     ("((a-b)^2/(4*a*b*(a+b)^2))^2", text("That is the square of the product; take its root."))))
 
-def _overstated(outcome: Outcome[Study]) -> float:
+def _overstated(outcome: Outcome[PlatformStudy]) -> float:
     return outcome.metrics["bound"] / outcome.metrics["error"]
 
 
-def _fall(outcome: Outcome[Study]) -> float:
+def _fall(outcome: Outcome[PlatformStudy]) -> float:
     values, order = outcome.study.system.hankel, outcome.study.cut.order
     return float(values[order - 1] / values[order])
 

@@ -7,8 +7,8 @@ import pytest
 from attack import outcome_of, random_designs
 from scipy import signal
 
-from observer_lab.lessons.weak_states.balanced_platform import sharp_bound
 from observer_lab.lessons.weak_states.lesson import LESSON
+from observer_lab.lessons.weak_states.study import sharp_bound
 
 
 def test_a_resonance_reaches_the_sharp_bound_and_half_of_the_other() -> None:

@@ -17,13 +17,12 @@ from observer_lab.lessons.weak_states.balanced_platform import (
     MASSES_TOGETHER_MODE,
     VERTICAL_MODE,
     closed_forms,
-    cut,
-    model,
     system,
 )
 from observer_lab.lessons.weak_states.body import BODY, NOMINAL, SWING_S, share
 from observer_lab.lessons.weak_states.lesson import LESSON
 from observer_lab.lessons.weak_states.reduced_regulator import STATES_ALIKE, WEIGHT_OUTPUTS
+from observer_lab.lessons.weak_states.study import cut
 from observer_lab.plants.platform.model import Parameters, in_time_units, plant
 from observer_lab.published.platform import RECORDS
 from observer_lab.published.record import verify_one
@@ -122,7 +121,7 @@ def test_truncations_are_those_of_an_svd_in_forty_digits(order):
     small = control.ss(left[:order] @ P.A @ T[:, :order], left[:order] @ P.B, P.C @ T[:, :order], np.zeros((4, 5)))
     f = s.frequencies
     oracle = np.moveaxis(small.frequency_response(2 * np.pi * f, squeeze=False).complex, 2, 0)
-    assert np.abs(response(model(s, order), f) - oracle).max() < 1e-5 * cut(s, order).peak
+    assert np.abs(response(s.reduced(order)[0], f) - oracle).max() < 1e-5 * cut(s, order).peak
     assert np.abs(response(balanced_truncation(P, order).plant, f) - oracle).max() < 1e-5 * cut(s, order).peak
 
 
@@ -132,7 +131,7 @@ def test_the_error_keeps_below_twice_the_sum_of_what_is_cut(order):
     s = system(NOMINAL)
     comb = [m.frequency * (1 + m.damping * np.linspace(-2, 2, 401)) for m in s.motions]
     f = np.unique(np.concatenate([np.geomspace(1e-3, 1e3, 4000), *comb]))
-    error = np.linalg.norm(response(s.plant, f) - response(model(s, order), f), 2, axis=(1, 2)).max()
+    error = np.linalg.norm(response(s.plant, f) - response(s.reduced(order)[0], f), 2, axis=(1, 2)).max()
     m = metrics(order=order)
     assert error <= m["bound"] * (1 + 1e-6)
     assert m["error"] == pytest.approx(error, rel=2e-3)
@@ -261,7 +260,7 @@ def test_cutting_too_much_is_dear():
 
 def test_the_gains_on_eight_states_are_those_of_scipys_riccati_equation():
     s, o = system(NOMINAL), outcome(order=8)
-    small = model(s, 8)
+    small = s.reduced(8)[0]
     Q = 100 * small.C.T @ np.diag([1e8, 1e10, 1e8, 1e10]) @ small.C
     B, R = small.B[:, :3], 0.1 * np.eye(3)
     K = np.linalg.solve(R, B.T @ solve_continuous_are(small.A, B, Q, R))
