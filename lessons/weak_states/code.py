@@ -30,36 +30,28 @@ def _ranks(outcome: Outcome[S]) -> tuple[list[ShownValue], str]:
     return shown, unsaid
 
 
-def _code(name: str, outcome: Outcome[S], words: tuple[str, str, str], given: tuple[GivenValue, ...], shown: tuple[ShownValue, ...],
-          left_out: str) -> Code:
-    """The script of a cut; `words` say what the plant, its input, the balanced states are, `given` and `shown` are the lesson's own."""
-    d, s, m = outcome.design, outcome.study.system, outcome.metrics
-    plant, inputs, balanced = words
-    ranks, unsaid = _ranks(outcome)
-    return Code(
-        (name,),
-        (
-            GivenValue("A", s.plant.A, plant),
-            GivenValue("B", s.plant.B, inputs),
-            GivenValue("C", s.plant.C),
-            GivenValue("D", np.asarray(s.plant.D)),
-            GivenValue("order", outcome.study.order, "states kept"),
-            GivenValue("clock", d["clock"], "s, the unit of time"),
-            GivenValue("tolerance", d["tolerance"]),
-            GivenValue("relative", d["measure"] == RELATIVE, "singular values are measured against the largest"),
-            GivenValue("frequencies", s.frequencies, "Hz"),
-            GivenValue("to_balanced", s.balanced.left, balanced),
-            GivenValue("from_balanced", s.balanced.T),
-            *given,
-        ),
-        (
-            ShownValue("eigvals(A)", outcome.poles["plant"], poles=True),
-            ShownValue("eigvals(Ar)", outcome.poles["model"], poles=True),
-            ShownValue("error", m["error"], max(m["error"], float(s.hankel[0]))),
-            *shown,
-            *ranks,
-        ),
-        left_out + unsaid,
+def _given(outcome: Outcome[S]) -> tuple[GivenValue, ...]:
+    """What a cut rests on, beside A, B and the balanced states."""
+    d, s = outcome.design, outcome.study.system
+    return (
+        GivenValue("C", s.plant.C),
+        GivenValue("D", np.asarray(s.plant.D)),
+        GivenValue("order", outcome.study.order, "states kept"),
+        GivenValue("clock", d["clock"], "s, the unit of time"),
+        GivenValue("tolerance", d["tolerance"]),
+        GivenValue("relative", d["measure"] == RELATIVE, "singular values are measured against the largest"),
+        GivenValue("frequencies", s.frequencies, "Hz"),
+        GivenValue("from_balanced", s.balanced.T),
+    )
+
+
+def _shown(outcome: Outcome[S]) -> tuple[ShownValue, ...]:
+    """Poles and error of a cut."""
+    error, largest = outcome.metrics["error"], float(outcome.study.system.hankel[0])
+    return (
+        ShownValue("eigvals(A)", outcome.poles["plant"], poles=True),
+        ShownValue("eigvals(Ar)", outcome.poles["model"], poles=True),
+        ShownValue("error", error, max(error, largest)),
     )
 
 
@@ -68,11 +60,16 @@ def code(outcome: Outcome[PlatformStudy]) -> Code:
     d, m, study = outcome.design, outcome.metrics, outcome.study
     s = study.system
     weights = weights_of(s, d["v0"])
-    return _code(
-        "weak", outcome,
-        ("the platform: five positions and five velocities", "three coils, two motions of the ground",
-         "z = to_balanced x: balanced states, their signs and those of equals as the page has them"),
+    ranks, unsaid = _ranks(outcome)
+    return Code(
+        ("weak",),
         (
+            GivenValue("A", s.plant.A, "the platform: five positions and five velocities"),
+            GivenValue("B", s.plant.B, "three coils, two motions of the ground"),
+            GivenValue(
+                "to_balanced", s.balanced.left, "z = to_balanced x: balanced states, their signs and those of equals as the page has them"
+            ),
+            *_given(outcome),
             GivenValue("coils", COIL_COUNT),
             GivenValue("pair", int(d["pair"]), "whose motion is drawn, the strongest first"),
             GivenValue("heard", HEARD, "outputs that count: HR = -HL"),
@@ -89,6 +86,7 @@ def code(outcome: Outcome[PlatformStudy]) -> Code:
         ),
         (
             ShownValue("hankel", s.hankel),
+            *_shown(outcome),
             ShownValue("bound", m["bound"], float(s.hankel[0])),
             ShownValue("held", m["held"], 1.0),
             ShownValue("frequency", m["frequency"]),
@@ -96,14 +94,24 @@ def code(outcome: Outcome[PlatformStudy]) -> Code:
             ShownValue("K", outcome.gains["K"]),
             ShownValue("L", outcome.gains["L"]),
             *(ShownValue(name, m[name], max(1.0, abs(m[name]))) for name in ("gap", "extra") if name in m),
+            *ranks,
         ),
-        "Forces by pair, and the closed forms",
+        "Forces by pair, and the closed forms" + unsaid,
     )
 
 
 def own_code(outcome: Outcome[OwnStudy]) -> Code:
     """The same on a person's own plant, without regulators."""
-    s = outcome.study.system
-    return _code("weak_own", outcome, ("the plant", "", "z = to_balanced x: balanced states, then unstable ones"),
-                 (GivenValue("unstable", s.kept, "states that always stay"),),
-                 (ShownValue("hankel", s.hankel[:s.most - s.kept], float(s.hankel[0])),), "The outputs after a blow")
+    s, (ranks, unsaid) = outcome.study.system, _ranks(outcome)
+    return Code(
+        ("weak_own",),
+        (
+            GivenValue("A", s.plant.A, "the plant"),
+            GivenValue("B", s.plant.B),
+            GivenValue("to_balanced", s.balanced.left, "z = to_balanced x: balanced states, then unstable ones"),
+            *_given(outcome),
+            GivenValue("unstable", s.kept, "states that always stay"),
+        ),
+        (ShownValue("hankel", s.hankel[:s.most - s.kept], float(s.hankel[0])), *_shown(outcome), *ranks),
+        "The outputs after a blow" + unsaid,
+    )
