@@ -73,9 +73,9 @@ def rack_body(n: int, q: int, full: Sequence[float], errors: Sequence[Text]) -> 
     places, last = columns(n, q), n + q
     names = (*(f"x{i + 1}" for i in range(n)), *(f"z{i + 1}" for i in range(q)), "u")
     parts = [Part("base", Box((4.4, BASE_DEEP, BASE_TOP)), DARK_GREY), *_slider_parts(),
-             Part("zero plant", Box((gap(n) * (n - 1) + 0.5, 0.02, 0.02)), METAL),
-             Part("zero observer", Box((gap(q) * (q - 1) + 0.5, 0.02, 0.02)), METAL),
-             Part("zero u", Box((0.7, 0.02, 0.03)), METAL)]
+             Part("zero plant", Box((gap(n) * (n - 1) + 0.5, 0.02, 0.02)), DARK_GREY),
+             Part("zero observer", Box((gap(q) * (q - 1) + 0.5, 0.02, 0.02)), DARK_GREY),
+             Part("zero u", Box((0.7, 0.02, 0.03)), DARK_GREY)]
     fixed = {"base": Pose((0.0, BASE_Y, BASE_TOP / 2)), **_slider_places(),
              "zero plant": Pose(((places[0] + places[n - 1]) / 2, 0.2, ZERO_LEVEL)),
              "zero observer": Pose(((places[n] + places[last - 1]) / 2, 0.2, ZERO_LEVEL)),
@@ -85,8 +85,8 @@ def rack_body(n: int, q: int, full: Sequence[float], errors: Sequence[Text]) -> 
         r = 0.34 if wide else min(0.42 * gap(n if k < n else q), 0.22)  # of the collar that shows the value
         colour = PLANT_COLOUR if wide or k < n else OBSERVER_COLOUR
         parts += [Part(f"{name} socket", Cylinder(0.8 * r, 0.1), STEEL),
-                  Part(f"{name} plate", Box((2.2 * r, 0.05, PANEL_HIGH - PANEL_LOW)), STEEL),
-                  Part(f"{name} column", Rod(0.45 * r), METAL),
+                  Part(f"{name} plate", Box((2.2 * r, 0.05, PANEL_HIGH - PANEL_LOW)), METAL),
+                  Part(f"{name} column", Rod(0.45 * r), STEEL),
                   Part(f"{name} level", Cylinder(r, 0.14 if wide else 0.12), colour, twin=wide)]
         fixed[f"{name} socket"] = Pose((place, 0.0, BASE_TOP + 0.05))
         fixed[f"{name} plate"] = Pose((place, PANEL_Y, (PANEL_LOW + PANEL_HIGH) / 2))
@@ -95,7 +95,7 @@ def rack_body(n: int, q: int, full: Sequence[float], errors: Sequence[Text]) -> 
     tall = bound_displacement(0.5, MAX_DRAWN_LEVEL)
     scale = tuple((same(f"{sign}{full[last]:g}"), (GAUGE + SCALE_AT, PANEL_Y, ZERO_LEVEL + side * tall + 0.06))
                   for sign, side in (("", 1.0), ("−", -1.0)))
-    parts += [Part(f"scale {k}", Box((0.16, 0.02, 0.03)), METAL) for k in range(2)]
+    parts += [Part(f"scale {k}", Box((0.16, 0.02, 0.03)), DARK_GREY) for k in range(2)]
     fixed |= {f"scale {k}": Pose((GAUGE + 0.31, PANEL_Y - 0.04, ZERO_LEVEL + side * tall)) for k, side in enumerate((1.0, -1.0))}
     called = (text("plant {name}", name=subscript("x1")), *(subscript(f"x{i + 1}") for i in range(1, n)),
               text("observer {name}", name=subscript("z1" if q > 1 else "z")), *(subscript(f"z{i + 1}") for i in range(1, q)),

@@ -3,7 +3,7 @@
 // fills it and its words alone are on the next. In usual print charts grow by equal parts into what their tab would leave empty.
 ({large}) => {
   const viser = window.observerLabViser, {chart: CHART, column: COLUMN, view: VIEW} = viser.parts;
-  const lab = window.observerLabFill ??= {}, LEAST = .3, MUCH = .35, HALF = .5, SMALL = .24, TALLEST = 1.5;  // shares; height over width
+  const lab = window.observerLabFill ??= {}, LEAST = .3, MUCH = .35, HALF = .5, SMALL = .24, LOW = .5, TALLEST = 1.5;  // shares; height over width
   const CLEAR = 6, SHEET = 896, ASKED = 160, AIR = .7;  // px; px of the widest window with a sheet; px that a question's figure has at least; letters
   const DRAWN = `${CHART},.ol-table,.ol-figure,:has(${CHART},.ol-table,.ol-figure)`;
   const [SPARE, SLACK] = [26, 66];  // px left below grown charts, so that a caption may take a line more; px from which they grow again
@@ -21,22 +21,24 @@
     for (const [each, , has] of tables) if (has !== air) each.style.setProperty('--air', `${air}px`);
   };
 
-  // In usual print; no chart is ever lower than it was made, and none grows while it would have to shrink again for a longer caption.
+  // In usual print; only beside a card is a chart lower than it was made, so that the scene is seen whole. None grows while it would have
+  // to shrink again for a longer caption.
   const share = (view, captions, room, charts) => {
+    const carded = innerWidth > SHEET && view.querySelector('.ol-card');
     const own = charts.filter(each => view.contains(each.root)), top = rect(view.firstElementChild).top;
     const left = room - rect(captions.at(-1)).bottom + top, sizes = own.map(chart => {
       const held = lab.heights.get(chart), made = held?.now === chart.height ? held.made : chart.height;
-      return {chart, made, most: Math.max(made, Math.round(TALLEST * chart.width))};
+      return {chart, made, least: carded ? Math.round(LOW * made) : made, most: Math.max(made, Math.round(TALLEST * chart.width))};
     });
-    if (!own.length && captions.length === 1 && innerWidth > SHEET && view.querySelector('.ol-card')) {
+    if (!own.length && captions.length === 1 && carded) {
       const drawn = captions[0].parentElement.previousElementSibling?.querySelector('.ol-figure>svg');
       if (drawn) shrink(view, drawn, room - rect(captions[0]).bottom + rect(drawn).bottom - CLEAR);
     }
     if (!own.length) airy(view, captions.at(-1), room - SPARE);
     if (!own.length || (left >= 0 && left <= SLACK)) return;
-    const usual = sizes.reduce((sum, {chart, made}) => sum + chart.height - made, 0), more = Math.floor(Math.max(0, left + usual - SPARE) / own.length);
-    for (const {chart, made, most} of sizes) {
-      const height = Math.min(made + more, most);
+    const usual = sizes.reduce((sum, {chart, made}) => sum + chart.height - made, 0), more = Math.floor((left + usual - SPARE) / own.length);
+    for (const {chart, made, least, most} of sizes) {
+      const height = Math.min(Math.max(made + more, least), most);
       lab.heights.set(chart, {made, now: height});
       if (height !== chart.height) chart.setSize({width: chart.width, height});
     }

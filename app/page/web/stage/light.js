@@ -4,14 +4,14 @@
   if (window.observerLabLight) return;
   const viser = window.observerLabViser, KEY = 'observer-lab-light', SLOW = 14, FRAMES = 4, LOOK = 250;  // ms of a frame; frames; ms
   const HALF = 5.5, FAR = 30, ROOM = 303;  // stage units that a shadow covers; three.js: a picture of all directions, to be reflected
-  const GLOSS = {true: [.34, .7], false: [.55, 0]}, PLAIN = [1, 0];  // roughness, metalness: of metal, of the rest, without a card
+  const GLOSS = {true: [.34, .5], false: [.55, 0]}, PLAIN = [1, 0];  // roughness, metalness: of metal, of the rest, without a card
   const stored = () => { try { return localStorage.getItem(KEY); } catch (error) { return null; } };
   const state = window.observerLabLight = {full: (stored() ?? (window.observerLabNoCard ? 'plain' : 'full')) === 'full', ms: null};
   let lit = null, floor = null, room = null, timed = stored() !== null;
   const sky = like => {  // a white ceiling with two lamps, over a grey floor
     const canvas = Object.assign(document.createElement('canvas'), {width: 256, height: 128}), pen = canvas.getContext('2d');
     const fade = pen.createLinearGradient(0, 0, 0, 128);
-    [[0, 235], [.42, 190], [.5, 105], [.62, 140], [1, 170]].forEach(([at, grey]) => fade.addColorStop(at, `rgb(${grey},${grey},${grey + 6})`));
+    [[0, 235], [.42, 190], [.5, 150], [.62, 165], [1, 175]].forEach(([at, grey]) => fade.addColorStop(at, `rgb(${grey},${grey},${grey + 6})`));
     pen.fillStyle = fade;
     pen.fillRect(0, 0, 256, 128);
     pen.fillStyle = 'white';
@@ -53,7 +53,7 @@
     flat.visible = !state.full;
     room ??= sky(flat.material.map);
     viser.scene().environment = state.full ? room : null;
-    viser.scene().environmentIntensity = .45;
+    viser.scene().environmentIntensity = .6;
     dress();
     lit = sun;
     viser.redraw();
