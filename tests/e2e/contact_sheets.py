@@ -41,10 +41,12 @@ PHONE = 897  # px: narrower windows have a sheet below the stage
 LEAST = {True: 0.4, False: 0.6}  # share of the window for the stage, on a phone and elsewhere
 MEASURE = """() => {
   const box = name => document.querySelector(name).getBoundingClientRect(), stage = box('canvas[data-engine]');
+  const column = document.querySelector('.ol-card').closest('.mantine-ScrollArea-viewport');
   const card = ['.ol-card', '.ol-answer', '.ol-way'].map(box), sheet = innerWidth < 897 ? box('.ol-head').top : stage.height;
   return {stage: stage.width * Math.min(stage.height, sheet) / (innerWidth * innerHeight),
           bottom: Math.max(...card.map(r => r.bottom)) - innerHeight, right: Math.max(...card.map(r => r.right)) - innerWidth,
           left: Math.min(...card.map(r => r.left)), top: Math.min(...card.map(r => r.top)),
+          scrolls: column.scrollHeight - column.clientHeight,
           cut: [...document.querySelectorAll('.ol-formula')].filter(each => each.scrollWidth > each.clientWidth + 1).length};
 }"""
 
@@ -56,6 +58,7 @@ def breaches(page: Page, hall: bool) -> list[str]:
     bad = [f"stage {found['stage']:.2f}"] if found["stage"] < least else []
     bad += [f"{side} by {found[side]:.0f} px" for side in ("bottom", "right") if found[side] > 0]
     bad += question_faults(page, hall)
+    bad += [f"the column scrolls by {found['scrolls']:.0f} px"] if found["scrolls"] > 2 and least == LEAST[False] and not hall else []
     bad += ["a formula is cut"] if found["cut"] else []
     return bad + [f"{side} by {-found[side]:.0f} px" for side in ("left", "top") if found[side] < 0]
 

@@ -3,7 +3,7 @@
 // fills it and its words alone are on the next. In usual print charts grow by equal parts into what their tab would leave empty.
 ({large}) => {
   const viser = window.observerLabViser, {chart: CHART, column: COLUMN, view: VIEW} = viser.parts;
-  const lab = window.observerLabFill ??= {}, LEAST = .3, MUCH = .35, HALF = .5, SMALL = .24, LOW = .5, TALLEST = 1.5;  // shares; height over width
+  const lab = window.observerLabFill ??= {}, LEAST = .3, MUCH = .35, HALF = .5, SMALL = .24, LOW = .4, TALLEST = 1.5;  // shares; height over width
   const CLEAR = 6, SHEET = 896, ASKED = 160, AIR = .7;  // px; px of the widest window with a sheet; px that a question's figure has at least; letters
   const DRAWN = `${CHART},.ol-table,.ol-figure,:has(${CHART},.ol-table,.ol-figure)`;
   const [SPARE, SLACK] = [26, 66];  // px left below grown charts, so that a caption may take a line more; px from which they grow again
