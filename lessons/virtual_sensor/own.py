@@ -9,23 +9,21 @@ import numpy as np
 
 from observer_lab.course.figures.records import Curve, Figure, LineFigure, PlaneFigure, Point
 from observer_lab.course.knobs import Knob, Number, Poles
-from observer_lab.course.lesson import Board, Design, Formula, Lesson, Outcome
-from observer_lab.engine import Plant, Scenario, simulate
+from observer_lab.course.lesson import Design, Lesson, Outcome
+from observer_lab.engine import Plant
 from observer_lab.engine.simulation import Run
 from observer_lab.engine.systems import sorted_poles
 from observer_lab.plants import Model, Signal
 from observer_lab.plants.signal_names import signal_name
-from observer_lab.text import NO_WORDS, Text, joined, same, text
+from observer_lab.text import NO_WORDS, Text, joined, text
 
-from ..toolkit.boards import bolts, listed, stage
 from ..toolkit.figures import TIME_TAB
 from ..toolkit.gains import injection, sizes, sped
-from ..toolkit.knobs import kicks, run_knobs
-from ..toolkit.latex import gain_words, number
+from ..toolkit.knobs import run_knobs
 from .derive import derived_own
-from .figures import COPY, ERROR_TAB, OBSERVER_LABEL, TRUE, TRUST_TAB
+from .figures import errors_figure, innovation_figure, locus_figure, with_estimates
 from .knobs import MOST_TRUST
-from .study import checks_of
+from .study import outcome_of, tried_on
 
 KNOWN_ERROR_SHARE = 0.05  # of the first error: below this a signal counts as known
 FEW_POINTS, MANY_POINTS = 13, 41  # points of the locus, for many states and for few
@@ -65,30 +63,17 @@ def own_knobs(model: Model) -> tuple[Knob, ...]:
 
 def compute(model: Model, design: Design) -> Outcome[OwnStudy]:
     """One run each of observer and copy; the copy's figures end where the observer's run does."""
-    belief, truth = model.plant, sped(model.plant, design["mismatch"])
-    full = injection(belief, design["observer_poles"], model)
-    L = design["trust"] * full
+    belief, full = model.plant, injection(model.plant, design["observer_poles"], model)
     count, unit = round(model.horizon / model.dt) + 1, sizes(model)
     push = np.zeros((count, belief.m))
     push[:, 0] = np.where((4 * np.arange(count) // count) % 2 == 0, design["push"], 0.0)
-    watched = Scenario(
-        truth, None, L, model=belief, x0=model.x0, xhat0=[design["guess"] * v for v in model.x0], horizon=model.horizon, dt=model.dt,
-        reference=push, V=np.diag((design["noise"] / 100 * unit) ** 2) * model.dt if design["noise"] else None,
-        impulses=kicks(design, model), seed=int(design["seed"]))
-    run, copy = simulate(watched), simulate(replace(watched, L=None))
-    poles = sorted_poles(belief.A - L @ belief.C)
-    seen = OwnStudy(copy, _locus(belief, full), _secret(model))
-    error, alone = (seen.secret.of(r.e) for r in (run, copy))
-    metrics = {
-        "slowest_observer": float(poles.real.max()), "slowest_copy": float(np.real(belief.poles).max()),
-        "largest_gain": float(np.abs(L).max()), "secret_error": _late(error), "copy_secret_error": _late(alone),
-        "first_error": float(abs(error[0]))}
-    return Outcome(
-        design, {"L": L}, {"observer": poles, "copy": belief.poles}, metrics, checks_of(metrics), run, _boards(model, design, poles, L),
-        stage(model, run, design), (
-            Formula("observer", r"\dot{\hat x} = A\hat x + Bu + L\,(y - C\hat x)"),
-            Formula("L", rf"{gain_words('L', L)},\quad \theta = {number(design['trust'])}"),
-            Formula("error", gain_words("A - LC", belief.A - L @ belief.C))), _live(metrics), seen)
+    tried = tried_on(
+        model, design, (sped(belief, design["mismatch"]), belief), full, sorted_poles, [design["guess"] * v for v in model.x0], push,
+        np.diag((design["noise"] / 100 * unit) ** 2) * model.dt if design["noise"] else None)
+    seen = OwnStudy(tried.copy, _locus(belief, full), _secret(model))
+    error, alone = (seen.secret.of(r.e) for r in (tried.run, tried.copy))
+    metrics = {**tried.rates, "secret_error": _late(error), "copy_secret_error": _late(alone), "first_error": float(abs(error[0]))}
+    return outcome_of(tried, model.observer_window, "L", metrics, _live(metrics), seen)
 
 
 def _secret(model: Model) -> Signal:
@@ -100,23 +85,13 @@ def _late(values: np.ndarray) -> float:
     return float(np.abs(values[-max(len(values) // 10, 1):]).max())
 
 
+def _size(values: np.ndarray) -> np.ndarray:
+    return np.linalg.norm(values, axis=1)
+
+
 def _locus(plant: Plant, full: np.ndarray) -> np.ndarray:
     trusts = np.linspace(0.0, MOST_TRUST, MANY_POINTS if plant.n <= 8 else FEW_POINTS)
     return sorted_poles(plant.A - trusts[:, None, None] * (full @ plant.C))
-
-
-def _boards(model: Model, design: Design, poles: np.ndarray, L: np.ndarray) -> tuple[Board, Board]:
-    window, plant = model.observer_window, model.plant
-    by_hand = design["trust"] == 1.0
-    whole = len(poles) == len(model.observer_poles)
-    return (
-        Board("copy", text("the copy's poles  eig(A)"), listed(plant.poles), role="second",
-              side="left", re_low=window.re_low, re_high=window.re_high, im_high=window.im_high),
-        Board("observer", text("observer poles  eig(A − LC)"),
-              design["observer_poles"] if by_hand else listed(poles), "observer_poles" if by_hand or whole else None,
-              bolts(model.observer, window) if by_hand else (), role="estimate", side="right", re_low=window.re_low,
-              re_high=window.re_high, im_high=window.im_high, also=(("trust", 1.0),), landscape=plant.A - L @ plant.C),
-    )
 
 
 def _live(m: dict[str, float]) -> Text:
@@ -136,10 +111,9 @@ def figures(model: Model, outcome: Outcome[OwnStudy]) -> tuple[Figure, ...]:
 
 
 def _signal(name: str, signal: Signal, run: Run, copy: Run) -> LineFigure:
-    last = min(len(run.t), len(copy.t))
-    true, guess, other = signal.of(run.x)[:last], signal.of(run.xhat)[:last], signal.of(copy.xhat)[:last]
-    return LineFigure(name, signal.name, run.t[:last], (Curve(TRUE, true), Curve(COPY, other, "second", "dot"),
-                                                        Curve(OBSERVER_LABEL, guess, "estimate", "dash")), f"[{signal.unit}]", tab=TIME_TAB,
+    curves = with_estimates(run, copy, signal.of)
+    true, other, guess = (curve.y for curve in curves)
+    return LineFigure(name, signal.name, run.t[:len(true)], curves, f"[{signal.unit}]", tab=TIME_TAB,
                       caption=text("At the end of the run the observer is off by {true:.2g}, the copy by "
                                    "{true2:.2g} {unit}.",
                                    true=abs(true[-1] - guess[-1]), true2=abs(true[-1] - other[-1]),
@@ -148,10 +122,8 @@ def _signal(name: str, signal: Signal, run: Run, copy: Run) -> LineFigure:
 
 def _energy(run: Run, copy: Run) -> LineFigure:
     """The size of the state, for a plant all of whose states are measured."""
-    last = min(len(run.t), len(copy.t))
-    curves = tuple(Curve(name, np.linalg.norm(values[:last], axis=1), role, dash) for name, values, role, dash in (  # type: ignore[arg-type]
-        (TRUE, run.x, "plant", "solid"), (COPY, copy.xhat, "second", "dot"), (OBSERVER_LABEL, run.xhat, "estimate", "dash")))
-    return LineFigure("case", text("size of the whole state"), run.t[:last], curves, "‖x‖", tab=TIME_TAB,
+    curves = with_estimates(run, copy, _size)
+    return LineFigure("case", text("size of the whole state"), run.t[:len(curves[0].y)], curves, "‖x‖", tab=TIME_TAB,
                       caption=text("Every state of this plant is measured."))
 
 
@@ -165,33 +137,27 @@ def _input(model: Model, run: Run) -> LineFigure:
 def _errors(outcome: Outcome[OwnStudy], run: Run) -> LineFigure:
     copy = outcome.study.copy
     last = min(len(run.t), len(copy.t))
-    ours, theirs = (np.linalg.norm(r.e[:last], axis=1) for r in (run, copy))
+    ours = _size(run.e[:last])
     below = np.flatnonzero(ours > KNOWN_ERROR_SHARE * max(float(ours[0]), 1e-300))
     said = (text("The observer's error is not below a twentieth of its start at the end.")
             if len(below) and below[-1] == last - 1 else
             text("The observer's error is below a twentieth of its start after {t:.3g} s.",
                  t=run.t[below[-1] + 1] if len(below) else 0))
-    return LineFigure("error", text("size of the error"), run.t[:last],
-                      (Curve(COPY, theirs, "second", "dot"), Curve(OBSERVER_LABEL, ours, "error")), "‖e‖", log_y=True, tab=ERROR_TAB,
-                      caption=said)
+    return errors_figure(run, copy, _size, text("size of the error"), "‖e‖", said)
 
 
 def _heard(model: Model, run: Run) -> LineFigure:
-    heard = (run.y - run.yhat)[:, 0]
-    name = signal_name(model.plant, model.plant.output_names[0])
-    return LineFigure("innovation", text("innovation y − ŷ"), run.t,
-                      (Curve(same("y − ŷ"), heard, "error"),), f"[{model.plant.unit(model.plant.output_names[0])}]", tab=ERROR_TAB,
-                      caption=text("Sensor {name} minus its prediction; up to {heard:.2g} in the last tenth of "
-                                   "the run.",
-                                   name=name, heard=_late(heard)))
+    name = model.plant.output_names[0]
+    return innovation_figure(run, f"[{model.plant.unit(name)}]", lambda late: text(
+        "Sensor {name} minus its prediction; up to {heard:.2g} in the last tenth of "
+        "the run.",
+        name=signal_name(model.plant, name), heard=late))
 
 
 def _plane(model: Model, outcome: Outcome[OwnStudy]) -> PlaneFigure:
     window = model.observer_window
-    points = [Point(float(p.real), float(p.imag), "muted", "dot") for row in outcome.study.poles[1:] for p in row
-              if abs(p) < 3 * max(-window.re_low, window.im_high)]
-    points += [Point(float(p.real), float(p.imag), "second", "circle") for p in outcome.poles["copy"]]
-    points += [Point(float(p.real), float(p.imag), "estimate") for p in outcome.poles["observer"]]
+    points = tuple(Point(float(p.real), float(p.imag), "muted", "dot") for row in outcome.study.poles[1:] for p in row
+                   if abs(p) < 3 * max(-window.re_low, window.im_high))
     stable = np.all(np.real(outcome.study.poles) < 0, axis=1)
     trusts = np.linspace(0.0, MOST_TRUST, len(stable))
     shaky = np.flatnonzero(~stable)
@@ -201,10 +167,7 @@ def _plane(model: Model, outcome: Outcome[OwnStudy]) -> PlaneFigure:
             text("Some of the values of trust tried from {trusts:.2g} to {trusts2:.2g} are unstable.",
                  trusts=trusts[shaky[0]], trusts2=trusts[shaky[-1]]))
     high = max(window.re_high, 0.3 * -window.re_low)
-    return PlaneFigure("locus", text("poles of A − θL₁C as trust grows"), (), tuple(points),
-                       "Re s", "Im s", (window.re_low, high), (-window.im_high, window.im_high), unstable=True, tab=TRUST_TAB,
-                       caption=text("Circles: θ = 0, the copy. Crosses: θ = {trust:g} now. {need}",
-                                    trust=outcome.design["trust"], need=need))
+    return locus_figure(outcome, (), points, need, (window.re_low, high), (-window.im_high, window.im_high))
 
 
 def adapted(lesson: Lesson, model: Model) -> Lesson:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from typing import TypeVar
 
 import numpy as np
 
@@ -13,14 +15,16 @@ from observer_lab.engine import Plant, Scenario, observer_gain, simulate
 from observer_lab.engine.observers import ReducedObserver, reduced_observer
 from observer_lab.engine.simulation import Run
 from observer_lab.engine.systems import settled_covariance
-from observer_lab.plants import MODELS, chip
+from observer_lab.plants import MODELS, Model, chip
+from observer_lab.plants.model import Window
 from observer_lab.text import Text, joined, text
 
-from ..toolkit.boards import listed, stage
+from ..toolkit.boards import bolts, listed, stage
 from ..toolkit.knobs import kicks
-from ..toolkit.latex import matrix, number
+from ..toolkit.latex import gain_words, number
 from .knobs import DT, HORIZON, MOST_TRUST, OBSERVER_WINDOW, RUNAWAY_ID
 
+S = TypeVar("S")
 BURST_PERIOD_S, IDLE_SHARE = 6.0, 0.25  # s of a burst of work and the rest after it; share of the power at rest
 KNOWN_ERROR_K = 1.0  # K: a core error below this counts as known
 
@@ -89,46 +93,74 @@ def stable_trusts(model: Plant, L: np.ndarray) -> tuple[float, float]:
     return low, high
 
 
+@dataclass(frozen=True, eq=False)
+class Tried:
+    """The observer's run and the open-loop copy's, both with the model `belief`; `full`: L at θ = 1."""
+
+    model: Model
+    design: Design
+    belief: Plant
+    full: np.ndarray
+    L: np.ndarray
+    poles: np.ndarray
+    run: Run
+    copy: Run
+
+    @property
+    def rates(self) -> dict[str, float]:
+        """The slowest modes of both errors, and the largest entry of L."""
+        return {"slowest_observer": float(np.max(np.real(self.poles))), "slowest_copy": float(np.max(np.real(self.belief.poles))),
+                "largest_gain": float(np.max(np.abs(self.L)))}
+
+
+def tried_on(model: Model, design: Design, plants: tuple[Plant, Plant], full: np.ndarray, poles_of: Callable[[np.ndarray], np.ndarray],
+             guess: Sequence[float], drive: np.ndarray, V: np.ndarray | float | None) -> Tried:
+    """One run each of observer and copy on the first plant, which both believe to be the second; `drive` is the known input (n_t, m)."""
+    truth, belief = plants
+    L = design["trust"] * full
+    watched = Scenario(
+        truth, None, L, model=belief, x0=model.x0, xhat0=guess, horizon=model.horizon, dt=model.dt, reference=drive, V=V,
+        impulses=kicks(design, model), seed=int(design["seed"]))
+    return Tried(model, design, belief, full, L, poles_of(belief.A - L @ belief.C), simulate(watched), simulate(replace(watched, L=None)))
+
+
 def compute(design: Design) -> Outcome[Study]:
     """The observer's gain on the believed chip, and one run each of observer and copy on the true one.
 
     Only the observer's run can end early, where badly chosen poles make it diverge; the copy's is the longer one.
     """
-    model = MODELS[design["plant"]]
-    belief = believed(design["plant"], design["air_error"])
-    L_full = observer_gain(belief.A, belief.C, design["observer_poles"]).gain
-    L = design["trust"] * L_full
-    watched = Scenario(
-        model.plant, None, L, model=belief, x0=model.x0, xhat0=(design["guess_core"], design["guess_case"]),
-        horizon=HORIZON, dt=DT, reference=burst(design["power"]), V=design["noise"] ** 2 * DT if design["noise"] else None,
-        impulses=kicks(design, model), seed=int(design["seed"]))
-    run, copy = simulate(watched), simulate(replace(watched, L=None))
-    poles, own = np.sort_complex(_poles_of(belief.A - L @ belief.C)), belief.poles
-    trusts, (low, high) = _trusts(belief, L_full), stable_trusts(belief, L_full)
+    model, belief = MODELS[design["plant"]], believed(design["plant"], design["air_error"])
+    tried = tried_on(
+        model, design, (model.plant, belief), observer_gain(belief.A, belief.C, design["observer_poles"]).gain,
+        lambda A: np.sort_complex(_poles_of(A)), (design["guess_core"], design["guess_case"]), burst(design["power"]),
+        design["noise"] ** 2 * DT if design["noise"] else None)
+    trusts, (low, high) = _trusts(belief, tried.full), stable_trusts(belief, tried.full)
     reduced = reduced_observer(belief, (float(np.max(np.real(design["observer_poles"]))),)) if design["reduced"] else None
-    estimates = None if reduced is None else _reduced_estimates(watched, reduced, run)
-    if estimates is not None and len(estimates) < len(run.t):  # all curves end where the first of them has diverged
-        run = simulate(replace(watched, horizon=float(run.t[len(estimates) - 1])))
-    seen = Study(copy, trusts, _poles_of(belief.A - trusts[:, None, None] * (L_full @ belief.C)), (low, high),
+    estimates = None if reduced is None else _reduced_estimates(reduced, tried.run)
+    if estimates is not None and len(estimates) < len(tried.run.t):  # all curves end where the first of them has diverged
+        tried = replace(tried, run=simulate(replace(tried.run.scenario, horizon=float(tried.run.t[len(estimates) - 1]))))
+    run = tried.run
+    seen = Study(tried.copy, trusts, _poles_of(belief.A - trusts[:, None, None] * (tried.full @ belief.C)), (low, high),
                  None if estimates is None else estimates[:len(run.t)])
-    metrics = _metrics(run, copy) | {
-        "core_sigma": core_sigma(belief.A - L @ belief.C, L, design["noise"]),
-        "slowest_observer": float(np.max(np.real(poles))), "slowest_copy": float(np.max(np.real(own))),
-        "largest_gain": float(np.max(np.abs(L))), "least_trust": max(0.0, low)}
+    metrics = _metrics(run, tried.copy) | tried.rates | {
+        "core_sigma": core_sigma(belief.A - tried.L @ belief.C, tried.L, design["noise"]), "least_trust": max(0.0, low)}
     if reduced is not None:
         metrics["reduced_sigma"] = reduced_sigma(reduced, design["noise"])
         metrics["reduced_error"] = float(np.abs(run.x[:, 0] - seen.reduced[:, 0])[-max(len(run.t) // 10, 1):].max())
-    return Outcome(
-        design, {"L": L}, {"observer": poles, "copy": own}, metrics, checks_of(metrics), run,
-        _boards(design, poles, own, belief.A - L @ belief.C), stage(model, run, design), _formulas(belief, L, design["trust"]),
-        _live(metrics, run, seen, design["trust"]), seen)
+    return outcome_of(tried, OBSERVER_WINDOW, r"L = \theta L_1", metrics, _live(metrics, run, seen, design["trust"]), seen)
 
 
-def checks_of(metrics: dict[str, float]) -> tuple[Check, Check]:
-    """Whether the error of the observer and that of the copy die out."""
+def outcome_of(tried: Tried, window: Window, letter: str, metrics: dict[str, float], live: Text, study: S) -> Outcome[S]:
+    """What both runs of a design show; `letter`: what L is called in its formula."""
     observer, copy = metrics["slowest_observer"], metrics["slowest_copy"]
-    return (Check("observer", text("the observer's wrong start decays"), observer < 0, observer),
-            Check("copy", text("the copy's wrong start decays"), copy < 0, copy))
+    checks = (Check("observer", text("the observer's wrong start decays"), observer < 0, observer),
+              Check("copy", text("the copy's wrong start decays"), copy < 0, copy))
+    L, belief = tried.L, tried.belief
+    formulas = (Formula("observer", r"\dot{\hat x} = A\hat x + Bu + L\,(y - C\hat x)"),
+                Formula("L", rf"{gain_words(letter, L)},\quad \theta = {number(tried.design['trust'])}"),
+                Formula("error", gain_words("A - LC", belief.A - L @ belief.C)))
+    return Outcome(tried.design, {"L": L}, {"observer": tried.poles, "copy": belief.poles}, metrics, checks, tried.run,
+                   _boards(tried, window), stage(tried.model, tried.run, tried.design), formulas, live, study)
 
 
 def _metrics(run: Run, copy: Run) -> dict[str, float]:
@@ -150,11 +182,11 @@ def core_sigma(A: np.ndarray, L: np.ndarray, noise: float) -> float:
     return float(np.sqrt(settled_covariance(A, noise * np.sqrt(DT) * L)[0, 0]))
 
 
-def _reduced_estimates(watched: Scenario, observer: ReducedObserver, run: Run) -> np.ndarray:
+def _reduced_estimates(observer: ReducedObserver, run: Run) -> np.ndarray:
     """x̂ of the reduced-order observer over the same run, from the same guess of the core: w(0) takes the first reading into account."""
-    given, first = np.asarray(watched.xhat0), run.y[0] - run.yhat[0]
+    given, first = np.asarray(run.scenario.xhat0), run.y[0] - run.yhat[0]
     w0 = observer.S @ given - (observer.N @ first) @ observer.M
-    same = simulate(replace(watched, model=observer.model, L=observer.G, K=None, xhat0=w0))
+    same = simulate(replace(run.scenario, model=observer.model, L=observer.G, K=None, xhat0=w0))
     return observer.estimates(same.xhat, same.y, same.u_applied)
 
 
@@ -181,41 +213,18 @@ def _known_after(t: np.ndarray, error: np.ndarray) -> float | None:
     return None if off[-1] == len(t) - 1 else float(t[off[-1] + 1])
 
 
-def _boards(design: Design, poles: np.ndarray, own: np.ndarray, error: np.ndarray) -> tuple[Board, Board]:
-    shown = listed(poles)
-    by_hand = design["observer_poles"] if design["trust"] == 1.0 else shown
+def _boards(tried: Tried, window: Window) -> tuple[Board, Board]:
+    """The copy's poles and the observer's, which can be dragged; by hand they stand where the hand put them, with θ = 1."""
+    model, design, belief = tried.model, tried.design, tried.belief
+    by_hand = design["trust"] == 1.0
+    whole = len(tried.poles) == len(model.observer_poles)
     return (
-        Board(
-            "copy",
-            text("the copy's poles  eig(A)"),
-            listed(own),
-            role="second",
-            side="left",
-            re_low=OBSERVER_WINDOW.re_low,
-            re_high=OBSERVER_WINDOW.re_high,
-            im_high=OBSERVER_WINDOW.im_high,
-        ),
-        Board(
-            "observer",
-            text("observer poles  eig(A − LC)"),
-            by_hand,
-            "observer_poles",
-            role="estimate",
-            side="right",
-            re_low=OBSERVER_WINDOW.re_low,
-            re_high=OBSERVER_WINDOW.re_high,
-            im_high=OBSERVER_WINDOW.im_high,
-            also=(("trust", 1.0),),
-            landscape=error,
-        ),
-    )
-
-
-def _formulas(belief: Plant, L: np.ndarray, trust: float) -> tuple[Formula, ...]:
-    return (
-        Formula("observer", r"\dot{\hat x} = A\hat x + Bu + L\,(y - C\hat x)"),
-        Formula("L", rf"L = \theta L_1 = {matrix(L)},\quad \theta = {number(trust)}"),
-        Formula("error", rf"A - LC = {matrix(belief.A - L @ belief.C)}"),
+        Board("copy", text("the copy's poles  eig(A)"), listed(belief.poles), role="second",
+              side="left", re_low=window.re_low, re_high=window.re_high, im_high=window.im_high),
+        Board("observer", text("observer poles  eig(A − LC)"),
+              design["observer_poles"] if by_hand else listed(tried.poles), "observer_poles" if by_hand or whole else None,
+              bolts(model.observer, window) if by_hand else (), role="estimate", side="right", re_low=window.re_low,
+              re_high=window.re_high, im_high=window.im_high, also=(("trust", 1.0),), landscape=belief.A - tried.L @ belief.C),
     )
 
 
@@ -230,5 +239,3 @@ def _live(m: dict[str, float], run: Run, study: Study, trust: float) -> Text:
     end = text("At the end the core is {true:.1f} K above ambient; the observer says {guess:.1f} K, the copy {other:.1f} K.",
                true=true, guess=guess, other=other)
     return joined(end, doubt)
-
-
