@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Any  # the study of the lesson, or of an own plant
 
 import numpy as np
 
@@ -17,7 +16,7 @@ from observer_lab.text import NO_WORDS, Text, joined, same, text
 from ..toolkit.diagram import Press, loop
 from ..toolkit.figures import TIME_TAB
 from .knobs import MOST_TRUST
-from .study import Study
+from .study import S, Study
 
 ERROR_TAB = text("Error")
 TRUST_TAB = text("Trust")
@@ -61,7 +60,7 @@ def innovation_figure(run: Run, label: str, words: Callable[[float], Text], wind
                       window=window, caption=words(float(np.max(np.abs(heard[-max(len(heard) // 10, 1):])))))
 
 
-def locus_figure(outcome: Outcome[Any], curves: tuple[Curve, ...], points: tuple[Point, ...], need: Text,
+def locus_figure(outcome: Outcome[S], curves: tuple[Curve, ...], points: tuple[Point, ...], need: Text,
                  across: tuple[float, float], up: tuple[float, float]) -> PlaneFigure:
     """The poles that copy and observer have, on the paths of the poles as trust grows."""
     points = (*points, *(Point(float(p.real), float(p.imag), "second", "circle") for p in outcome.poles["copy"]),
