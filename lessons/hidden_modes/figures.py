@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import lru_cache
 from itertools import accumulate
 
@@ -35,21 +35,31 @@ def figures(outcome: Outcome[Case]) -> tuple[Figure, ...]:
     seed = int(outcome.design["seed"])
     return (_measured(run), _centre(run, case), _error_parts(run, case), _state_parts(run, case),
             input_figure(run, case.model), margins_of(case), lights_of(outcome.checks), _decomposed(case.id),
-            _every_observer(case.id, seed), _every_controller(case.id, seed),
+            _every(case.id, seed, "L"), _every(case.id, seed, "K"),
             loop(case.model.plant, run, outcome.gains["L"], outcome.gains["K"]))
+
+
+def measured_figure(run: Run, title: Text, label: str, caption: Text, window: tuple[float, float] | None = None) -> LineFigure:
+    """What the first sensor says, and what the observer expects it to say."""
+    return LineFigure("measured", title, run.t, (Curve(text("measured y"), run.y[:, 0]),
+                                                 Curve(text("predicted ŷ"), run.yhat[:, 0], "estimate", "dash")),
+                      label, window=window, tab=TIME_TAB, caption=caption)
+
+
+def parts_figure(name: str, what: str, run: Run, first: Curve, second: Curve, caption: Text,
+                 window: tuple[float, float] | None = None) -> LineFigure:
+    """Two parts of e, or of x."""
+    title = text("estimation error e, in two parts") if what == "e" else text("plant state x, in two parts")
+    return LineFigure(name, title, run.t, (first, second), f"‖{what}‖", log_y=True, window=window, caption=caption, tab=ERROR_TAB)
 
 
 def _measured(run: Run) -> LineFigure:
     y, late = run.y[:, 0], run.y[-max(len(run.y) // 8, 1):, 0]
     size = float(np.max(np.abs(late)))
     share = size / max(float(np.max(np.abs(y))), 1e-12)
-    return LineFigure(
-        "measured", text("what the sensor says"), run.t,
-        (Curve(text("measured y"), y),
-         Curve(text("predicted ŷ"), run.yhat[:, 0], "estimate", "dash")), "y [m]", window=(-0.2, 0.2),
-        tab=TIME_TAB,
-        caption=claim(text("The trace is flat: in the reading all seems at rest."), share, below=0.02, otherwise=text(
-            "In the last eighth of the run the sensor still reads up to {size:.2g} m.", size=size)))
+    said = claim(text("The trace is flat: in the reading all seems at rest."), share, below=0.02, otherwise=text(
+        "In the last eighth of the run the sensor still reads up to {size:.2g} m.", size=size))
+    return measured_figure(run, text("what the sensor says"), "y [m]", said, (-0.2, 0.2))
 
 
 def _centre(run: Run, case: Case) -> LineFigure:
@@ -70,19 +80,16 @@ def _fixed(bolts: tuple[complex, ...], what: str, gain: str) -> Text:
                 what=what, rate=rate, gain=gain)
 
 
-def _parts(name: str, what: str, title: Text, run: Run, values: np.ndarray, caption: Text) -> LineFigure:
+def _parts(name: str, what: str, run: Run, values: np.ndarray, caption: Text) -> LineFigure:
     common, relative = (np.linalg.norm(values @ part.T, axis=1) for part in (COMMON, RELATIVE))
-    return LineFigure(
-        name, title, run.t,
-        (Curve(text("both blocks together"), common, "error"),
-         Curve(text("one against the other"), relative, "second", "dash")), f"‖{what}‖", log_y=True,
-        window=(1e-3, 1.0), caption=caption, tab=ERROR_TAB)
+    return parts_figure(name, what, run, Curve(text("both blocks together"), common, "error"),
+                        Curve(text("one against the other"), relative, "second", "dash"), caption, (1e-3, 1.0))
 
 
 def _error_parts(run: Run, case: Case) -> LineFigure:
     caption = (_fixed(case.unseen, "e", "L") if case.unseen and carries(case, run)
                else text("This run starts without a common part of e.") if case.unseen else text("L moves both parts of e."))
-    return _parts("error_parts", "e", text("estimation error e, in two parts"), run, run.e, caption)
+    return _parts("error_parts", "e", run, run.e, caption)
 
 
 def _state_parts(run: Run, case: Case) -> LineFigure:
@@ -95,7 +102,7 @@ def _state_parts(run: Run, case: Case) -> LineFigure:
                        "goes.")
     else:
         caption = text("K moves both parts of x.")
-    return _parts("state_parts", "x", text("plant state x, in two parts"), run, run.x, caption)
+    return _parts("state_parts", "x", run, run.x, caption)
 
 
 def _bar(mode: Mode) -> str:
@@ -184,27 +191,26 @@ def random_poles(case: Case, seed: int, observer: bool) -> np.ndarray:
     return np.linalg.eigvals(plant.A - turned)
 
 
-def _cloud(name: str, title: Text, poles: np.ndarray, bolts: tuple[complex, ...], gain: str) -> PlaneFigure:
-    points = tuple(Point(float(p.real), float(p.imag), "second", "dot") for p in poles.ravel())
+def cloud_figure(poles: np.ndarray, bolts: tuple[complex, ...], gain: str, across: tuple[float, float], up: float,
+                 words: Callable[[float], Text], far: float = np.inf) -> PlaneFigure:
+    """Poles under random gains L or K, as far as `far`: what no gain moves stays under its bolt; `words` of the best rightmost pole."""
+    points = tuple(Point(float(p.real), float(p.imag), "second", "dot") for p in poles.ravel() if abs(p) < far)
     points += tuple(Point(p.real, p.imag, "reference", "bolt") for p in bolts)
-    least = float(np.min(np.max(np.real(poles), axis=1)))
-    return PlaneFigure(
-        name, title, (), points, "Re s", "Im s", (-10.0, 4.0), (-7.0, 7.0), unstable=True, tab=EVERY_TAB,
-        caption=text("{draws} gains {gain} drawn at random. The best of them has its rightmost pole at {least:.3g}, at the fixed "
-                     "mode or to its right.", draws=RANDOM_GAINS, gain=gain, least=least) if bolts else
-        text("{draws} gains {gain} drawn at random. The best of them has its rightmost pole at {least:.3g}.", draws=RANDOM_GAINS, gain=gain,
-             least=least))
+    name, title = (("every_observer", text("eig(A − LC) for random L")) if gain == "L" else
+                   ("every_controller", text("eig(A − BK) for random K")))
+    return PlaneFigure(name, title, (), points, "Re s", "Im s", across, (-up, up), unstable=True, tab=EVERY_TAB,
+                       caption=words(float(np.min(np.max(np.real(poles), axis=1)))))
 
 
-@lru_cache(maxsize=16)
-def _every_observer(name: str, seed: int) -> PlaneFigure:
+@lru_cache(maxsize=32)
+def _every(name: str, seed: int, gain: str) -> PlaneFigure:
     case = PLANT_CASES[name]
-    return _cloud("every_observer", text("eig(A − LC) for random L"),
-                  random_poles(case, seed, True), case.unseen, "L")
+    bolts = case.unseen if gain == "L" else case.unmoved
 
-
-@lru_cache(maxsize=16)
-def _every_controller(name: str, seed: int) -> PlaneFigure:
-    case = PLANT_CASES[name]
-    return _cloud("every_controller", text("eig(A − BK) for random K"),
-                  random_poles(case, seed, False), case.unmoved, "K")
+    def words(least: float) -> Text:
+        if bolts:
+            return text("{draws} gains {gain} drawn at random. The best of them has its rightmost pole at {least:.3g}, at the fixed "
+                        "mode or to its right.", draws=RANDOM_GAINS, gain=gain, least=least)
+        return text("{draws} gains {gain} drawn at random. The best of them has its rightmost pole at {least:.3g}.", draws=RANDOM_GAINS,
+                    gain=gain, least=least)
+    return cloud_figure(random_poles(case, seed, gain == "L"), bolts, gain, (-10.0, 4.0), 7.0, words)

@@ -9,10 +9,10 @@ from functools import partial
 import numpy as np
 
 from observer_lab.course.figures.ranges import round_up_nicely
-from observer_lab.course.figures.records import Curve, Figure, LineFigure, MatrixFigure, PlaneFigure, Point, TableFigure
+from observer_lab.course.figures.records import Curve, Figure, LineFigure, MatrixFigure, PlaneFigure, TableFigure
 from observer_lab.course.knobs import Knob, Number
 from observer_lab.course.lesson import Check, Design, Formula, Lesson, Outcome
-from observer_lab.engine import Scenario, controllability, kalman_decomposition, observability, simulate
+from observer_lab.engine import controllability, kalman_decomposition, observability
 from observer_lab.engine.design import in_natural_units
 from observer_lab.engine.simulation import Run
 from observer_lab.engine.structure import Mode
@@ -22,13 +22,13 @@ from observer_lab.plants.signal_names import signal_name
 from observer_lab.text import Text, format_number, text
 
 from ..toolkit.boards import pole_boards, stage
-from ..toolkit.figures import ERROR_TAB, TIME_TAB, input_figure
+from ..toolkit.figures import TIME_TAB, input_figure
 from ..toolkit.gains import feedback, injection
-from ..toolkit.knobs import kicks, pole_knobs, run_knobs
+from ..toolkit.knobs import pole_knobs, run_knobs
 from ..toolkit.latex import gain_words, pole_words
-from .figures import EVERY_TAB, blocks_of, lights_of, margins_of
+from .figures import blocks_of, cloud_figure, lights_of, margins_of, measured_figure, parts_figure
 from .knobs import Case
-from .study import checks_of
+from .study import checks_of, tried
 
 RANDOM_GAINS, FEW_DRAWS = 50, 14  # random gains on a map, for few states and for many
 MOST_ROWS = 12  # of the table of modes
@@ -84,14 +84,8 @@ def compute(here: Setting, design: Design) -> Outcome[Setting]:
     K, L = feedback(plant, design["controller_poles"], model), injection(plant, design["observer_poles"], model)
     start = np.array(model.x0)
     start = start - here.along * _amount(here, start[None])[0] + design["share"] * here.along
-    run = simulate(Scenario(plant, K, L, x0=start, xhat0=model.guess, horizon=model.horizon, dt=model.dt,
-                            impulses=kicks(design, model), seed=int(design["seed"])))
     control, observer = map(sorted_poles, (plant.A - plant.B @ K, plant.A - L @ plant.C))
-    e = np.linalg.norm(run.e, axis=1)
-    metrics = {
-        "error_rate": float(np.real(observer).max()), "state_rate": float(np.real(control).max()),
-        "error_end": float(e[-1] / max(float(e[0]), 1e-300)), "weakest_seen": min(m.margin for m in case.seen.modes),
-        "weakest_reached": min(m.margin for m in case.reached.modes)}
+    run, metrics = tried(case, design, (K, L), (control, observer), start.tolist())
     return Outcome(
         design, {"K": K, "L": L}, {"controller": control, "observer": observer}, metrics, checks_of(case, metrics), run,
         pole_boards(model, design, control, observer, plant.A - L @ plant.C), stage(model, run, design),
@@ -128,19 +122,15 @@ def figures(here: Setting, outcome: Outcome[Case]) -> tuple[Figure, ...]:
     run, seed = outcome.run, int(outcome.design["seed"])
     assert run is not None
     return (_measured(here, run), _mode(here, run),
-            _parts(here, "error_parts", "‖e‖", text("estimation error e, in two parts"), run, run.e),
-            _parts(here, "state_parts", "‖x‖", text("plant state x, in two parts"), run, run.x),
+            _parts(here, "error_parts", "e", run, run.e), _parts(here, "state_parts", "x", run, run.x),
             input_figure(run, here.model), *_modes(here, outcome.checks), *_every(here, seed))
 
 
 def _measured(here: Setting, run: Run) -> LineFigure:
     name = here.model.plant.output_names[0]
-    said = text("what sensor {name} says", name=signal_name(here.model.plant, name))
-    return LineFigure("measured", said, run.t,
-                      (Curve(text("measured y"), run.y[:, 0]),
-                       Curve(text("predicted ŷ"), run.yhat[:, 0], "estimate", "dash")), f"[{here.model.plant.unit(name)}]",
-                      tab=TIME_TAB, caption=text("At the end they differ by {y:.2g}.",
-                                                 y=abs(run.y[-1, 0] - run.yhat[-1, 0])))
+    return measured_figure(run, text("what sensor {name} says", name=signal_name(here.model.plant, name)),
+                           f"[{here.model.plant.unit(name)}]",
+                           text("At the end they differ by {y:.2g}.", y=abs(run.y[-1, 0] - run.yhat[-1, 0])))
 
 
 def _mode(here: Setting, run: Run) -> LineFigure:
@@ -151,16 +141,13 @@ def _mode(here: Setting, run: Run) -> LineFigure:
                                    weakest=_name(here.weakest), true=abs(true[-1] - guess[-1])))
 
 
-def _parts(here: Setting, name: str, axis: str, title: Text, run: Run, values: np.ndarray) -> LineFigure:
+def _parts(here: Setting, name: str, what: str, run: Run, values: np.ndarray) -> LineFigure:
     weak = np.abs(_amount(here, values)) * float(np.linalg.norm(here.along))
     rest = np.linalg.norm(values, axis=1)
     grown = weak[-1] / max(weak[0], 1e-300)
-    return LineFigure(name, title, run.t, (Curve(text("weakest mode"), weak, "error"),
-                                           Curve(text("the whole"), rest, "second", "dash")), axis, log_y=True, tab=ERROR_TAB,
-                      caption=text("From start to end the weakest mode's part changes by a factor of {grown:.2g}.",
-                                   grown=grown)
-                      if weak[0] > 1e-12 * rest[0] else
-                      text("The start holds nothing of the weakest mode."))
+    said = (text("From start to end the weakest mode's part changes by a factor of {grown:.2g}.", grown=grown)
+            if weak[0] > 1e-12 * rest[0] else text("The start holds nothing of the weakest mode."))
+    return parts_figure(name, what, run, Curve(text("weakest mode"), weak, "error"), Curve(text("the whole"), rest, "second", "dash"), said)
 
 
 def _modes(here: Setting, checks: Sequence[Check]) -> tuple[TableFigure, TableFigure, MatrixFigure]:
@@ -173,21 +160,15 @@ def _every(here: Setting, seed: int) -> tuple[PlaneFigure, PlaneFigure]:
     plant, model = here.model.plant, here.model
     rng, count = np.random.default_rng(seed), RANDOM_GAINS if plant.n <= 8 else FEW_DRAWS
     found = []
-    for name, base, bolts in (("observer", model.observer, here.case.unseen), ("controller", model.controller, here.case.unmoved)):
+    for gain, base, bolts, window in (("L", model.observer, here.case.unseen, model.observer_window),
+                                      ("K", model.controller, here.case.unmoved, model.controller_window)):
         assert base is not None
         draws = base.gain * np.exp(rng.normal(0.0, 1.0, (count, 1, 1))) * (1 + rng.normal(0.0, 0.5, (count, *base.gain.shape)))
-        poles = np.linalg.eigvals(plant.A - (draws @ plant.C if name == "observer" else plant.B @ draws))
-        window = model.observer_window if name == "observer" else model.controller_window
+        poles = np.linalg.eigvals(plant.A - (draws @ plant.C if gain == "L" else plant.B @ draws))
         size = round_up_nicely(max(-window.re_low, window.im_high))
-        points = tuple(Point(float(p.real), float(p.imag), "second", "dot") for p in poles.ravel() if abs(p) < 3 * size)
-        points += tuple(Point(p.real, p.imag, "reference", "bolt") for p in bolts)
-        letter, M = ("L", "eig(A − LC)") if name == "observer" else ("K", "eig(A − BK)")
-        least = format_number(float(np.real(poles).max(axis=1).min()), ".3g")
-        found.append(PlaneFigure(
-            f"every_{name}", text("{m} for random {letter}", m=M, letter=letter), (), points, "Re s", "Im s", (-size, 0.5 * size),
-            (-size, size), unstable=True, tab=EVERY_TAB, caption=text(
-                "{count} gains {letter} drawn around the start. The best has its rightmost pole at {least}.",
-                count=count, letter=letter, least=least)))
+        found.append(cloud_figure(poles, bolts, gain, (-size, 0.5 * size), size, lambda least, gain=gain: text(
+            "{count} gains {letter} drawn around the start. The best has its rightmost pole at {least}.",
+            count=count, letter=gain, least=format_number(least, ".3g")), 3 * size))
     return found[0], found[1]
 
 

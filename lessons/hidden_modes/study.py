@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from observer_lab.course.lesson import Board, Check, Design, Formula, Outcome
@@ -31,21 +33,28 @@ def compute(design: Design) -> Outcome[Case]:
     control = place(plant.A, plant.B, (*design[left], *case.unmoved))
     observer = observer_gain(plant.A, plant.C, (*design[right], *case.unseen))
     c = design["centre"]
-    run = simulate(Scenario(plant, control.gain, observer.gain, x0=(c + START_OFFSET_M, c - START_OFFSET_M, 0, 0), xhat0=model.guess,
-                            horizon=model.horizon, dt=model.dt, impulses=kicks(design, model), seed=int(design["seed"])))
-    e = np.linalg.norm(run.e, axis=1)
-    metrics = {
-        "error_rate": float(max(np.real(observer.poles))), "state_rate": float(max(np.real(control.poles))),
-        "hidden_rate": max((p.real for p in (*case.unseen, *case.unmoved)), default=float("nan")),
-        "error_end": float(e[-1] / max(float(e[0]), 1e-12)), "state_end": float(np.linalg.norm(run.x[-1])),
-        "weakest_seen": min(m.margin for m in case.seen.modes),
-        "weakest_reached": min(m.margin for m in case.reached.modes),
-    }
-    metrics = {key: value for key, value in metrics.items() if np.isfinite(value)}
+    run, metrics = tried(case, design, (control.gain, observer.gain), (control.poles, observer.poles),
+                         (c + START_OFFSET_M, c - START_OFFSET_M, 0, 0))
+    metrics["state_end"] = float(np.linalg.norm(run.x[-1]))
+    if case.unseen or case.unmoved:
+        metrics["hidden_rate"] = max(p.real for p in (*case.unseen, *case.unmoved))
     return Outcome(
         design, {"K": control.gain, "L": observer.gain}, {"controller": control.poles, "observer": observer.poles},
         metrics, checks_of(case, metrics), run, _boards(design, case, observer), stage(model, run, design),
         _formulas(case, control, observer), _live(case, run), case)
+
+
+def tried(case: Case, design: Design, gains: tuple[np.ndarray, np.ndarray], poles: tuple[np.ndarray, np.ndarray],
+          start: Sequence[float]) -> tuple[Run, dict[str, float]]:
+    """The run of a plant under K and L, whose poles are those of controller and observer, and what is measured of it."""
+    model, (control, observer) = case.model, poles
+    run = simulate(Scenario(model.plant, *gains, x0=start, xhat0=model.guess, horizon=model.horizon, dt=model.dt,
+                            impulses=kicks(design, model), seed=int(design["seed"])))
+    e = np.linalg.norm(run.e, axis=1)
+    return run, {
+        "error_rate": float(np.real(observer).max()), "state_rate": float(np.real(control).max()),
+        "error_end": float(e[-1] / max(float(e[0]), 1e-300)), "weakest_seen": min(m.margin for m in case.seen.modes),
+        "weakest_reached": min(m.margin for m in case.reached.modes)}
 
 
 def checks_of(case: Case, metrics: dict[str, float]) -> tuple[Check, ...]:
