@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -51,40 +51,44 @@ def map_scenario(scenario: Scenario) -> Scenario:
     return replace(scenario, x0=rest, xhat0=rest, impulses=(), horizon=span, dt=MAP_STEP_S)
 
 
-def survey(scenario: Scenario, known: Starts | None) -> Iterator[tuple[float, Starts]]:
-    """Yield (fraction done, starts so far) every few milliseconds; each pass adds final verdicts, never guesses.
+def survey(scenario: Scenario, state: int, grid: np.ndarray, values: np.ndarray, passes: Sequence[tuple[np.ndarray, np.ndarray]],
+           threshold: float, bound: float) -> Iterator[tuple[float, np.ndarray]]:
+    """Yield (fraction done, map so far) every few milliseconds; each pass adds final verdicts, never guesses.
 
-    The loop is odd: (−x, −x̂) runs as the mirror image of (x, x̂). So only errors ≥ 0 are run and the rest is
-    mirrored, and starts beyond the ceiling need no run. A map begun before goes on from where it was.
+    A pass has places on the grid of starts and of errors ≥ 0 of one state. The loop is odd: (−x, −x̂) runs as the mirror image of
+    (x, x̂), so the rest is mirrored. A map begun before goes on from where it was.
     """
-    values = np.full((len(START_GRID_DEG), len(START_GRID_DEG)), NOT_COMPUTED) if known is None else known.values.copy()
-    limit = ceiling(scenario.plant, float(scenario.u_max[0]))
-    values[:, np.abs(START_GRID_DEG) >= limit] = UNRECOVERABLE
-    angles, errors = np.flatnonzero(np.abs(START_GRID_DEG) < limit), np.flatnonzero(START_GRID_DEG >= 0)
-    passes = [(angles[i::PASS_STRIDE], errors[j::PASS_STRIDE]) for j in range(PASS_STRIDE) for i in range(PASS_STRIDE)]
-    starts = Starts(values)
+    last = len(grid) - 1
     for k, (across, up) in enumerate(passes):
         if not len(across) or np.all(values[np.ix_(up, across)] != NOT_COMPUTED):
             continue
         recovered = np.zeros((len(across), len(up)), dtype=bool)
-        for fraction, found in simulate_recovery(scenario, ANGLE, np.radians(START_GRID_DEG[across]), ANGLE, np.radians(START_GRID_DEG[up]),
-                                            threshold=RECOVERED_NORM, bound=LOST_NORM, slice_seconds=SLICE_S):
+        for fraction, found in simulate_recovery(scenario, state, grid[across], state, grid[up], threshold=threshold, bound=bound,
+                                                 slice_seconds=SLICE_S):
             recovered = found.recovered
-            yield (k + fraction) / len(passes), starts
+            yield (k + fraction) / len(passes), values
         values = values.copy()
         values[np.ix_(up, across)] = np.where(recovered.T, RECOVERED, NOT_RECOVERED)
-        values[np.ix_(len(START_GRID_DEG) - 1 - up, len(START_GRID_DEG) - 1 - across)] = values[np.ix_(up, across)]
-        starts = replace(starts, values=values)
-    yield 1.0, starts
+        values[np.ix_(last - up, last - across)] = values[np.ix_(up, across)]
+    yield 1.0, values
 
 
 def find_starts(outcome: Outcome[Study]) -> Iterator[tuple[float, Starts | None]]:
-    """The map of the design's gains, limit and feed, pass by pass; it goes on from what the outcome shows of it."""
+    """The map of the design's gains, limit and feed, pass by pass; it goes on from what the outcome shows of it.
+
+    Starts beyond the ceiling need no run.
+    """
     if max(slowest(outcome, name) for name in ("controller", "observer")) >= 0:
         raise KnobError(text("A pole is not in the left half plane, so no start recovers; drag it to the left first."))
     scenario = map_scenario(scenario_of(outcome.design, outcome.gains["K"], outcome.gains["L"]))
-    before = outcome.study.starts
-    for fraction, starts in survey(scenario, None if before is None or before.rough else before):
+    before, n = outcome.study.starts, len(START_GRID_DEG)
+    values = np.full((n, n), NOT_COMPUTED) if before is None or before.rough else before.values.copy()
+    limit = ceiling(scenario.plant, float(scenario.u_max[0]))
+    values[:, np.abs(START_GRID_DEG) >= limit] = UNRECOVERABLE
+    angles, errors = np.flatnonzero(np.abs(START_GRID_DEG) < limit), np.flatnonzero(START_GRID_DEG >= 0)
+    passes = [(angles[i::PASS_STRIDE], errors[j::PASS_STRIDE]) for j in range(PASS_STRIDE) for i in range(PASS_STRIDE)]
+    for fraction, found in survey(scenario, ANGLE, np.radians(START_GRID_DEG), values, passes, RECOVERED_NORM, LOST_NORM):
+        starts = Starts(found)
         yield fraction, starts if starts.done > 0 else None
 
 

@@ -11,10 +11,9 @@ import numpy as np
 
 from observer_lab.course.figures.records import Curve, Figure, MapFigure
 from observer_lab.course.knobs import Choice, Knob, KnobError, Number
-from observer_lab.course.lesson import Check, Design, Formula, Job, Lesson, Outcome
+from observer_lab.course.lesson import Design, Formula, Job, Lesson, Outcome
 from observer_lab.engine import Plant, Scenario, autonomous_error, simulate
-from observer_lab.engine.simulation import Run, separation_meter, simulate_recovery
-from observer_lab.engine.systems import sorted_poles
+from observer_lab.engine.simulation import Run
 from observer_lab.plants import Model
 from observer_lab.text import NO_WORDS, Text, joined, text
 
@@ -26,11 +25,12 @@ from ..toolkit.latex import gain_words
 from .derive import derived_own
 from .ending import Ending, ending_of, map_span
 from .figures import CATEGORIES
-from .job import SLICE_S
+from .job import survey
 from .knobs import APPLIED, COMMANDED
-from .study import NOT_COMPUTED, amount, depends
+from .study import NOT_COMPUTED, amount, checks_of, depends, limited, poles_of
 
 START_GRID = np.linspace(-3.0, 3.0, 25)  # starts and errors, in units of the plant's own start
+LAW_RTOL = 1e-8  # of the error's peak: how well ė = (A − LC)e must hold to count as exact
 RECOVERED_SIZE, LOST_SIZE = 0.1, 100.0  # of the start's size: come home below the one at the end, lost beyond the other
 PASS_STRIDE = 4  # every so many rows of errors are one pass
 MAP_RUN_STEPS = 200  # of a run on the map
@@ -84,20 +84,9 @@ def compute(model: Model, design: Design) -> Outcome[OwnStudy]:
     run, ideal = simulate(scenario), simulate(replace(scenario, state_feedback=True))
     if min(len(run.t), len(ideal.t)) < 2:
         raise KnobError(text("Under this limit the plant grows without bound at once; raise it."))
-    inside = plant.A - L @ plant.C if design["fed"] == APPLIED else plant.A - plant.B @ K - L @ plant.C + L @ plant.D @ K
-    poles = {name: sorted_poles(M) for name, M in (
-        ("controller", plant.A - plant.B @ K), ("observer", plant.A - L @ plant.C), ("clipped", inside))}
-    meter = separation_meter(run)
-    clipped = np.any(np.abs(run.u_asked) > design["u_max"] * (1 + 1e-9), axis=1)
-    end, known_end = ending_of(run), ending_of(ideal)
-    metrics = {"separation_meter": meter, "comes_home": float(end.home), "known_comes_home": float(known_end.home),
-               "clipped_for": model.dt * float(clipped.sum()), "clipped_rate": float(np.real(poles["clipped"]).max()),
-               "largest_asked": float(np.abs(run.u_asked).max())}
-    checks = (
-        Check("autonomous", text("the error dynamics are autonomous, ė = (A − LC)e"), meter < 1e-8, meter, informative=True),
-        Check("windup", text("the compensator is stable while the input is clipped"),
-              metrics["clipped_rate"] < 0, metrics["clipped_rate"], informative=True),
-        Check("home", text("this start recovers"), end.home, metrics["comes_home"], informative=True))
+    poles, end = poles_of(plant, K, L, design["fed"]), ending_of(run)
+    metrics = limited(run, design["u_max"], poles, end, ending_of(ideal))
+    checks = checks_of(metrics, LAW_RTOL, text("the compensator is stable while the input is clipped"), metrics["comes_home"])
     formulas = (Formula("error", r"\dot e = (A-LC)\,e" if design["fed"] == APPLIED else
                         r"\dot e = (A-LC)\,e + B\,(\mathrm{sat}\,u - u)"),
                 Formula("K", gain_words("K", K)), Formula("L", gain_words(r"L^{\mathsf T}", L.T)))
@@ -113,8 +102,8 @@ def _live(m: Mapping[str, float], end: Ending) -> Text:
            text("Whether this start recovers is not decided within {long:.3g} s.", long=end.until))
     clipped = m["clipped_for"]
     limit = text("An input is clipped for {clipped:.3g} s.", clipped=clipped) if clipped > 0 else text("No input is ever clipped.")
-    wall = (text("The error obeys A − LC all the same.") if m["separation_meter"] < 1e-8 and clipped > 0 else
-            text("So the error obeys A − LC, whichever input the observer gets.") if m["separation_meter"] < 1e-8 else
+    wall = (text("The error obeys A − LC all the same.") if m["separation_meter"] < LAW_RTOL and clipped > 0 else
+            text("So the error obeys A − LC, whichever input the observer gets.") if m["separation_meter"] < LAW_RTOL else
             text("Separation meter {separation_meter}.", separation_meter=amount(m["separation_meter"])))
     return joined(first, how, limit, wall)
 
@@ -168,20 +157,10 @@ def find_starts(model: Model, outcome: Outcome[OwnStudy]) -> Iterator[tuple[floa
     if worst >= 0:
         raise KnobError(text("A pole is not in the left half plane, so no start recovers; drag it to the left if it can be moved."))
     scenario = turned(model, scenario_of(model, outcome.design, outcome.gains["K"], outcome.gains["L"]))
-    values, known = np.full((len(START_GRID), len(START_GRID)), NOT_COMPUTED), None
-    up = np.flatnonzero(START_GRID >= 0)
-    for k in range(PASS_STRIDE):
-        rows = up[k::PASS_STRIDE]
-        recovered = np.zeros((len(START_GRID), len(rows)), dtype=bool)
-        for fraction, found in simulate_recovery(scenario, 0, START_GRID, 0, START_GRID[rows], threshold=RECOVERED_SIZE, bound=LOST_SIZE,
-                                                 slice_seconds=SLICE_S):
-            recovered = found.recovered
-            yield (k + fraction) / PASS_STRIDE, known
-        values = values.copy()
-        values[rows] = np.where(recovered.T, 0, 1)
-        values[len(START_GRID) - 1 - rows] = values[rows][:, ::-1]
-        known = values
-    yield 1.0, known
+    blank, everywhere, up = np.full((len(START_GRID), len(START_GRID)), NOT_COMPUTED), np.arange(len(START_GRID)), START_GRID >= 0
+    passes = [(everywhere, np.flatnonzero(up)[k::PASS_STRIDE]) for k in range(PASS_STRIDE)]
+    for fraction, values in survey(scenario, 0, START_GRID, blank, passes, RECOVERED_SIZE, LOST_SIZE):
+        yield fraction, None if values is blank else values
 
 
 def with_map(outcome: Outcome[OwnStudy], values: np.ndarray) -> Outcome[OwnStudy]:

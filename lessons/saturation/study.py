@@ -12,6 +12,7 @@ from observer_lab.course.figures.claims import claim
 from observer_lab.course.lesson import Check, Design, Formula, Outcome, Stage
 from observer_lab.engine import EngineError, Plant, Scenario, autonomous_error, simulate
 from observer_lab.engine.simulation import Run, separation_meter, simulate_until
+from observer_lab.engine.systems import sorted_poles
 from observer_lab.plants.cart_pendulum import in_fog
 from observer_lab.text import NO_WORDS, Text, format_number, joined, text
 
@@ -120,27 +121,40 @@ def compute(design: Design) -> Outcome[Study]:
     known, known_fall = whole(ideal)
     end, known_end = (FALLEN_END if fall is not None else ending_of(each) for each, fall in ((run, stopped), (ideal, known_fall)))
     seen = until(run, stopped)
-    A, B, C = CART_PLANT.A, CART_PLANT.B, CART_PLANT.C
-    inside = A - L @ C if design["fed"] == APPLIED else A - B @ K - L @ C
-    poles = {"controller": np.linalg.eigvals(A - B @ K), "observer": np.linalg.eigvals(A - L @ C),
-             "clipped": np.linalg.eigvals(inside)}
-    meter = separation_meter(seen)
-    metrics = {
-        "separation_meter": meter, "comes_home": float(end.home), "known_comes_home": float(known_end.home),
-        "stopped_at": np.inf if stopped is None else stopped, "clipped_rate": float(np.max(np.real(poles["clipped"]))),
-        "clipped_for": DT * float(np.sum(np.abs(seen.u_asked) > design["u_max"] * (1 + 1e-9))),
-        "largest_asked": float(np.max(np.abs(seen.u_asked))), "ceiling": ceiling(CART_PLANT, design["u_max"]),
-    }
+    poles = poles_of(CART_PLANT, K, L, design["fed"])
+    metrics = limited(seen, design["u_max"], poles, end, known_end) | {
+        "stopped_at": np.inf if stopped is None else stopped, "ceiling": ceiling(CART_PLANT, design["u_max"])}
     story = Study(shown, autonomous_error(shown), known.x, stopped, None, end, known_end)
-    checks = (
-        Check("autonomous", text("the error dynamics are autonomous, ė = (A − LC)e"), meter < ERROR_LAW_RTOL, meter, informative=True),
-        Check("windup", text("the compensator is stable while the force is clipped"),
-              metrics["clipped_rate"] < 0, metrics["clipped_rate"], informative=True),
-        Check("home", text("this start recovers"), end.home, float(np.linalg.norm(run.x[-1])), informative=True),
-    )
+    checks = checks_of(metrics, ERROR_LAW_RTOL, text("the compensator is stable while the force is clipped"),
+                       float(np.linalg.norm(run.x[-1])))
     boards = pole_boards(MODEL, design, poles["controller"], poles["observer"])
     return Outcome(design, {"K": K, "L": L}, poles, metrics, checks, seen, boards, _stage(shown, design),
                    _formulas(design, K, L, metrics), _live(design, metrics, story, _unstable(poles)), story)
+
+
+def poles_of(plant: Plant, K: np.ndarray, L: np.ndarray, fed: str) -> dict[str, np.ndarray]:
+    """Of controller and observer, and of the compensator while every input stands at its limit."""
+    A, B, C = plant.A, plant.B, plant.C
+    inside = A - L @ C if fed == APPLIED else A - B @ K - L @ C + L @ plant.D @ K
+    return {"controller": sorted_poles(A - B @ K), "observer": sorted_poles(A - L @ C), "clipped": sorted_poles(inside)}
+
+
+def limited(run: Run, u_max: float, poles: Mapping[str, np.ndarray], end: Ending, known_end: Ending) -> dict[str, float]:
+    """What the limit did in a run: how far the error left its law, for how long an input was clipped, and whether the start recovers."""
+    clipped = np.any(np.abs(run.u_asked) > u_max * (1 + 1e-9), axis=1)
+    return {
+        "separation_meter": separation_meter(run), "comes_home": float(end.home), "known_comes_home": float(known_end.home),
+        "clipped_rate": float(np.max(np.real(poles["clipped"]))), "clipped_for": run.scenario.dt * float(np.sum(clipped)),
+        "largest_asked": float(np.max(np.abs(run.u_asked)))}
+
+
+def checks_of(m: Mapping[str, float], law_rtol: float, windup: Text, left: float) -> tuple[Check, ...]:
+    """Whether the error keeps to its law, the compensator does not wind up, and the start recovers, with what is `left` at the end."""
+    return (
+        Check("autonomous", text("the error dynamics are autonomous, ė = (A − LC)e"), m["separation_meter"] < law_rtol,
+              m["separation_meter"], informative=True),
+        Check("windup", windup, m["clipped_rate"] < 0, m["clipped_rate"], informative=True),
+        Check("home", text("this start recovers"), m["comes_home"] > 0, left, informative=True))
 
 
 def _stage(shown: Run, design: Design) -> Stage:
