@@ -12,7 +12,7 @@ from observer_lab.plants.bilinear import X0
 
 from ..toolkit.latex import MOST_ENTRIES
 from .input_signals import FILTERED_DERIVATIVE, form_index
-from .own_summary import Story
+from .own_plant import OwnSetting
 from .paper_example import base_of, pole_of
 from .problems import COMPUTED_GAIN
 from .study import DT, Study
@@ -40,15 +40,16 @@ def derived(outcome: Outcome[Study]) -> Mapping[str, Value]:
             and design["kick"] < 0
             and len(run.t) > LATER
         ):
-            errors = run.errors[:, form_index(design)]
+            errors = run.errors[:, form_index(design), 0]
             known |= {"time": LATER * DT, "eps0": float(errors[0]), "eps1": float(errors[LATER])}
     return known
 
 
-def own_derived(outcome: Outcome[Story]) -> Mapping[str, Value]:
+def own_derived(outcome: Outcome[Study]) -> Mapping[str, Value]:
     """The same on a person's own plant, as far as an equation of the derivation is about what this plant has: one row, one state."""
-    s, design = outcome.study, outcome.design
-    o, run, x0 = s.wanted.solved, s.run, np.array(s.here.model.x0)
+    s, run, design = outcome.study.setting, outcome.study.run, outcome.design
+    assert isinstance(s, OwnSetting)
+    o, x0 = s.solved, s.x0 * s.scale
     seen, rest = o.K @ o.T[0] @ o.V[0] @ x0, o.K @ o.T[1] @ o.V[1] @ x0
     known: dict[str, Value] = {"rows": float(o.Q.shape[0]), "columns": float(o.Q.shape[1])}
     if len(o.K) == 1:
@@ -66,5 +67,5 @@ def own_derived(outcome: Outcome[Story]) -> Mapping[str, Value]:
         if len(o.K) == 1 and design["form"] != FILTERED_DERIVATIVE and not design["noise"] and design["kick"] < 0 and len(run.t) > LATER:
             errors = run.errors[:, form_index(design), 0]
             if abs(errors[LATER]) > 1e-9 * float(np.abs(run.estimates).max()):  # beyond that it is rounding
-                known |= {"time": LATER * s.here.dt, "eps0": float(errors[0]), "eps1": float(errors[LATER])}
+                known |= {"time": LATER * s.dt, "eps0": float(errors[0]), "eps1": float(errors[LATER])}
     return known

@@ -7,19 +7,18 @@ from functools import lru_cache
 
 import numpy as np
 
-from observer_lab.course.figures.claims import claim
 from observer_lab.course.figures.records import Curve, Dash, LineFigure, PlaneFigure, Point, TableFigure
-from observer_lab.course.lazy import FigureSet, tab_figures
+from observer_lab.course.lazy import FigureSet, TabFigures, tab_figures
 from observer_lab.course.lesson import Check, Outcome
 from observer_lab.engine.observers import BilinearObserver
 from observer_lab.plants.bilinear import POLE
-from observer_lab.text import same, text, text_in
+from observer_lab.text import Text, joined, listed, same, text, text_in
 
 from ..toolkit.figures import TIME_TAB
-from .input_signals import HORIZON, form_index
+from .input_signals import columns, form_index
 from .paper_example import DOUBTED, PRINTED_LINES, words
 from .problems import PAPER_PROBLEM, PROBLEMS
-from .run_record import Record
+from .run_record import Setting
 from .study import FORM_NAMES, Study
 from .terms_figure import TERMS_TAB, terms_figures
 
@@ -27,6 +26,8 @@ STEPS_TAB = text("Eight steps")
 CASES_TAB, FORMS_TAB, POLES_TAB = text("Three cases"), text("With and without ẏ"), text("Four problems")
 SENSOR_NAMES = (same("x₁ … x₄"), same("x₁ x₂ x₃"), text("another K"), same("x₁ x₃ x₅ x₆"))  # of the four problems
 BAR_WIDTH_PX = 34.0
+MAX_DRAWN_ROWS = 3  # rows of g in a figure
+ROLES = (("plant", "estimate"), ("second", "disturbance"), ("force", "error"))  # of these rows and their estimates
 YES, NO = text("● yes"), text("○ no")
 HEADINGS = (
     text("1: canonise C, then K₁; the coordinates T and V"),
@@ -78,49 +79,70 @@ def _page(line: str) -> TableFigure:
                        tuple(rows), tab=STEPS_TAB, caption=caption)
 
 
+def time_figures(outcome: Outcome[Study]) -> TabFigures:
+    """What is wanted and its estimate, the error beside its law, the input."""
+    return tab_figures(TIME_TAB, lambda: (_functional(outcome), _error(outcome), _input(outcome.study)))
+
+
+def form_figures(outcome: Outcome[Study]) -> TabFigures:
+    """The three forms, and what the differentiator misses."""
+    return tab_figures(FORMS_TAB, lambda: (_forms(outcome.study), _fed(outcome)))
+
+
 def figures(outcome: Outcome[Study]) -> FigureSet:
     """Everything on the right of the stage."""
-    design, observer, run = outcome.design, outcome.study.observer, outcome.study.run
-    return FigureSet(tab_figures(TIME_TAB, lambda: (_functional(outcome, run), _error(outcome, run), _input(run))),
+    design, observer = outcome.design, outcome.study.observer
+    return FigureSet(time_figures(outcome),
                  tab_figures(STEPS_TAB, lambda: steps_figures(design["problem"], observer, int(design["step"]), design["line"])),
                  tab_figures(CASES_TAB, lambda: (lights(outcome.checks), _singular(observer), _problems(design["problem"]))),
                  tab_figures(TERMS_TAB, lambda: terms_figures(design["problem"])),
                  tab_figures(POLES_TAB, lambda: (_poles(design["problem"]),)),
-                 tab_figures(FORMS_TAB, lambda: (_forms(run), _fed(run, design["tau"]))))
+                 form_figures(outcome))
 
 
-def _functional(outcome: Outcome[Study], run: Record) -> LineFigure:
-    guess = run.estimates[:, form_index(outcome.design)]
-    met = outcome.metrics["settled_after"]
-    caption = (text("After {met:.3g} s the error of ĝ stays below 2 % of its peak.", met=met) if met <= HORIZON
+def _functional(outcome: Outcome[Study]) -> LineFigure:
+    s, run, met, index = outcome.study.setting, outcome.study.run, outcome.metrics["settled_after"], form_index(outcome.design)
+    several = len(s.rows) > 1
+    size, unit = s.size(run) if several else np.ones(1), s.rows[0].unit
+    curves = []
+    for i, (row, (true, guess)) in enumerate(zip(s.rows, ROLES, strict=False)):
+        curves += [Curve(row.name, run.g[:, i] / size[i], true), Curve(row.guess, run.estimates[:, index, i] / size[i], guess, "dash")]
+    caption = (text("After {met:.3g} s the error of ĝ stays below 2 % of its peak.", met=met) if met <= s.horizon
                else text("With the sensors' noise the error of ĝ does not stay below 2 % of its peak in this run.")
-               if outcome.design["noise"] else text("Within this run ĝ does not settle on g."))
-    return LineFigure("functional", text("the number wanted, g = K x"), run.t,
-                      (Curve(same("g"), run.g), Curve(same("ĝ"), guess, "estimate", "dash")), "g", window=(-10.0, 30.0),
-                      tab=TIME_TAB, caption=caption)
+               if outcome.design["noise"] and not s.own else text("Within this run ĝ does not settle on g."))
+    label = text("g over its largest value") if several else same(f"[{unit}]" if unit else "g")
+    return LineFigure("functional", text("the numbers wanted, g = K x") if several else text("the number wanted, g = K x"), run.t,
+                      tuple(curves), label, window=s.windows.get("functional"), tab=TIME_TAB, caption=caption)
 
 
-def _error(outcome: Outcome[Study], run: Record) -> LineFigure:
-    m = outcome.metrics
-    pole = words(np.array([m["pole"]]), 2)
-    follows = text("|ε| follows e^({pole}t) to within {law_gap:.0e} of its peak, whatever u does.",
-                   pole=pole, law_gap=m["law_gap"])
-    kicked = outcome.design["kick"] >= 0 and m["law_gap"] < 1e-6
-    caption = text("The kick moves |ε|; before it and after it |ε| follows e^({pole}t).", pole=pole) if kicked else claim(
-        follows, m["law_gap"], below=1e-6, otherwise=text(
-        "|ε| leaves the line e^({pole}t): in the last tenth of the run it is up to {late_error:.2g}.",
-        pole=pole, late_error=m["late_error"]))
-    return LineFigure("error", text("error ε = ĝ − g"), run.t,
-                      (Curve(same("|ε|"), np.abs(run.errors[:, form_index(outcome.design)]), "error"),
-                       Curve(text("e^({pole}t)", pole=pole), np.abs(run.law), "reference", "dash", 1.6)), "|ε|",
-                      log_y=True, window=(1e-6, 10.0), tab=TIME_TAB, caption=caption)
+def _error(outcome: Outcome[Study]) -> LineFigure:
+    s, run, index = outcome.study.setting, outcome.study.run, form_index(outcome.design)
+    size, rows = s.size(run), s.rows[:MAX_DRAWN_ROWS]
+    curves = [Curve(row.error, np.abs(run.errors[:, index, i]) / size[i], ROLES[i][1] if s.own else "error") for i, row in enumerate(rows)]
+    if len(rows) < MAX_DRAWN_ROWS:
+        curves += [Curve(row.law, np.abs(run.law[:, i]) / size[i], "reference", "dash", 1.6) for i, row in enumerate(rows)]
+    return LineFigure("error", text("error ε = ĝ − g over the largest g") if s.own else text("error ε = ĝ − g"), run.t, tuple(curves),
+                      _axis(s), log_y=True, window=s.windows["error"], tab=TIME_TAB, caption=s.told_of_error(outcome.metrics))
 
 
-def _input(run: Record) -> LineFigure:
-    peak = float(np.max(np.abs(run.u)))
-    return LineFigure("input", text("input u, which also multiplies the state"), run.t,
-                      (Curve(same("u"), run.u, "force"),), "u", window=(-1.0, 1.0), tab=TIME_TAB,
-                      caption=text("Largest |u|: {peak:.3g}.", peak=peak))
+def _axis(s: Setting) -> str:
+    return "|ε| / |g|" if s.own else "|ε|"
+
+
+def _input(study: Study) -> LineFigure:
+    s, t, drive = study.setting, study.run.t, columns(study.run.u)
+    peaks = np.max(np.abs(drive), axis=0)
+    if len(peaks) == 1:
+        unit = s.inputs[0][1]
+        return LineFigure("input", text("input u, which also multiplies the state"), t, (Curve(same("u"), drive[:, 0], "force"),),
+                          f"u [{unit}]" if unit else "u", window=s.windows.get("input"), tab=TIME_TAB,
+                          caption=text("Largest |u|: {peak:.3g}.", peak=float(peaks[0])))
+    looks: tuple[tuple[str, Dash], ...] = (("force", "solid"), ("second", "dash"), ("disturbance", "dot"), ("error", "solid"))
+    curves = tuple(Curve(name, u / (size or 1.0), *looks[j % len(looks)])
+                   for j, ((name, _), u, size) in enumerate(zip(s.inputs, drive.T, peaks.tolist(), strict=True)))
+    told = listed(same(f"{peak:.3g} {unit}".rstrip()) for peak, (_, unit) in zip(peaks.tolist(), s.inputs, strict=True))
+    return LineFigure("input", text("inputs, which also multiply the state, over their largest values"), t, curves, "u / max |u|",
+                      tab=TIME_TAB, caption=text("Largest values: {peaks}.", peaks=told))
 
 
 def lights(checks: Sequence[Check]) -> TableFigure:
@@ -148,18 +170,21 @@ def _singular(o: BilinearObserver) -> TableFigure:
                        tab=CASES_TAB, caption=caption)
 
 
+def solutions(o: BilinearObserver) -> Text:
+    """How many L there are, in words."""
+    return text("no L") if o.case == 1 else text("one L") if o.case == 2 else text("a family of L")
+
+
 @lru_cache(maxsize=8)
 def _problems(chosen: str) -> TableFigure:
     rows = []
     for p in PROBLEMS.values():
         name = text("▸ {label}", label=p.label) if p.id == chosen else p.label
         o = p.solved
-        fate = (text("no L") if o.case == 1 else text("one L") if o.case == 2
-                else text("a family of L"))
         pole = (same("—") if o.case == 1 else text("any") if o.case == 3 and o.controllable
                 else same(words(o.reached.real, 2)))
         known, needed = 3 * len(p.plant.C) + o.canonical_K1.rank, 2 * p.plant.n
-        rows.append((name, str(o.case), fate, pole, f"{known} {'≥' if o.advised else '<'} {needed}"))
+        rows.append((name, str(o.case), solutions(o), pole, f"{known} {'≥' if o.advised else '<'} {needed}"))
     return TableFigure("problems", text("four problems on one plant"),
                        (text("problem"), text_in("bilinear-observer", "case"), text("solutions"), text("pole"), same("3m + r ≥ 2n")),
                        tuple(rows), tab=CASES_TAB, caption=text(
@@ -187,24 +212,29 @@ def _poles(chosen: str) -> PlaneFigure:
                     for k, (p, name) in enumerate(zip(PROBLEMS.values(), SENSOR_NAMES, strict=True))))
 
 
-def _forms(run: Record) -> LineFigure:
-    late = np.max(np.abs(run.errors[len(run.t) // 2:]), axis=0)
+def _forms(study: Study) -> LineFigure:
+    s, run = study.setting, study.run
+    worst = np.max(np.abs(run.errors) / s.size(run), axis=2)
+    late = np.max(worst[len(run.t) // 2:], axis=0)
+    told = {"late": late[0], "late2": late[1], "late3": late[2]}
     styles: tuple[tuple[str, Dash], ...] = (("error", "solid"), ("second", "dot"), ("disturbance", "dash"))
-    curves = tuple(Curve(name, np.abs(size), *style)
-                   for name, size, style in zip(FORM_NAMES, run.errors.T, styles, strict=True))
-    return LineFigure("forms", text("|ε| of the three ways to run it"), run.t, curves, "|ε|", log_y=True,
-                      window=(1e-6, 10.0), tab=FORMS_TAB, caption=text("Largest error in the second half of the run: {late:.2g} "
-                                                                       "without ẏ, {late2:.2g} with the true ẏ, {late3:.2g} with a "
-                                                                       "differentiator.",
-                                                                       late=late[0], late2=late[1], late3=late[2]))
+    curves = tuple(Curve(name, part, *style) for name, part, style in zip(FORM_NAMES, worst.T, styles, strict=True))
+    title, caption = ((text("|ε| of the three ways to run it, over the largest g"),
+                       text("Largest error in the second half, relative to g: {late:.2g} without ẏ, {late2:.2g} with the true ẏ, "
+                            "{late3:.2g} with a differentiator.", **told)) if s.own else
+                      (text("|ε| of the three ways to run it"),
+                       text("Largest error in the second half of the run: {late:.2g} without ẏ, {late2:.2g} with the true ẏ, "
+                            "{late3:.2g} with a differentiator.", **told)))
+    return LineFigure("forms", title, run.t, curves, _axis(s), log_y=True, window=s.windows["error"], tab=FORMS_TAB, caption=caption)
 
 
-def _fed(run: Record, tau: float) -> LineFigure:
+def _fed(outcome: Outcome[Study]) -> LineFigure:
+    s, run, tau = outcome.study.setting, outcome.study.run, outcome.design["tau"]
     gap = float(np.max(np.abs(run.fed[:, 0] - run.fed[:, 1])))
+    caption = text("The differentiator lags by about {tau:.3g} ms and misses L ẏ by up to {gap:.3g}.", tau=1000 * tau, gap=gap)
+    if s.own:
+        caption = joined(text("The differentiator lags by about {tau:.3g} s and misses L ẏ by up to {gap:.3g}.", tau=tau, gap=gap),
+                         text("Shown is its first row.") if len(s.L) > 1 else text("It is one number."))
     return LineFigure("fed", text("L ẏ, true and from the differentiator"), run.t,
-                      (Curve(text("true"), run.fed[:, 0], "second"),
-                       Curve(text("differentiator"), run.fed[:, 1], "disturbance", "dash")), "L ẏ",
-                      window=(-200.0, 200.0), tab=FORMS_TAB, caption=text("The differentiator lags by about "
-                                                                          "{tau:.3g} ms and misses L ẏ by up to "
-                                                                          "{gap:.3g}.",
-                                                                          tau=1000 * tau, gap=gap))
+                      (Curve(text("true"), run.fed[:, 0], "second"), Curve(text("differentiator"), run.fed[:, 1], "disturbance", "dash")),
+                      "L ẏ", window=s.windows.get("fed"), tab=FORMS_TAB, caption=caption)

@@ -15,17 +15,19 @@ from .study import FORM_NAMES, OBSERVER_WINDOW
 MOST_INPUT = 4.0
 MOVING = ("sine", "square", "sweep")
 SHAPED = ("step", *MOVING, "random")
+SIGNALS = (("none", text_in("bilinear-observer", "none")), ("sine", text("sine")), ("step", text("step")), ("square", text("square wave")),
+           ("sweep", text("sweep")), ("random", text("random")), ("hand", text("your own hand")))  # of an input
+STEP = Number("step", "", text("step of the algorithm"), low=1, high=8, default=1, scale="integer",
+              hint=text("The formulas and the tab Eight steps show this step."))
+FORM = Choice("form", "", text("form of the observer"), default=PLAIN_FORM, options=tuple(zip(FORMS, FORM_NAMES, strict=True)),
+              hint=text("Which estimate the ghost shows; the first is (18) with (19), the second (17) with (13)."))
 KNOBS = (
-    Number("step", "", text("step of the algorithm"), low=1, high=8, default=1, scale="integer",
-           hint=text("The formulas and the tab Eight steps show this step.")),
+    STEP,
     Choice("problem", "", text("problem"), default=PAPER_PROBLEM,
            options=tuple((p.id, p.label) for p in PROBLEMS.values()),
            hint=text("Which gauges are lit, and which number is wanted.")),
-    Choice("input", "u", text("input"), default="sine", options=(
-        ("none", text_in("bilinear-observer", "none")), ("sine", text("sine")), ("step", text("step")),
-        ("square", text("square wave")), ("sweep", text("sweep")), ("random", text("random")),
-        ("hand", text("your own hand"))),
-        hint=text("u pushes the plant and also multiplies its state; the paper takes sin 2t.")),
+    Choice("input", "u", text("input"), default="sine", options=SIGNALS,
+           hint=text("u pushes the plant and also multiplies its state; the paper takes sin 2t.")),
     Number("amplitude", r"u_0", text("amplitude"), low=0.0, high=MOST_INPUT, default=1.0, step=0.05,
            when=("input", SHAPED), hint=text("A constant u of 3 makes the plant itself unstable.")),
     Number("omega", r"\omega", text_in("bilinear-observer", "frequency"), "rad/s", low=0.5, high=40.0, default=2.0, scale="log",
@@ -43,9 +45,7 @@ KNOBS = (
         hint=text("The numbers in use: ours, or those printed in the paper.")),
     Number("l4", r"L_4", same("L₄"), low=0.0, high=14.0, default=9.0, step=0.01, when=("gain", (TYPED_GAIN,)),
            hint=text("The other entries stay as computed.")),
-    Choice("form", "", text("form of the observer"), default=PLAIN_FORM,
-           options=tuple(zip(FORMS, FORM_NAMES, strict=True)),
-           hint=text("Which estimate the ghost shows; the first is (18) with (19), the second (17) with (13).")),
+    FORM,
     Number("tau", r"\tau", text("differentiator's time constant"), "s", low=0.001, high=0.1, default=0.02,
            scale="log", hint=text("ẏ is replaced by s/(τs + 1) y.")),
     Number("noise", r"\sigma", text("noise of each sensor"), low=0.0, high=0.1, default=0.0, step=0.001,

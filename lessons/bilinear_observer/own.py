@@ -1,4 +1,4 @@
-"""Compute lesson 16 on the user's own bilinear plant: any K, chosen poles, failed conditions."""
+"""Fit lesson 16 to the user's own bilinear plant: any K, chosen poles, failed conditions."""
 
 from __future__ import annotations
 
@@ -8,77 +8,91 @@ from functools import partial
 
 import numpy as np
 
-from observer_lab.course.lazy import LazyMap, LazySequence, LazyValue
-from observer_lab.course.lesson import Board, Check, Design, Lesson, Outcome, Stage
+from observer_lab.course.figures.claims import claim
+from observer_lab.course.lesson import Board, Design, Lesson, Stage
+from observer_lab.engine.observers import BilinearRun
 from observer_lab.plants import Model
-from observer_lab.text import text
+from observer_lab.text import Text, text
 
 from ..toolkit.boards import listed
-from ..toolkit.figures import settle_time
 from .code import own_code
 from .derive import own_derived
 from .formulas import own_formulas
-from .input_signals import columns, form_index, number_of
+from .input_signals import columns, form_index, number_of, signal, together
 from .own_figures import figures
 from .own_knobs import own_knobs
-from .own_plant import Here, error_matrix, fitted
-from .own_run import forms_at, run_of
-from .own_summary import LAW, Story, live
-from .study import promises
+from .own_plant import Here, OwnSetting, Wanted, error_matrix, fitted
+from .own_summary import live
+from .run_record import Record, Row, end_to_end
+from .study import FORM_NAMES, LAW_TOLERANCE, WINDOWS, compute
+
+HELD_SHARE = 1e-4  # of the largest |ĝ| and |g|: an error below this is compared with that, for digits' sake
 
 
-def compute(here: Here, design: Design) -> Outcome[Story]:
-    """The eight steps for what is wanted, L with the poles asked for, and one run of all three forms under the chosen input."""
-    wanted = here.of(design["wanted"])
+def own_setting(here: Here, design: Design) -> OwnSetting:
+    """The eight steps for what is wanted, L with the poles asked for; the run goes from the model's x(0) and χ(0) = 0."""
+    wanted, model, scale, index = here.of(design["wanted"]), here.model, here.scale, form_index(design)
     asked = design[f"poles_{wanted.id}"] if wanted.poles else ()
-    L = wanted.gain(asked)
-    poles = np.sort_complex(np.linalg.eigvals(error_matrix(wanted.solved, L)).astype(complex))
-    run = run_of(here, design, wanted, L)
-    story = Story(here, wanted, L, forms_at(wanted, L)[1], poles, run)
-    metrics, plants = LazyMap(lambda: _metrics(design, story)), np.sort_complex(np.asarray(here.model.plant.poles, dtype=complex))
-    return Outcome(design, {"L": L}, {"observer": poles, "plant": plants}, metrics, LazySequence(lambda: _checks(story, metrics)), None,
-                   _boards(design, story), _stage(design, story), LazySequence(lambda: own_formulas(
-                       wanted.solved, L, story.plain, wanted.pi(asked), poles, int(design["step"]))),
-                   LazyValue(lambda: live(design, story, metrics)), story)
+    o, L = wanted.solved, wanted.gain(asked)
+    exact, plain = o.forms(L)
+    poles = np.sort_complex(np.linalg.eigvals(error_matrix(o, L)).astype(complex))
+    plant_poles = np.sort_complex(np.asarray(model.plant.poles, dtype=complex))
+    start = wanted.start
+    rows = tuple(Row(name, text("{name}, estimated {form}", name=name, form=FORM_NAMES[index]), text("|ε| of {name}", name=name),
+                     text("law of {name}", name=name), unit) for name, unit in zip(wanted.rows, wanted.units, strict=True))
+    return OwnSetting(
+        True, o, L, exact, plain, poles, plant_poles, here.inner, scale, np.array(model.x0) / scale, np.zeros(o.order),
+        np.array(model.kick) / scale, here.horizon, here.dt, together([signal(design, horizon=here.horizon, which=j)
+                                                                       for j in range(here.plant.inputs)]),
+        design["noise"] / 100 * here.readings, rows, tuple(zip(here.names, here.units, strict=True)),
+        (model.plant.input_names, model.plant.output_names), {"error": (WINDOWS["error"][0], 1.0)},
+        _boards(here, wanted, design, poles),
+        (start is not None and not len(start.bolted), 0.0 if start is None else float(len(start.moved))),
+        partial(_law, here, wanted, L, index), partial(_told, wanted, poles, index), partial(_told_of_error, wanted),
+        partial(_stage, wanted, index), lambda: own_formulas(o, L, plain, wanted.pi(asked), poles, int(design["step"])),
+        partial(live, design, wanted, poles), here, wanted)
 
 
-def _metrics(design: Design, s: Story) -> dict[str, float]:
-    """Errors relative to the largest |g| of the run, row by row, the worst row of each moment."""
-    o, run, index = s.wanted.solved, s.run, form_index(design)
-    size = np.max(np.abs(run.g), axis=0)
-    size = np.where(size > 0, size, 1.0)
-    worst, count = np.max(np.abs(run.errors[:, index]) / size, axis=1), len(run.t)
-    settled = settle_time(run.t, worst)
-    found = {"case": float(o.case), "order": float(o.order), "defect": o.defect_size, "slowest": float(np.max(np.real(s.poles))),
-             "law_gap": float(min(run.gap, 1e15)), "first_error": float(worst[0]),
-             "late_error": float(np.max(worst[-max(count // 10, 1):])), "half_error": float(np.max(worst[count // 2:])),
-             "settled_after": float("inf") if settled is None else settled}
-    if design["noise"]:
-        late = run.heard[count // 2:, index] / size
-        found |= {"noise_rms": float(np.max(np.sqrt(np.mean(late ** 2, axis=0)))),
-                  "noise_promised": float(min(np.max(run.promised[index] / size), 1e15))}
-    return {name: float(np.clip(value, -1e15, 1e15)) for name, value in found.items()}
+def _told(wanted: Wanted, poles: np.ndarray, index: int, run: Record, worst: np.ndarray) -> dict[str, float]:
+    """`law_gap`: how far ε leaves the law ẇ = A_L w, relative to its peak."""
+    held = np.maximum(np.max(np.abs(run.g), axis=0), np.max(np.abs(run.estimates[:, index]), axis=0))
+    size = np.maximum(np.max(np.abs(run.law), axis=0), HELD_SHARE * held)
+    gap = np.max(np.abs(run.errors[:, index] - run.law) / np.where(size > 0, size, 1.0))
+    return {"order": float(wanted.solved.order), "slowest": float(np.max(np.real(poles))), "law_gap": float(gap),
+            "first_error": float(worst[0])}
 
 
-def _checks(s: Story, m: Mapping[str, float]) -> tuple[Check, ...]:
-    o, start = s.wanted.solved, s.wanted.start
-    return (
-        Check("case1", text("case 1: (21) fails, no L"), o.case == 1, o.defect_size, informative=True),
-        Check("case2", text("case 2: one L only"), o.case == 2, float(o.canonical_Q.rank), informative=True),
-        Check("case3", text("case 3: a family of L"), o.case == 3, float(len(o.canonical_Q.zero_left)), informative=True),
-        Check("controllable", text("(A*, B*) controllable: any poles"), start is not None and not len(start.bolted),
-              0.0 if start is None else float(len(start.moved))),
-        Check("stable", text("the poles in use are on the left"), m["slowest"] < 0, m["slowest"]),
-        Check("law", text("ε follows its poles under this u"), m["law_gap"] <= LAW, m["law_gap"]),
-        *promises(o),
-    )
+def _law(here: Here, wanted: Wanted, L: np.ndarray, index: int, calm: list[BilinearRun]) -> np.ndarray:
+    """ε (n_t, r) of ẇ = A_L w from w(0) by the method of the run, Gauss's of order 6: of a linear equation it makes a Padé approximant."""
+    o, plant = wanted.solved, here.inner
+    q, A_L = o.order, error_matrix(o, L)
+    Z = A_L * here.dt
+    even, odd = np.eye(q) + Z @ Z / 10, Z / 2 + Z @ Z @ Z / 120
+    step = np.linalg.solve(even - odd, even + odd)
+
+    def of(p: BilinearRun) -> np.ndarray:  # w = μ̂ − μ, and in the form without ẏ μ̂ = χ + L y
+        w = np.empty((len(p.t), q))
+        w[0] = p.z[0, index * q:(index + 1) * q] - o.V[1] * here.scale @ p.x[0]
+        if index == 0:
+            w[0] += L @ plant.C @ p.x[0]
+        for k in range(1, len(w)):
+            w[k] = step @ w[k - 1]
+        return np.clip(np.nan_to_num(w @ o.readout.T, nan=1e15, posinf=1e15, neginf=-1e15), -1e15, 1e15)
+    return end_to_end([of(p) for p in calm])
 
 
-def _boards(design: Design, s: Story) -> tuple[Board, ...]:
-    w, window = s.wanted, s.wanted.window
-    seen = listed(np.asarray(s.here.model.plant.poles, dtype=complex))
+def _told_of_error(wanted: Wanted, m: Mapping[str, float]) -> Text:
+    if wanted.solved.case == 1:  # at some u it may follow a law all the same
+        return text("No L frees |ε| from u and x: in the last tenth of the run it is up to {late:.2g} of g.", late=m["late_error"])
+    return claim(text("|ε| follows ẇ = A_L w to within {law_gap:.0e} of its peak, whatever u does.", law_gap=m["law_gap"]), m["law_gap"],
+                 below=LAW_TOLERANCE, otherwise=text("|ε| leaves its law: in the last tenth of the run it is up to {late:.2g} of g.",
+                                                     late=m["late_error"]))
+
+
+def _boards(here: Here, w: Wanted, design: Design, poles: np.ndarray) -> tuple[Board, Board]:
+    window, seen = w.window, listed(np.asarray(here.model.plant.poles, dtype=complex))
     reach = max((abs(p) for p in seen), default=1.0) or 1.0
-    held = tuple(p for p in (w.bolted if w.poles else tuple(map(complex, s.poles)) if w.solved.case != 1 else ())
+    held = tuple(p for p in (w.bolted if w.poles else tuple(map(complex, poles)) if w.solved.case != 1 else ())
                  if window.re_low <= p.real <= window.re_high and abs(p.imag) <= window.im_high)
     return (
         Board("plant", text("the plant's poles at u = 0  eig(A)"), seen, side="left", re_low=-1.3 * reach, re_high=1.3 * reach,
@@ -89,15 +103,14 @@ def _boards(design: Design, s: Story) -> tuple[Board, ...]:
     )
 
 
-def _stage(design: Design, s: Story) -> Stage:
-    run, standing = s.run, s.wanted.standing
-    true, ghost = np.hstack([run.x, run.g]), np.hstack([run.x, run.estimates[:, form_index(design)]])
-    return Stage(s.wanted.body, run.t, true[:, standing], ghost[:, standing], columns(run.u))
+def _stage(wanted: Wanted, index: int, run: Record) -> Stage:
+    true, ghost = np.hstack([run.x, run.g]), np.hstack([run.x, run.estimates[:, index]])
+    return Stage(wanted.body, run.t, true[:, wanted.standing], ghost[:, wanted.standing], columns(run.u))
 
 
 def adapted(lesson: Lesson, model: Model) -> Lesson:
     """The lesson on a person's own plant; the tasks stay with the paper's."""
     here = fitted(model)
-    return replace(lesson, knobs=own_knobs(here), compute=partial(compute, here), figures=figures, tasks=(), code=own_code,
-                   derived=own_derived, key=("step", "wanted", "input"), aside=(
+    return replace(lesson, knobs=own_knobs(here), compute=partial(compute, partial(own_setting, here)), figures=figures, tasks=(),
+                   code=own_code, derived=own_derived, key=("step", "wanted", "input"), aside=(
                        *(name + number_of(j) for j in range(here.plant.inputs) for name in ("amplitude", "omega", "seed")), "tau"))

@@ -6,14 +6,11 @@ from observer_lab.course.knobs import Choice, Knob, Number, Poles, Track
 from observer_lab.text import text, text_in
 
 from ..toolkit.knobs import run_knobs
-from .input_signals import FILTERED_DERIVATIVE, FORMS, PLAIN_FORM
-from .knobs import MOVING, SHAPED
+from .input_signals import FILTERED_DERIVATIVE
+from .knobs import FORM, MOVING, SHAPED, SIGNALS, STEP
 from .own_plant import Here, omega_of
-from .study import FORM_NAMES
 
 STRONGEST = 4.0  # times the natural input
-SIGNALS = (("none", text_in("bilinear-observer", "none")), ("sine", text("sine")), ("step", text("step")), ("square", text("square wave")),
-           ("sweep", text("sweep")), ("random", text("random")), ("hand", text("your own hand")))  # of each input
 
 
 def own_knobs(here: Here) -> tuple[Knob, ...]:
@@ -21,8 +18,7 @@ def own_knobs(here: Here) -> tuple[Knob, ...]:
     unit, strength = here.units[0], float(here.strength[0])
     most, omega = STRONGEST * strength, omega_of(here.horizon)
     return (
-        Number("step", "", text("step of the algorithm"), low=1, high=8, default=1, scale="integer",
-               hint=text("The formulas and the tab Eight steps show this step.")),
+        STEP,
         Choice("wanted", "K", text("wanted, g = K x"), default=here.wanted[0].id, options=tuple((w.id, w.label) for w in here.wanted),
                hidden=len(here.wanted) == 1, hint=text("The rows of K in the file, together or alone, or one state that y does not give.")),
         Choice("input", "u", text("input"), default="sine", options=SIGNALS, hint=
@@ -42,8 +38,7 @@ def own_knobs(here: Here) -> tuple[Knob, ...]:
         *(Poles(f"poles_{w.id}", "p", text("Observer poles"), "rad/s", default=w.poles, re_low=w.window.re_low, re_high=w.window.re_high,
                 im_high=w.window.im_high, role="estimate", when=("wanted", (w.id,)),
                 hint=text("The poles that π moves; poles that are the same for every L are fixed modes.")) for w in here.wanted if w.poles),
-        Choice("form", "", text("form of the observer"), default=PLAIN_FORM, options=tuple(zip(FORMS, FORM_NAMES, strict=True)),
-               hint=text("Which estimate the ghost shows; the first is (18) with (19), the second (17) with (13).")),
+        FORM,
         Number("tau", r"\tau", text("differentiator's time constant"), "s", low=here.horizon / 2000, high=here.horizon / 20,
                default=here.horizon / 100, scale="log", when=("form", (FILTERED_DERIVATIVE,)), hint=text("ẏ is replaced by s/(τs + 1) y.")),
         Number("noise", r"\sigma", text("noise of each sensor"), "%", low=0.0, high=10.0, default=0.0, step=0.1,

@@ -20,6 +20,7 @@ from observer_lab.text import Text, same, subscript, text
 
 from .input_signals import columns, together, wave
 from .paper_example import base_of
+from .run_record import Setting
 
 RUN_STEPS = 400  # of a run
 MOST_SINGLE = 8  # states that may be wanted one by one
@@ -126,6 +127,14 @@ class Here:
         """The plant in states of like size, in which it is simulated."""
         p, D = self.plant, self.scale
         return BilinearPlant(p.A * D / D[:, None], p.B / D[:, None], np.hstack([F * D / D[:, None] for F in p.parts]), p.C * D)
+
+
+@dataclass(frozen=True, eq=False)
+class OwnSetting(Setting):
+    """With the plant and what is wanted of it."""
+
+    here: Here
+    wanted: Wanted
 
 
 def fitted(model: Model) -> Here:

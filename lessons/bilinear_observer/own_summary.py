@@ -3,42 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
 from observer_lab.course.figures.claims import claim
 from observer_lab.course.lesson import Design
-from observer_lab.engine.observers import BilinearForm, BilinearObserver
+from observer_lab.engine.observers import BilinearObserver
 from observer_lab.text import Text, text
 
 from ..toolkit.boards import listed
 from ..toolkit.latex import pole_words
-from .own_plant import Here, Wanted
-from .own_run import Run
-from .study import bound, counts
-
-LAW = 1e-6  # how near to its own law an error counts as free of u and x
+from .own_plant import Wanted
+from .study import LAW_TOLERANCE, bound, counts
 
 
-@dataclass(frozen=True, eq=False)
-class Story:
-    """The plant, what is wanted, L, the form without ẏ, its poles, and the run."""
-
-    here: Here
-    wanted: Wanted
-    L: np.ndarray
-    plain: BilinearForm
-    poles: np.ndarray
-    run: Run
-
-
-def live(design: Design, s: Story, m: Mapping[str, float]) -> Text:
+def live(design: Design, wanted: Wanted, found: np.ndarray, m: Mapping[str, float]) -> Text:
     """The sentence of the present design: what holds, or which condition fails and what to change."""
-    o, late = s.wanted.solved, m["late_error"]
+    o, late = wanted.solved, m["late_error"]
     if o.case == 1:
         return _no_gain(o, late)
-    fixed = tuple(map(complex, s.poles)) if o.case == 2 else s.wanted.bolted
+    fixed = tuple(map(complex, found)) if o.case == 2 else wanted.bolted
     right = [p for p in fixed if p.real >= 0]
     if right and o.case == 2:
         return text("Case 2: one L only, and its pole {poles} is not on the left, so ε does not decay. Measure more, or want another "
@@ -51,10 +35,10 @@ def live(design: Design, s: Story, m: Mapping[str, float]) -> Text:
     if design["noise"]:
         return claim(text("The sensors' noise moves ĝ by {rms:.2g} of g (rms, second half of the run); at rest and u = 0 its law says "
                           "{promised:.2g}.", rms=m["noise_rms"], promised=m["noise_promised"]), m["noise_rms"], above=0.0)
-    poles = pole_words(listed(s.poles)[:6])
+    poles = pole_words(listed(found)[:6])
     follows = text("Case {case}: an observer of order {order} estimates g, and ε decays under this u; poles: {poles}.",
                    case=o.case, order=o.order, poles=poles)
-    return claim(follows, m["law_gap"], below=LAW, otherwise=text(
+    return claim(follows, m["law_gap"], below=LAW_TOLERANCE, otherwise=text(
         "The poles are {poles}, but something still drives ε: when the run ends it is {late:.2g} of g.", poles=poles, late=late))
 
 

@@ -36,9 +36,9 @@ def predict(asked: Asked) -> DrawnQuestion:
     t, first = run.t, abs(asked.after.metrics["first_error"])
     decays = first * np.exp(pole * t)
     return question_over_time(text("size of the error ĝ − g under the step"), t,
-                              (Curve(text("size of g now"), np.abs(asked.entry.study.run.g), "muted"),),
-                              (first * np.exp(OTHER_RATE * pole * t), np.maximum(decays, np.abs(run.u)), decays, np.abs(run.g)),
-                              Curve(text("the error"), np.abs(run.errors[:, 0]), "error"), "|ĝ − g|", log_y=True, span=(-12.0, 4.0))
+                              (Curve(text("size of g now"), np.abs(asked.entry.study.run.g[:, 0]), "muted"),),
+                              (first * np.exp(OTHER_RATE * pole * t), np.maximum(decays, np.abs(run.u)), decays, np.abs(run.g[:, 0])),
+                              Curve(text("the error"), np.abs(run.errors[:, 0, 0]), "error"), "|ĝ − g|", log_y=True, span=(-12.0, 4.0))
 
 
 def surprise(asked: Asked) -> DrawnQuestion:

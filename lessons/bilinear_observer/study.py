@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
+from types import MappingProxyType
 
 import numpy as np
 
@@ -11,123 +13,86 @@ from observer_lab.course.figures.claims import claim
 from observer_lab.course.lazy import LazyMap, LazySequence, LazyValue
 from observer_lab.course.lesson import Board, Check, Design, Outcome, Stage
 from observer_lab.engine import BilinearPlant
-from observer_lab.engine.observers import BilinearForm, BilinearObserver
+from observer_lab.engine.observers import BilinearObserver
 from observer_lab.plants.bilinear import BILINEAR_PLANT, PRINTED_FORM, PRINTED_L, X0
 from observer_lab.plants.bodies.body import Body
 from observer_lab.plants.bodies.front_bars import share_of_decades
 from observer_lab.plants.model import Window
-from observer_lab.text import Text, format_number, text
+from observer_lab.text import Text, format_number, same, text
 
 from ..toolkit.boards import listed
 from ..toolkit.figures import settle_time
 from .formulas import formulas_of
-from .input_signals import HORIZON, form_index, joined, noise_values, promised, signal
+from .input_signals import HORIZON, form_index, joined, promised, signal
 from .paper_example import pole_of, words
 from .problems import AS_PRINTED, COMPUTED_GAIN, HIGH, LOW, PAPER_PROBLEM, PROBLEMS, ROUNDED_GAIN, nearest_gain
-from .run_record import Record, Setting, end_to_end, fed_of, kicked_at, whole
+from .run_record import Record, Row, Setting, end_to_end, run_of
 
 DT = 0.005
 LAW_TOLERANCE = 1e-6  # of its own law, over its peak: an error this near follows it
+LARGEST = 1e15  # number that is told of an own plant
 STATE_JUMP = (0.0, 0.0, 0.0, 0.0, 2.0, 0.0)
 
 
 @dataclass(frozen=True, eq=False)
 class Study:
-    """The eight steps for the problem and the pole, and the run: of its numbers g there is one, without an axis of its own."""
+    """What a design is about, and its run."""
 
-    observer: BilinearObserver
+    setting: Setting
     run: Record
 
-
-def watch(plant: BilinearPlant, K: np.ndarray, plain: BilinearForm, exact: BilinearForm, design: Design, pole: float) -> Record:
-    """Run all forms from χ(0), μ̂(0) = χ(0) + L y(0); the law is that of the pole."""
-    tau, last = design["tau"], round(HORIZON / DT)
-    x0, start = np.array(X0), (exact.R @ plant.C @ X0).item()
-    z0 = np.array([design["chi0"], design["chi0"] + start, design["chi0"] + start, start])
-    setting = Setting(plant, joined(plain, exact, tau), np.repeat(K, 3, axis=0), signal(design), x0, z0, np.array(STATE_JUMP),
-                      kicked_at(design["kick"], DT, last), last, DT)
-    still = setting.pieces(None)
-    pieces = setting.pieces(design["noise"] * noise_values(design, last + 1, plant.m)) if design["noise"] else still
-    errors, calm = whole("error", pieces), whole("error", still)
-    count, chosen = min(len(errors), len(calm)), form_index(design)
-    law = end_to_end([p.error[0, chosen] * np.exp(pole * p.t) for p in still])
-    fed = fed_of(plant, exact.R[0], pieces, 3, tau)
-    x, u, g, estimates = (whole(name, pieces)[:count] for name in ("x", "u", "g", "estimate"))
-    return Record(DT * np.arange(count), u, x, g[:, 0], estimates, errors[:count], errors[:count] - calm[:count], law[:count], fed[:count])
+    @property
+    def observer(self) -> BilinearObserver:
+        """The eight steps."""
+        return self.setting.solved
 
 
 FORM_NAMES = (text("without ẏ"), text("with the true ẏ"), text("with a differentiator"))
 OBSERVER_WINDOW, PLANT_WINDOW = Window(-62.0, 18.0, 19.0), Window(-30.0, 10.0, 12.0)
 PLANT_POLES = np.sort_complex(np.linalg.eigvals(BILINEAR_PLANT.A))
 PLANT_POLES.setflags(write=False)
+WINDOWS = MappingProxyType({"functional": (-10.0, 30.0), "error": (1e-6, 10.0), "input": (-1.0, 1.0), "fed": (-200.0, 200.0)})
 
 
-def compute(design: Design) -> Outcome[Study]:
-    """The eight steps for the problem and the pole, and one run of all three forms under the chosen input."""
-    problem = PROBLEMS[design["problem"]]
-    paper = problem.id == PAPER_PROBLEM
-    observer = problem.observer(design["pole"][0].real) if paper else problem.solved
-    L = _gain(design, observer)
-    exact, plain = observer.forms(L)
-    if paper and design["gain"] == ROUNDED_GAIN:
-        plain = PRINTED_FORM
-    running = plain if form_index(design) == 0 else exact
-    pole = PRINTED_FORM.A.item() if running is PRINTED_FORM else pole_of(observer, L)
-    run = watch(problem.plant, problem.K, plain, exact, design, pole)
-    metrics = LazyMap(lambda: _metrics(design, observer, run, pole) | (
-        _noise(design, run, joined(running, running, design["tau"]), problem.plant.m) if design["noise"] else {}))
-    return Outcome(design, {"L": L}, {"observer": np.array([complex(pole)]), "plant": PLANT_POLES}, metrics,
-                   LazySequence(lambda: _checks(observer, metrics)), None, _boards(design, observer, pole),
-                   _stage(problem.body, design, run), LazySequence(lambda: formulas_of(observer, L, plain, int(design["step"]))),
-                   LazyValue(lambda: _live(design, observer, metrics)), Study(observer, run))
+def compute(setting_of: Callable[[Design], Setting], design: Design) -> Outcome[Study]:
+    """The eight steps for what is wanted, L with the poles asked for, and one run of all three forms under the chosen input."""
+    s = setting_of(design)
+    study = Study(s, run_of(s, design))
+    metrics = LazyMap(lambda: _metrics(design, study))
+    return Outcome(design, {"L": s.L}, {"observer": s.poles, "plant": s.plant_poles}, metrics,
+                   LazySequence(lambda: _checks(s, metrics)), None, s.boards, s.stage(study.run), LazySequence(s.formulas),
+                   LazyValue(lambda: s.live(metrics)), study)
 
 
-def _gain(design: Design, observer: BilinearObserver) -> np.ndarray:
-    """L (1×m) of the run: computed, of the paper, with L₄ typed, or of least squares where none meets (20)."""
-    if observer.L is None:
-        return nearest_gain(observer)
-    if design["problem"] != PAPER_PROBLEM or design["gain"] in (COMPUTED_GAIN, ROUNDED_GAIN):
-        return observer.L
-    if design["gain"] == AS_PRINTED:
-        return PRINTED_L
-    typed = observer.L.copy()
-    typed[0, 3] = design["l4"]
-    return typed
+def _metrics(design: Design, study: Study) -> dict[str, float]:
+    """Row by row, the worst row of each moment."""
+    s, run, o, index = study.setting, study.run, study.observer, form_index(design)
+    size, count = s.size(run), len(run.t)
+    worst = np.max(np.abs(run.errors[:, index]) / size, axis=1)
+    settled = settle_time(run.t, worst)
+    found = {"case": float(o.case), "defect": o.defect_size, "late_error": float(np.max(worst[-max(count // 10, 1):])),
+             "half_error": float(np.max(worst[count // 2:])), "settled_after": float("inf") if settled is None else settled,
+             **s.told(run, worst)}
+    if design["noise"]:
+        late, running = run.heard[count // 2:, index] / size, s.plain if index == 0 else s.exact
+        says = promised(joined(running, running, design["tau"]), s.deviations, s.dt).reshape(3, -1)[index]
+        found |= {"noise_rms": float(np.max(np.sqrt(np.mean(late ** 2, axis=0)))),
+                  "noise_promised": float(min(np.max(says / size), LARGEST))}
+    return {name: float(np.clip(value, -LARGEST, LARGEST)) for name, value in found.items()} if s.own else found
 
 
-def _metrics(design: Design, observer: BilinearObserver, run: Record, pole: float) -> dict[str, float]:
-    size = np.abs(run.errors[:, form_index(design)])
-    scale = max(float(np.max(np.abs(run.law))), 1e-3)
-    n, settled = len(run.t), settle_time(run.t, size)
-    found = {"pole": pole, "case": float(observer.case), "defect": observer.defect_size,
-             "law_gap": float(np.max(np.abs(run.errors[:, form_index(design)] - run.law))) / scale,
-             "first_error": float(run.errors[0, form_index(design)]),
-             "late_error": float(np.max(size[-max(n // 10, 1):])), "half_error": float(np.max(size[n // 2:])),
-             "plain_half": float(np.max(np.abs(run.errors[n // 2:, 0]))),
-             "late_g": float(np.max(np.abs(run.g[-max(n // 10, 1):]))),
-             "settled_after": float("inf") if settled is None else settled}
-    if observer.pi is not None:
-        found |= {"A*": observer.A_star.item(), "B*": observer.B_star.item(), "pi": observer.pi.item()}
-    return found
-
-
-def _noise(design: Design, run: Record, form: BilinearForm, outputs: int) -> dict[str, float]:
-    """The rms of what noise adds to the estimate in the second half of the run, and what its law promises at u = 0."""
-    index, late = form_index(design), run.heard[len(run.t) // 2:]
-    says = promised(form, np.full(outputs, design["noise"]), DT)
-    return {"noise_rms": float(np.sqrt(np.mean(late[:, index] ** 2))), "noise_promised": float(min(says[index], 1e15))}
-
-
-def _checks(o: BilinearObserver, metrics: Mapping[str, float]) -> tuple[Check, ...]:
-    gap = metrics["law_gap"]
+def _checks(s: Setting, metrics: Mapping[str, float]) -> tuple[Check, ...]:
+    o, gap, slowest = s.solved, metrics["law_gap"], float(np.max(np.real(s.poles)))
+    names = ((text("(A*, B*) controllable: any poles"), text("the poles in use are on the left"), text("ε follows its poles under this u"))
+             if s.own else
+             (text("(A*, B*) controllable: any pole"), text("the pole in use is on the left"), text("ε follows its pole under this u")))
     return (
         Check("case1", text("case 1: (21) fails, no L"), o.case == 1, o.defect_size, informative=True),
         Check("case2", text("case 2: one L only"), o.case == 2, float(o.canonical_Q.rank), informative=True),
         Check("case3", text("case 3: a family of L"), o.case == 3, float(len(o.canonical_Q.zero_left)), informative=True),
-        Check("controllable", text("(A*, B*) controllable: any pole"), bool(o.controllable),
-              float(np.max(np.abs(o.B_star), initial=0.0))),
-        Check("stable", text("the pole in use is on the left"), metrics["pole"] < 0, metrics["pole"]),
-        Check("law", text("ε follows its pole under this u"), gap <= 1e-6, gap),
+        Check("controllable", names[0], *s.controllable),
+        Check("stable", names[1], slowest < 0, slowest),
+        Check("law", names[2], gap <= LAW_TOLERANCE, gap),
         *promises(o),
     )
 
@@ -153,6 +118,62 @@ def promises(o: BilinearObserver) -> tuple[Check, Check, Check]:
     )
 
 
+# --- the paper's problems --------------------------------------------------------------------------------------------
+def paper_setting(design: Design) -> Setting:
+    """The problem and the pole of a design, with the numbers of ours or of the paper."""
+    problem, index = PROBLEMS[design["problem"]], form_index(design)
+    paper = problem.id == PAPER_PROBLEM
+    o = problem.observer(design["pole"][0].real) if paper else problem.solved
+    L = _gain(design, o)
+    exact, plain = o.forms(L)
+    if paper and design["gain"] == ROUNDED_GAIN:
+        plain = PRINTED_FORM
+    pole = PRINTED_FORM.A.item() if plain is PRINTED_FORM and index == 0 else pole_of(o, L)
+    plant = problem.plant
+    return Setting(
+        False, o, L, exact, plain, np.array([complex(pole)]), PLANT_POLES, plant, np.ones(plant.n), np.array(X0),
+        np.array([design["chi0"]]), np.array(STATE_JUMP), HORIZON, DT, signal(design), np.full(plant.m, design["noise"]),
+        (Row(same("g"), same("ĝ"), same("|ε|"), text("e^({pole}t)", pole=words(np.array([pole]), 2))),), ((same("u"), ""),),
+        (("u",), tuple(f"y{k + 1}" for k in range(plant.m))), WINDOWS, _boards(design, o, pole),
+        (bool(o.controllable), float(np.max(np.abs(o.B_star), initial=0.0))),
+        lambda calm: end_to_end([p.error[0, index] * np.exp(pole * p.t) for p in calm])[:, None],
+        partial(_told, o, pole, index), partial(_told_of_error, design), partial(_stage, problem.body, index),
+        lambda: formulas_of(o, L, plain, int(design["step"])), partial(_live, design, o))
+
+
+def _gain(design: Design, observer: BilinearObserver) -> np.ndarray:
+    """L (1×m) of the run: computed, of the paper, with L₄ typed, or of least squares where none meets (20)."""
+    if observer.L is None:
+        return nearest_gain(observer)
+    if design["problem"] != PAPER_PROBLEM or design["gain"] in (COMPUTED_GAIN, ROUNDED_GAIN):
+        return observer.L
+    if design["gain"] == AS_PRINTED:
+        return PRINTED_L
+    typed = observer.L.copy()
+    typed[0, 3] = design["l4"]
+    return typed
+
+
+def _told(o: BilinearObserver, pole: float, index: int, run: Record, worst: np.ndarray) -> dict[str, float]:
+    scale, n = max(float(np.max(np.abs(run.law))), 1e-3), len(run.t)
+    found = {"pole": pole, "law_gap": float(np.max(np.abs(run.errors[:, index] - run.law))) / scale,
+             "first_error": float(run.errors[0, index, 0]), "plain_half": float(np.max(np.abs(run.errors[n // 2:, 0]))),
+             "late_g": float(np.max(np.abs(run.g[-max(n // 10, 1):])))}
+    if o.pi is not None:
+        found |= {"A*": o.A_star.item(), "B*": o.B_star.item(), "pi": o.pi.item()}
+    return found
+
+
+def _told_of_error(design: Design, m: Mapping[str, float]) -> Text:
+    pole = words(np.array([m["pole"]]), 2)
+    if design["kick"] >= 0 and m["law_gap"] < LAW_TOLERANCE:
+        return text("The kick moves |ε|; before it and after it |ε| follows e^({pole}t).", pole=pole)
+    return claim(text("|ε| follows e^({pole}t) to within {law_gap:.0e} of its peak, whatever u does.", pole=pole, law_gap=m["law_gap"]),
+                 m["law_gap"], below=LAW_TOLERANCE, otherwise=text(
+                     "|ε| leaves the line e^({pole}t): in the last tenth of the run it is up to {late_error:.2g}.",
+                     pole=pole, late_error=m["late_error"]))
+
+
 def _boards(design: Design, o: BilinearObserver, pole: float) -> tuple[Board, Board]:
     paper = design["problem"] == PAPER_PROBLEM
     seen = listed(np.array([complex(pole)]))
@@ -168,10 +189,9 @@ def _boards(design: Design, o: BilinearObserver, pole: float) -> tuple[Board, Bo
     )
 
 
-def _stage(body: Body, design: Design, run: Record) -> Stage:
-    chosen = form_index(design)
-    bars = share_of_decades(np.column_stack([run.u, run.g, run.errors[:, chosen]]), LOW, HIGH)
-    true, ghost = (np.column_stack([run.x, g, bars]) for g in (run.g, run.estimates[:, chosen]))
+def _stage(body: Body, index: int, run: Record) -> Stage:
+    bars = share_of_decades(np.column_stack([run.u, run.g, run.errors[:, index]]), LOW, HIGH)
+    true, ghost = (np.column_stack([run.x, g, bars]) for g in (run.g, run.estimates[:, index]))
     return Stage(body, run.t, true, ghost, run.u[:, None])
 
 

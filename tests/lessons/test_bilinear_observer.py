@@ -74,7 +74,7 @@ def test_the_error_decays_as_the_pole_says_under_every_input(change, form):
     run = drawn.study.run
     index = ("plain", "exact").index(form)
     law = -1318 / 85 * np.exp(-30 * run.t)
-    np.testing.assert_allclose(run.errors[:, index], law, rtol=0, atol=2e-9)
+    np.testing.assert_allclose(run.errors[:, index, 0], law, rtol=0, atol=2e-9)
     assert drawn.metrics["law_gap"] < 1e-9
     assert {c.id: c.holds for c in drawn.checks}["law"]
 
@@ -82,8 +82,8 @@ def test_the_error_decays_as_the_pole_says_under_every_input(change, form):
 @pytest.mark.parametrize("pole", [-60.0, -12.0, -1.0, 2.0])
 def test_the_error_follows_the_pole_that_is_chosen(pole):
     run = outcome(pole=[pole], input="square").study.run
-    law = run.errors[0, 0] * np.exp(pole * run.t)
-    np.testing.assert_allclose(run.errors[:, 0], law, rtol=0, atol=1e-7 * np.max(np.abs(law)))
+    law = run.errors[0, 0, 0] * np.exp(pole * run.t)
+    np.testing.assert_allclose(run.errors[:, 0, 0], law, rtol=0, atol=1e-7 * np.max(np.abs(law)))
 
 
 def test_inputs_differ_and_move_the_plant():
@@ -101,7 +101,7 @@ def test_the_plant_moves_as_an_adaptive_solver_says():
         return BILINEAR_PLANT.A @ x + np.sin(2 * t) * (BILINEAR_PLANT.B[:, 0] + BILINEAR_PLANT.F @ x)
     peer = solve_ivp(rate, (0, 2), np.ones(6), "DOP853", [0.5, 1.0, 2.0], rtol=1e-11, atol=1e-13).y.T
     np.testing.assert_allclose(run.x[[100, 200, 400]], peer, atol=1e-7)
-    np.testing.assert_allclose(run.g, run.x @ WANTED[0], atol=1e-12)
+    np.testing.assert_allclose(run.g[:, 0], run.x @ WANTED[0], atol=1e-12)
 
 
 # --- the slips -----------------------------------------------------------------------------------------------------
@@ -205,11 +205,11 @@ def test_the_differentiator_leaves_an_error_in_proportion_to_its_lag():
 def test_a_kick_is_an_error_that_dies_out_too(form):
     run = outcome(kick=0.5, form=form).study.run
     index = ("plain", "exact").index(form)
-    jump = run.errors[100, index] - run.errors[99, index] * np.exp(-30 * 0.005)
+    jump = run.errors[100, index, 0] - run.errors[99, index, 0] * np.exp(-30 * 0.005)
     assert jump == pytest.approx(-WANTED[0] @ STATE_JUMP, abs=1e-8)
     after = run.t >= 0.5
-    law = run.errors[100, index] * np.exp(-30 * (run.t[after] - 0.5))
-    np.testing.assert_allclose(run.errors[after, index], law, atol=2e-9)
+    law = run.errors[100, index, 0] * np.exp(-30 * (run.t[after] - 0.5))
+    np.testing.assert_allclose(run.errors[after, index, 0], law, atol=2e-9)
 
 
 def test_the_stage_shows_g_and_lights_only_what_is_measured():

@@ -66,7 +66,7 @@ def test_the_run_is_that_of_an_adaptive_solver() -> None:
     """Plant and observer from the file's matrices and the three matrices of (18) alone, g of two rows."""
     own = LESSON.fit(example("exchanger"))
     shown = outcome(own)
-    form, run, file = shown.study.plain, shown.study.run, json.loads(example("exchanger"))
+    form, run, file = shown.study.setting.plain, shown.study.run, json.loads(example("exchanger"))
     A, B, F, C, K = (np.array(file[k]) for k in "ABFCK")
     u0, omega = shown.design["amplitude"], shown.design["omega"]
 
@@ -160,7 +160,7 @@ def test_each_of_several_inputs_has_a_matrix_and_a_drive_of_its_own(tmp_path: Pa
     assert read_plant_file("two.mat", (tmp_path / "two.mat").read_bytes()) == words == clean_plant_json(words)
     own = LESSON.fit(words)
     shown = outcome(own, input="step", input2="sine", amplitude2=own.knob("amplitude2").default / 2)
-    d, run, form = shown.design, shown.study.run, shown.study.plain
+    d, run, form = shown.design, shown.study.run, shown.study.setting.plain
     A, B, C, F = np.array(two["A"]), np.array(two["B"]), np.array(two["C"]), np.hstack([two["F1"], two["F2"]])
 
     def rate(t: float, s: np.ndarray) -> np.ndarray:

@@ -26,7 +26,7 @@ def _law(shown: Shown, _: Text) -> None:
 def _silent(shown: Shown) -> np.ndarray:
     """(V₂ − L V₁) A T₂, if L takes u and the rest of the state out of the error: asked of its matrices."""
     study = shown.outcome.study
-    o, L = study.wanted.solved if hasattr(study, "wanted") else study.observer, shown.outcome.gains["L"]
+    o, L = study.observer, shown.outcome.gains["L"]
     P, (_, T2, T3), A = o.V[1] - L @ o.V[0], o.T, o.plant.A
     each = np.hsplit(o.plant.F, o.plant.B.shape[1])
     for M, X in (*((F, T2) for F in each), (A, T3), *((F, T3) for F in each)):
@@ -53,10 +53,10 @@ def _dies_out(shown: Shown, _: Text) -> None:
 def _noise_of(shown: Shown, words: Text) -> None:
     """The promise at u = 0 as a sum over all past steps of what one held value does, by matrix exponentials."""
     study = shown.outcome.study
-    own = hasattr(study, "wanted")
+    own = hasattr(study.setting, "here")
     L = shown.outcome.gains["L"]
-    exact, plain = (study.wanted.solved if own else study.observer).forms(L)
-    sigma = shown["noise"] / 100 * study.here.readings if own else np.full(L.shape[1], shown["noise"])
+    exact, plain = study.observer.forms(L)
+    sigma = shown["noise"] / 100 * study.setting.here.readings if own else np.full(L.shape[1], shown["noise"])
     size = np.maximum(np.abs(study.run.g).max(axis=0), 1e-300) if own else np.ones(1)
     form, tau, h, q, m = shown["form"], shown["tau"], float(study.run.t[1]), len(L), L.shape[1]
     if not own and (shown["problem"], shown["gain"]) == ("paper", "rounded"):  # what runs then is step 8 as the paper prints it
