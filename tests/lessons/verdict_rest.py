@@ -6,12 +6,14 @@ import re
 from functools import lru_cache
 
 import numpy as np
+from scipy.stats import chi2
 from verdict_law import Said, Witness, witness
 from verdict_noise import NUM, SHORT, _lqg
 from verdict_runs import radius, size_of
 from witnesses import read
 
 from observer_lab.course.lesson import Outcome
+from observer_lab.lessons import LESSONS
 from observer_lab.lessons.fault_diagnosis.observer_bank import DT as FAULT_DT
 from observer_lab.lessons.showdown.simulation import loop_of
 
@@ -120,6 +122,18 @@ def faulty_from(one: Said, match: re.Match[str]) -> None:
     assert match[1] == case.place and abs(read(match[2]) - since) < 0.051, f"{case.place} from {since:.4g} s"
 
 
+def alone_quiet(one: Said, match: re.Match[str]) -> None:
+    """At the moment of the figure's title the sums of the last residuals are above the χ² quantile in all members but that one."""
+    shown, rho = one.outcome.design, one.outcome.study.record.residuals
+    title = next(figure.title("en") for figure in LESSONS["fault-diagnosis"].figures(one.outcome) if figure.id == "bank")
+    N, mean, last = int(shown["window"]), shown["statistic"] == "mean", round(read(title.split(" at ")[1].split()[0]) / FAULT_DT) + 1
+    part = rho[max(last - N, 0):last]
+    T = (part.sum(axis=0) ** 2).sum(axis=1) / N if mean else (part ** 2).sum(axis=(0, 2))
+    above = chi2.isf(shown["rate"], 3 if mean else 3 * N) < T
+    named = next(k for k, name in enumerate(("VL", "HL", "VR", "HR", "u1", "u2", "u3")) if name in match[1])
+    assert [k for k in range(7) if not above[k]] == [named], f"quiet: {np.flatnonzero(~above)}"
+
+
 WITNESSES: tuple[Witness, ...] = tuple(witness(pattern, judge, *lessons) for lessons, rows in {
     ("showdown",): (
         (r"^every loop is stable", every_loop),
@@ -134,5 +148,6 @@ WITNESSES: tuple[Witness, ...] = tuple(witness(pattern, judge, *lessons) for les
         (r"little error of gain, phase or timing breaks", breaks_easily)),
     ("fault-diagnosis",): (
         (r"^no diagnosis before the fault", not_early),
+        (r"^Only the observer that ignores (.+) stays below the threshold", alone_quiet),
         (rf"^(\w+) is faulty from {NUM} s on", faulty_from)),
 }.items() for pattern, judge in rows)
