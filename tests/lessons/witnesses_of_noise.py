@@ -288,7 +288,7 @@ WITNESSES: Mapping[str, Witness] = {
     "As far as {runs} runs tell, no filter could have an error {left:.2g} % smaller than that of the {who}.": _near_the_bound,
     "A better filter than the {who} may exist: the bound lies at least {gap:.0f} % below its error.": _near_the_bound,
     "The plant is linear, so the {who} is the Kalman filter: no filter has a smaller mean square error.": _is_kalman,
-    "Within 1 % after {after:.2f} s. No reading has any part in this.": _within_a_percent,
+    "Within 1 % after {after:.3g} s. No reading has any part in this.": _within_a_percent,
     "No test flags this filter.": _right_about_itself,
     "Flagged by chance: each test flags a right filter in a few records of a hundred.": _right_about_itself,
     "Recovery costs more here and brings the loop no farther from −1 at this input.": _no_farther,
