@@ -62,7 +62,7 @@ class Case:
     def barred(self) -> Body:
         """The body behind the bars of what the chosen filter states and of its RMS error; a falling body knows its σ and its lane too."""
         name = self.watched[judged(self)].name
-        bars = (Bar(text("stated σ"), COLOURS["estimate"], True), Bar(text("RMS error"), COLOURS["error"]))
+        bars = (Bar(text("stated σ"), COLOURS["estimate"]), Bar(text("RMS error"), COLOURS["error"]))
         shown = len(self.guess) + 2 * (self.id == FALL_CASE)
         marks = decade_marks(*self.decades, 1)[:None if self.body.gain == 1 else -1]  # a factor is written below the last one
         body = with_bars(self.body, shown, bars, marks, self.by)

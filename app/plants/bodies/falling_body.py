@@ -90,6 +90,7 @@ def plant(parameters: Parameters = PARAMETERS) -> NonlinearPlant:
 STAGE_SCALE = 0.03 / 1000  # stage units per metre of the fall, the same across and upwards
 GROUND_LEVEL, TRACK, LANE = 0.16, 0.1, 1.0  # the ground; where the body falls; stage units to the lane of its ghost, right of it
 DISH = (TRACK - 100_000 * FOOT_M * STAGE_SCALE, GROUND_LEVEL + 100_000 * FOOT_M * STAGE_SCALE)
+NAME_ABOVE = 0.18  # stage units: the upper edge of a lane's name over its rail
 CAPSULE = 0.3  # radius of the body, which alone is not to scale
 SCALE_TOP_KM = 95.0  # km, end of the scale
 SCALE_AT = 1.7
@@ -120,6 +121,7 @@ def _parts() -> tuple[Part, ...]:
         Part("dish", Cylinder(0.28, 0.06), METAL),
         Part("beam", Rod(0.02), COLOURS["lamp"], opacity=0.5),
         Part("scale", Rod(0.03), STEEL),
+        *(Part(f"rail {k}", Rod(0.022), METAL) for k in range(2)),
         *ticks,
         *(Part(f"arc {i}", Rod(0.018), COLOURS["muted"]) for i in range(ARC_PIECES)),
         Part("tangent", Rod(0.026), COLOURS["estimate"], twin=True, unseen=True),
@@ -143,6 +145,7 @@ def body(parameters: Parameters = PARAMETERS) -> Body:
         "mast": pose_between((DISH[0], 0.0, GROUND_LEVEL), (DISH[0], 0.0, DISH[1])),
         "turret": Pose((DISH[0], 0.0, DISH[1])),
         "scale": pose_between((SCALE_AT, 0.0, GROUND_LEVEL), (SCALE_AT, 0.0, GROUND_LEVEL + 1000 * SCALE_TOP_KM * STAGE_SCALE)),
+        **{f"rail {k}": pose_between((TRACK + LANE * k, 0.0, GROUND_LEVEL), (TRACK + LANE * k, 0.0, TOP)) for k in range(2)},
         **{f"tick {i}": Pose((SCALE_AT, 0.0, GROUND_LEVEL + 30_000 * i * STAGE_SCALE)) for i in range(4)},
     }
 
@@ -192,7 +195,8 @@ def body(parameters: Parameters = PARAMETERS) -> Body:
                                                            "distance; a mark every 30 km. The ghost falls beside it; its error is "
                                                            "drawn 100 times larger. Grey: equal distances "
                                                            "from the radar. Red: the tangent at the estimate, and a bar "
-                                                           "of ±3σ about it"), names=(
+                                                           "of ±3σ about it"),
+        tuple((words, (TRACK + LANE * k, 0.0, TOP + NAME_ABOVE)) for k, words in enumerate((text("body"), text("estimate ± 3σ")))), names=(
         PartName(text("radar"), "dish", (-0.8, 0.0, 0.3)),
         PartName(text("falling body"), "capsule", (-0.45, 0.0, 0.85)),
         PartName(text("equal distances"), f"arc {ARC_PIECES - 3}", (0.3, 0.0, 0.8)),
