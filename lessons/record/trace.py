@@ -197,7 +197,7 @@ def body_with_trace(trace: Trace, count: int, strongest: Sequence[float], others
     marked = text("marked: jumps and bias") if len(trace.faulty) else text("dots: second sensor") if len(trace.exact) else None
     if marked is not None:
         labels.append((marked, (PANEL_WIDTH * (split / 2 - 0.5), PANEL_DEEP, foot + NOTE)))
-    names = (PartName(text("output"), "reading", (0.55, -0.1, 0.3)), PartName(GHOST_NAME, "reading", (0.55, -0.1, -0.3), True))
+    names = (PartName(text("output"), "reading", (-0.75, -0.1, 0.5)), PartName(GHOST_NAME, "reading", (-0.75, -0.1, -0.5), True))
     if others is not None:
         parts, labels = (*others.parts, *parts), [*((words, _near(at)) for words, at in others.labels), *labels]
     note = text("The tube goes along the record; green arrows: inputs.")
