@@ -38,7 +38,7 @@ BEFORE, GLASS, COLLAR, THICK = 0.36, 0.12, 0.22, 0.1  # stage units: of the tube
 BASE, RAIL, BAR = (0.7, 0.4, 0.14), 0.06, 0.035  # stage units: of what the tube stands on; of the rail and of the line on the panel
 NEARER = 1.3  # stage units that further tubes stand nearer to the eye than alone
 TITLE, NOTE = 0.16, -0.1  # stage units above the panel: the names of its parts; above its foot: of what is marked
-IN_FRONT = -0.5  # stage units: y of what is written on the floor before the tube
+LIES, LIFTED = 0.06, 0.17  # stage units: what is written on the panel lies before it, its upper edge so far above the foot
 READINGS = "floor"  # the role of the colour of readings
 PALER, FITTED = 0.45, 0.3  # how far the output's blue, and the ground of the part of the fit, go toward white
 EXPECTED, TINT, WIDTHS = "estimate", 0.6, 2.0  # of the band of expected readings: role, share of its colour, standard deviations
@@ -193,7 +193,7 @@ def body_with_trace(trace: Trace, count: int, strongest: Sequence[float], others
     top = foot + PANEL_HIGH + TITLE
     labels = [(words, (PANEL_WIDTH * (middle - 0.5), PANEL_DEEP, top)) for words, middle in
               ((text("used for the fit"), split / 2), (text("not used: judges the filter"), (1 + split) / 2))]
-    labels.append((text("band: readings expected, ±2σ"), (PANEL_WIDTH * split / 2, IN_FRONT, 0.02)))
+    labels.append((text("band: readings expected, ±2σ"), (PANEL_WIDTH * split / 2, PANEL_DEEP - LIES, foot + LIFTED)))
     marked = text("marked: jumps and bias") if len(trace.faulty) else text("dots: second sensor") if len(trace.exact) else None
     if marked is not None:
         labels.append((marked, (PANEL_WIDTH * (split / 2 - 0.5), PANEL_DEEP, foot + NOTE)))
