@@ -53,7 +53,7 @@ def tabs(lesson: str) -> frozenset[str]:
     """Names of a lesson's tabs: strings assigned to a `…_TAB` of its folder, and the shared ones that its figures use."""
     shared = _tab_names((ROOT / "lessons" / "toolkit" / "figures.py", ROOT / "app" / "course" / "figures" / "diagram.py"))
     files = tuple(folder(lesson).glob("*.py"))
-    drawn = (folder(lesson) / "figures.py").read_text(encoding="utf-8")
+    drawn = "".join(file.read_text(encoding="utf-8") for file in files if file.stem.endswith("figures"))
     return frozenset((*_tab_names(files).values(), *(said for name, said in shared.items() if re.search(rf"\b{name}\b", drawn))))
 
 
