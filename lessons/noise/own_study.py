@@ -29,7 +29,7 @@ MAX_LIVE_STATES = 12  # states up to which the ladder of beliefs follows a hand;
 
 
 def judged(model: Model) -> tuple[Signal, Signal]:
-    """What the error is judged in, an output and a state that no output reads, as far as there is one."""
+    """Signals that the error is judged in: an output and, where there is one, a state that no output reads."""
     second = next((s for s in model.watched if s.name("en").startswith("state")), model.watched[-1])
     return model.watched[0], second
 

@@ -60,7 +60,7 @@ class Case:
 
     @cached_property
     def barred(self) -> Body:
-        """The body behind the bars of what the chosen filter states and of its RMS error; a falling body knows its σ and its lane too."""
+        """The body behind the bars of what the chosen filter states and of its RMS error; a falling body has σ and lane too."""
         name = self.watched[judged(self)].name
         bars = (Bar(text("stated σ"), COLOURS["estimate"]), Bar(text("RMS error"), COLOURS["error"]))
         shown = len(self.guess) + 2 * (self.id == FALL_CASE)

@@ -38,7 +38,7 @@ BEFORE, GLASS, COLLAR, THICK = 0.36, 0.12, 0.22, 0.1  # stage units: of the tube
 BASE, RAIL, BAR = (0.7, 0.4, 0.14), 0.06, 0.035  # stage units: of what the tube stands on; of the rail and of the line on the panel
 NEARER = 1.3  # stage units that further tubes stand nearer to the eye than alone
 TITLE, NOTE = 0.16, -0.1  # stage units above the panel: the names of its parts; above its foot: of what is marked
-LIES, LIFTED = 0.06, 0.17  # stage units: what is written on the panel lies before it, its upper edge so far above the foot
+LIES, LIFTED = 0.06, 0.17  # stage units: from the panel to what is written on it; from its foot to the upper edge of that
 READINGS = "floor"  # the role of the colour of readings
 PALER, FITTED = 0.45, 0.3  # how far the output's blue, and the ground of the part of the fit, go toward white
 EXPECTED, TINT, WIDTHS = "estimate", 0.6, 2.0  # of the band of expected readings: role, share of its colour, standard deviations
@@ -88,7 +88,7 @@ def _row(y: np.ndarray, ends: tuple[float, float]) -> np.ndarray:
 
 
 def _paint(image: np.ndarray, ends: tuple[float, float], low: np.ndarray, high: np.ndarray, start: float, colour: np.ndarray) -> None:
-    """Fill what lies between two traces, which may be one, from a share of the width on: in each column all that their samples reach."""
+    """Fill the space between two traces, or draw one, from a share of the width on."""
     count, left = len(low), round(start * COLUMNS)
     places = (np.arange(COLUMNS)[:, None] + np.linspace(0, 1, FINE)) / COLUMNS * (count - 1)
     samples = np.arange(count)

@@ -35,7 +35,7 @@ class Drive:
 
 @dataclass(frozen=True, eq=False)
 class Loop:
-    """The true plant with its observer, from v to the error: states (x, z), readings C x, and the inputs less v (m, n + q)."""
+    """True plant and observer, from v to the error: states (x, z), readings C x, inputs less v (m, n + q)."""
 
     A: np.ndarray
     b: np.ndarray

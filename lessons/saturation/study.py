@@ -140,7 +140,7 @@ def poles_of(plant: Plant, K: np.ndarray, L: np.ndarray, fed: str) -> dict[str, 
 
 
 def limited(run: Run, u_max: float, poles: Mapping[str, np.ndarray], end: Ending, known_end: Ending) -> dict[str, float]:
-    """What the limit did in a run: how far the error left its law, for how long an input was clipped, and whether the start recovers."""
+    """Effects of the limit in a run: how far the error left its law, how long an input was clipped, whether the start recovers."""
     clipped = np.any(np.abs(run.u_asked) > u_max * (1 + 1e-9), axis=1)
     return {
         "separation_meter": separation_meter(run), "comes_home": float(end.home), "known_comes_home": float(known_end.home),

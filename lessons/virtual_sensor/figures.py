@@ -54,7 +54,7 @@ def errors_figure(run: Run, copy: Run, of: Callable[[np.ndarray], np.ndarray], t
 
 
 def innovation_figure(run: Run, label: str, words: Callable[[float], Text], window: tuple[float, float] | None = None) -> LineFigure:
-    """What the first sensor says beyond its prediction; `words` of the largest in the last tenth of the run."""
+    """The first reading less its prediction; `words` of the largest in the last tenth of the run."""
     heard = (run.y - run.yhat)[:, 0]
     return LineFigure("innovation", text("innovation y − ŷ"), run.t, (Curve(same("y − ŷ"), heard, "error"),), label, tab=ERROR_TAB,
                       window=window, caption=words(float(np.max(np.abs(heard[-max(len(heard) // 10, 1):])))))
