@@ -20,7 +20,7 @@ from observer_lab.text import Text, text
 PAPER_PROBLEM, THREE_SENSORS, FITTING_SENSORS, NO_SOLUTION = "paper", "three", "three-fitting", "stuck"
 
 LOW, HIGH = -12, 4  # decades of the bars on the stage
-PLINTH_HIGH = 0.36  # stage units that the gauges stand above the floor, so that no bar hides a foot
+PLINTH_HIGH = 0.26  # stage units that the gauges stand above the floor, so that no bar hides a foot
 BARS = (Bar(text("input |u|"), COLOURS["force"]), Bar(text("wanted |g|"), PLANT_COLOUR), Bar(text("error |ĝ − g|"), COLOURS["error"]))
 
 
