@@ -8,6 +8,7 @@ from observer_lab.text import text
 SPRING, TANKS, MASSES, FURNACE, OWN = "spring", "tanks", "masses", "furnace", "own"
 FAULTY = "faulty"  # the spring, whose sensor is faulty in the rows that judge
 NO_GATE, ONE_SENSOR, SLOW, LATE, NO_BIAS = "off", "none", "slow", "late", "none"
+NOTHING, INNOVATIONS, ERROR, DEVIATION, VALUES = "nothing", "innovations", "error", "deviation", "values"
 MAX_ORDER, OPENING_SHARE = 6, 0.5
 
 DATA = Choice("data", "", text("record"), default=SPRING,
@@ -40,5 +41,9 @@ KNOBS = (
                      "what it gains.")),
     Switch("smoother", "", text("smoother"), default=False,
            hint=text("Estimate each moment from the whole record, not only from what came before.")),
+    Choice("below", "", text("shown below the record"), default=NOTHING,
+           options=((NOTHING, text("nothing")), (INNOVATIONS, text("innovations")), (ERROR, text("error of the estimate")),
+                    (DEVIATION, text("σ of the estimate")), (VALUES, text("singular values"))),
+           hint=text("The lower part of the panel on the stage shows it over the rows that the fit has not used.")),
     Number("seed", r"s_0", text("noise seed"), low=0, high=9999, default=1, scale="integer", hidden=True),
 )

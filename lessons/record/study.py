@@ -17,6 +17,7 @@ from observer_lab.engine.identification.evidence import INPUT, LEAST_FIT, MOST_F
 from observer_lab.plants.bodies.own_body import tubes_body
 from observer_lab.text import NO_WORDS, Text, error_words, joined, text
 
+from .below import shown_below
 from .data import Given, record_of
 from .fusion import EVERY, Fusion, fused
 from .knobs import MAX_ORDER, NO_BIAS, NO_GATE, ONE_SENSOR, OPENING_SHARE
@@ -47,6 +48,11 @@ class Study:
         return fused(self.found.fitted.kalman(factor=self.factor), self.judged.track.schedule.prior[-1], self.second)
 
     @property
+    def deviation(self) -> tuple[np.ndarray, float]:
+        """σ of the estimated output along the rows that are shown, with the sensors of the design; the largest with one sensor."""
+        return self.fusion.alone if self.second == ONE_SENSOR else self.fusion.both, float(self.fusion.alone.max())
+
+    @property
     def first(self) -> int:
         """The first row that judges."""
         return self.judged.first
@@ -65,10 +71,13 @@ class Study:
         """Outputs of the rows that judge, about their level, as they were measured."""
         return rows + self.found.trend.y_level
 
-    def estimate(self, smoothed: bool) -> np.ndarray:
-        """The estimated output of the rows that judge, without a sensor's bias: by what came before and now, or by the whole record."""
-        fitted = self.found.fitted
-        means = self.judged.smoothed.means if smoothed else self.judged.track.means
+    def estimate(self, smoothed: bool, fitted_q: bool = False) -> np.ndarray:
+        """The estimated output of the rows that judge, without a sensor's bias: by what came before and now, or by the whole record.
+
+        fitted_q: with the Q of the fit and no gate.
+        """
+        fitted, judged = self.found.fitted, self.found.judged if fitted_q else self.judged
+        means = judged.smoothed.means if smoothed else judged.track.means
         return self.level((means @ fitted.outputs.T + self.found.record.u @ fitted.plant.D.T)[self.first:])
 
     @property
@@ -134,7 +143,7 @@ def compute(source: Source, design: Design) -> Outcome[Study]:
     gains = {"M": judged.track.gains[last], "R": found.fitted.R, "Q": factor * found.fitted.Q, "S": judged.track.S[last]}
     return Outcome(
         design, gains, {"model": np.log(found.subspace.poles.astype(complex) + 1e-300) / plant.dt}, metrics,
-        LazySequence(lambda: _checks(study)), None, (), _stage(study, bool(design["smoother"])),
+        LazySequence(lambda: _checks(study)), None, (), _stage(study, bool(design["smoother"]), design["below"]),
         LazySequence(lambda: _formulas(study, gains)), LazyValue(lambda: _live(study)), study)
 
 
@@ -185,7 +194,7 @@ def _checks(study: Study) -> tuple[Check, ...]:
     return tuple(checks)
 
 
-def _stage(study: Study, smoothed: bool) -> Stage:
+def _stage(study: Study, smoothed: bool, kind: str) -> Stage:
     """One tube for each output: what was measured (or is true), and as the ghost what the filter estimates."""
     record, first = study.found.record, study.first
     shown = study.measured if study.clean is None else study.clean
@@ -199,8 +208,16 @@ def _stage(study: Study, smoothed: bool) -> Stage:
     t, split = study.t - study.t[0], trace.share(first)
     share = split + (1 - split) * t / t[-1]
     x, xhat = (np.column_stack([y - level, share]) for y in (shown, study.estimate(smoothed)))
-    return Stage(body_with_trace(trace, count, strongest.tolist(), others), t, x, xhat, record.u[first:],
-                 picture=panel(trace, panel_foot(count)))
+    below = shown_below(kind, study.found, study.judged, _errors(study, smoothed), lambda: study.deviation)
+    return Stage(body_with_trace(trace, count, strongest.tolist(), others, below), t, x, xhat, record.u[first:],
+                 picture=panel(trace, panel_foot(count), below))
+
+
+def _errors(study: Study, smoothed: bool) -> list[np.ndarray]:
+    """Errors of the first output in the rows that judge: of the filter as fitted, of the filter, and of the smoother if it is on."""
+    beside = (study.measured if study.clean is None else study.clean)[:, 0]
+    ways = ((False, True), (False, False), *([(True, False)] if smoothed else []))
+    return [np.nan_to_num(study.estimate(*way)[:, 0] - beside) for way in ways]
 
 
 def _trace(study: Study) -> Trace:

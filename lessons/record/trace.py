@@ -28,20 +28,22 @@ from observer_lab.plants.bodies.body import (
 from observer_lab.plants.bodies.own_body import GLASS_COLOUR, MOST_ARROWS
 from observer_lab.text import text
 
-COLUMNS, ROWS = 1040, 500  # pixels of the panel
+from .below import NOTHING_BELOW, Below, paint_below
+from .painting import COLUMNS, FREE, ROWS, band_colour, paint, paler, row_of
+
 PANEL_WIDTH, PANEL_HIGH, PANEL_FOOT = 5.2, 2.5, 0.3  # stage units: of the panel, a little above the floor
 PANEL_DEEP = 0.78  # stage units: how far behind the middle of the stage it stands
 ABOVE_TUBES = 1.36  # stage units: its foot where more tubes stand before it
-HALF, FINE = 4, 8  # pixels to either side of the trace; places in a column at which it is read
-FREE = 0.08  # of the panel's height, above and below
 BEFORE, GLASS, COLLAR, THICK = 0.36, 0.12, 0.22, 0.1  # stage units: of the tube before the panel: its distance, radii and collar
 BASE, RAIL, BAR = (0.7, 0.4, 0.14), 0.06, 0.035  # stage units: of what the tube stands on; of the rail and of the line on the panel
 NEARER = 1.3  # stage units that further tubes stand nearer to the eye than alone
+POST, COLUMN, LEAST_COLUMN = 0.025, 0.3, 0.01  # stage units: radius of what the tube stands on; side and least height of a column
+NAMED, BESIDE = 0.75, 0.7  # where the name of what is below stands: share of its height, and of the width beside columns
 TITLE, NOTE = 0.16, -0.1  # stage units above the panel: the names of its parts; above its foot: of what is marked
 LIES, LIFTED = 0.06, 0.17  # stage units: from the panel to what is written on it; from its foot to the upper edge of that
 READINGS = "floor"  # the role of the colour of readings
 PALER, FITTED = 0.45, 0.3  # how far the output's blue, and the ground of the part of the fit, go toward white
-EXPECTED, TINT, WIDTHS = "estimate", 0.6, 2.0  # of the band of expected readings: role, share of its colour, standard deviations
+WIDTHS = 2.0  # standard deviations of the band of expected readings
 FAULT, ASIDE, EXACT = "error", "paper", "lit"  # roles of the colours of marked readings
 DOT, SMALL, RING = 6.5, 5.0, (9.0, 13.0)  # pixels: the radii of dots; the radii of a ring
 STRIP = 9  # pixels: how high the strip is along the foot where readings have a bias
@@ -77,32 +79,6 @@ class Trace:
         return row / (len(self.y) - 1)
 
 
-def _paler(role: str, share: float) -> np.ndarray:
-    return (np.array(rgb(COLOURS[role])) * (1 - share) + 255 * share).astype(np.uint8)
-
-
-def _row(y: np.ndarray, ends: tuple[float, float]) -> np.ndarray:
-    """On which row of pixels values stand."""
-    low, high = ends
-    return ((high - y) / (high - low) * (1 - 2 * FREE) + FREE) * ROWS
-
-
-def _paint(image: np.ndarray, ends: tuple[float, float], low: np.ndarray, high: np.ndarray, start: float, colour: np.ndarray) -> None:
-    """Fill the space between two traces, or draw one, from a share of the width on."""
-    count, left = len(low), round(start * COLUMNS)
-    places = (np.arange(COLUMNS)[:, None] + np.linspace(0, 1, FINE)) / COLUMNS * (count - 1)
-    samples = np.arange(count)
-    top = _row(np.interp(places, samples, high), ends).min(axis=1)
-    foot = _row(np.interp(places, samples, low), ends).max(axis=1)
-    column = np.minimum(samples * COLUMNS // max(count - 1, 1), COLUMNS - 1)
-    np.minimum.at(top, column, _row(high, ends))
-    np.maximum.at(foot, column, _row(low, ends))
-    rows = np.arange(ROWS)[:, None]
-    inside = (rows >= np.maximum(top.astype(int) - HALF, 0)) & (rows <= foot.astype(int) + HALF)
-    inside[:, :left] = False
-    image[inside] = colour
-
-
 def _dots(image: np.ndarray, trace: Trace, rows: np.ndarray, values: np.ndarray, radii: tuple[float, float], role: str) -> None:
     """Mark readings by discs or rings."""
     edge = int(radii[1])
@@ -110,8 +86,8 @@ def _dots(image: np.ndarray, trace: Trace, rows: np.ndarray, values: np.ndarray,
     away = np.hypot(around[:, None], around)
     down, across = np.nonzero((away >= radii[0]) & (away <= radii[1]))
     for k in rows:
-        y, x = int(_row(values[k], trace.ends)) + around[down], int(trace.share(k) * (COLUMNS - 1)) + around[across]
-        seen = (y >= 0) & (y < ROWS) & (x >= 0) & (x < COLUMNS)
+        y, x = int(row_of(image, values[k], trace.ends)) + around[down], int(trace.share(k) * (COLUMNS - 1)) + around[across]
+        seen = (y >= 0) & (y < len(image)) & (x >= 0) & (x < COLUMNS)
         image[y[seen], x[seen]] = rgb(COLOURS[role])
 
 
@@ -120,29 +96,27 @@ def panel_foot(count: int) -> float:
     return PANEL_FOOT if count == 1 else ABOVE_TUBES
 
 
-def panel(trace: Trace, foot: float) -> StagePicture:
+def panel(trace: Trace, foot: float, below: Below = NOTHING_BELOW) -> StagePicture:
     """A record over the width of the panel: its output before its readings, before what the filter expects of them.
 
-    The part used for the fit has a paler ground and no band.
+    The part used for the fit has a paler ground and no band. What is shown `below` takes the lower part of the panel.
     """
-    image = np.empty((ROWS, COLUMNS, 3), np.uint8)
-    image[:] = rgb(COLOURS["dark"])
+    whole = np.empty((ROWS, COLUMNS, 3), np.uint8)
+    whole[:] = rgb(COLOURS["dark"])
     split, away = trace.share(trace.first), WIDTHS * trace.spread
-    image[:, : round(split * COLUMNS)] = _paler("dark", FITTED)
-    _paint(image, trace.ends, trace.predicted - away, trace.predicted + away, split, band_colour())
+    whole[:, : round(split * COLUMNS)] = paler("dark", FITTED)
+    line = round((1 - below.share) * ROWS)
+    image = whole[:line]
+    paint_below(whole[line:], below, trace.first, split)
+    paint(image, trace.ends, trace.predicted - away, trace.predicted + away, split, band_colour())
     if trace.biased is not None:
         image[-STRIP:, round(trace.share(trace.biased) * COLUMNS):] = rgb(COLOURS[FAULT])
-    _paint(image, trace.ends, trace.readings, trace.readings, 0.0, np.array(rgb(COLOURS[READINGS]), np.uint8))
-    _paint(image, trace.ends, trace.y, trace.y, 0.0, _paler("plant", PALER))
+    paint(image, trace.ends, trace.readings, trace.readings, 0.0, np.array(rgb(COLOURS[READINGS]), np.uint8))
+    paint(image, trace.ends, trace.y, trace.y, 0.0, paler("plant", PALER))
     _dots(image, trace, trace.faulty, trace.readings, (0.0, DOT), FAULT)
     _dots(image, trace, trace.aside, trace.readings, RING, ASIDE)
     _dots(image, trace, trace.exact, trace.y, (0.0, SMALL), EXACT)
-    return StagePicture(image, PANEL_WIDTH, foot, PANEL_HIGH, PANEL_DEEP)
-
-
-def band_colour() -> np.ndarray:
-    """The estimate's colour, as it looks through the dark ground."""
-    return (TINT * np.array(rgb(COLOURS[EXPECTED])) + (1 - TINT) * np.array(rgb(COLOURS["dark"]))).astype(np.uint8)
+    return StagePicture(whole, PANEL_WIDTH, foot, PANEL_HIGH, PANEL_DEEP)
 
 
 def height(y: float, low: float, high: float) -> float:
@@ -155,7 +129,22 @@ def _near(at: Vector) -> Vector:
     return at[0], at[1] - NEARER, at[2]
 
 
-def body_with_trace(trace: Trace, count: int, strongest: Sequence[float], others: Body | None) -> Body:
+def _columns(below: Below, foot: float) -> tuple[tuple[Part, ...], dict[str, Pose]]:
+    """A column for each singular value, those of the model's states in the colour of estimates, and a bar at the edge."""
+    if not below.columns:
+        return (), {}
+    unit, pitch = PANEL_HIGH * below.share / below.ends[1], PANEL_WIDTH / len(below.columns)
+    parts, poses = [], {}
+    for k, value in enumerate(below.columns):
+        high = max(unit * value, LEAST_COLUMN)
+        parts.append(Part(f"column {k}", Box((COLUMN, COLUMN, high)), COLOURS["estimate" if k < below.used else "muted"]))
+        poses[f"column {k}"] = Pose((pitch * (k + 0.5) - PANEL_WIDTH / 2, PANEL_DEEP - COLUMN, foot + high / 2))
+    edge = Part("edge", Box((PANEL_WIDTH, BAR, BAR)), COLOURS["lit"])
+    poses["edge"] = Pose((0.0, PANEL_DEEP - 1.6 * COLUMN, foot + unit * below.edge))
+    return (*parts, edge), poses
+
+
+def body_with_trace(trace: Trace, count: int, strongest: Sequence[float], others: Body | None, below: Below = NOTHING_BELOW) -> Body:
     """The trace of a record's first output on a panel, and a tube that goes along it with the run.
 
     A state of the body is the `count` outputs and the share of the panel's width. The tube's collar is as high as the output on the
@@ -164,36 +153,48 @@ def body_with_trace(trace: Trace, count: int, strongest: Sequence[float], others
     """
     low, high = trace.ends
     foot, deep = panel_foot(count), PANEL_DEEP - BEFORE
-    split = trace.share(trace.first)
+    split, part = trace.share(trace.first), 1 - below.share
+    line, tall = foot + PANEL_HIGH * below.share, PANEL_HIGH * part  # where the record begins, and how high it is
+    columns, standing = _columns(below, foot)
+
+    def up(y: float) -> float:
+        return line + part * height(y, low, high)
 
     def across(x: Sequence[float]) -> float:
         return PANEL_WIDTH * (float(x[count]) - 0.5)
 
     def pose(x: Sequence[float], gain: float) -> Mapping[str, Pose]:
-        middle, at = foot + PANEL_HIGH / 2, across(x)
+        at = across(x)
         rest = {} if others is None else others.pose(x[1:], gain)
-        return {**{name: replace(each, position=_near(each.position)) for name, each in rest.items()},
+        return {**{name: replace(each, position=_near(each.position)) for name, each in rest.items()}, **standing,
                 "rail": Pose((0.0, deep, foot - BASE[2])), "base": Pose((at, deep, foot - BASE[2] / 2)),
-                "glass": Pose((at, deep, middle)), "now": Pose((at, PANEL_DEEP - BAR, middle)),
+                "glass": Pose((at, deep, line + tall / 2)),
+                "now": Pose((at, PANEL_DEEP - BAR, foot + PANEL_HIGH / 2)),
+                **({"post": Pose((at, deep, (foot + line) / 2))} if below.share else {}),
                 "cap": Pose((at, deep, foot + PANEL_HIGH)),
-                "reading": Pose((at, deep, foot + height(float(x[0]), low, high)))}
+                "reading": Pose((at, deep, up(float(x[0]))))}
 
     def arrows(x: Sequence[float], u: Sequence[float], gain: float) -> tuple[Arrow, ...]:
-        return tuple(force_arrow((across(x) - 1.6 * COLLAR - 0.25 * j, deep, foot + PANEL_HIGH / 2), (0.0, 0.0, 1.0), float(u[j]), most)
+        return tuple(force_arrow((across(x) - 1.6 * COLLAR - 0.25 * j, deep, line + tall / 2), (0.0, 0.0, 1.0), float(u[j]), most)
                      for j, most in enumerate(strongest[:MOST_ARROWS]))
 
     def anchors(x: Sequence[float], gain: float) -> tuple[Vector, ...]:
         rest = () if others is None else tuple(map(_near, others.anchors(x[1:], gain)))
-        return ((across(x), deep - COLLAR, foot + height(float(x[0]), low, high)), *rest)
+        return ((across(x), deep - COLLAR, up(float(x[0]))), *rest)
 
     parts = (Part("rail", Box((PANEL_WIDTH, RAIL, RAIL)), STEEL), Part("base", Box(BASE), DARK_GREY),
              Part("now", Box((BAR, BAR, PANEL_HIGH)), COLOURS["lit"]), Part("cap", Cylinder(1.1 * GLASS, 0.06), METAL),
-             Part("glass", Cylinder(GLASS, PANEL_HIGH), GLASS_COLOUR, opacity=0.12),
-             Part("reading", Cylinder(COLLAR, THICK), PLANT_COLOUR, twin=True))
+             Part("glass", Cylinder(GLASS, tall), GLASS_COLOUR, opacity=0.12),
+             Part("reading", Cylinder(COLLAR, THICK), PLANT_COLOUR, twin=True), *columns)
+    if below.share:
+        parts = (*parts, Part("post", Cylinder(POST, PANEL_HIGH * below.share), METAL))
     top = foot + PANEL_HIGH + TITLE
     labels = [(words, (PANEL_WIDTH * (middle - 0.5), PANEL_DEEP, top)) for words, middle in
               ((text("used for the fit"), split / 2), (text("not used: judges the filter"), (1 + split) / 2))]
-    labels.append((text("band: readings expected, ±2σ"), (PANEL_WIDTH * split / 2, PANEL_DEEP - LIES, foot + LIFTED)))
+    labels.append((text("band: readings expected, ±2σ"), (PANEL_WIDTH * split / 2, PANEL_DEEP - LIES, line + LIFTED)))
+    if below.share:
+        middle = BESIDE if below.columns else split / 2
+        labels.append((below.name, (PANEL_WIDTH * (middle - 0.5), PANEL_DEEP - LIES, foot + PANEL_HIGH * below.share * NAMED)))
     marked = text("marked: jumps and bias") if len(trace.faulty) else text("dots: second sensor") if len(trace.exact) else None
     if marked is not None:
         labels.append((marked, (PANEL_WIDTH * (split / 2 - 0.5), PANEL_DEEP, foot + NOTE)))

@@ -14,13 +14,16 @@ import pytest
 from observer_lab.cli.entry import main
 from observer_lab.cli.records import columns_of
 from observer_lab.colours import COLOURS, rgb
+from observer_lab.course.figures.scene import Stage
+from observer_lab.course.scenes import entry_values
 from observer_lab.engine import Plant, to_json
 from observer_lab.engine.identification import read_record
 from observer_lab.lessons import LESSONS
 from observer_lab.lessons.record.data import TRUTHS, record_of
 from observer_lab.lessons.record.own import with_record
+from observer_lab.lessons.record.painting import COLUMNS, band_colour, paler
 from observer_lab.lessons.record.study import Study
-from observer_lab.lessons.record.trace import ASIDE, COLUMNS, EXACT, FAULT, PALER, READINGS, RING, STRIP, _paler, band_colour
+from observer_lab.lessons.record.trace import ASIDE, EXACT, FAULT, PALER, READINGS, RING, STRIP
 from observer_lab.page.stage.body_extent import reach
 from observer_lab.page.stage.viewpoint import body_scale, round_plant
 
@@ -193,7 +196,7 @@ def test_the_panel_shows_the_output_of_the_record_and_the_bar_where_the_run_is()
         ground = image[0].astype(int).sum(axis=1)
         split = int(np.flatnonzero(np.diff(ground) != 0)[0]) + 1
         assert ground[0] > ground[-1] and split == pytest.approx(share / 100 * len(ground), abs=2)
-        trace = (image == _paler("plant", PALER)).all(axis=2)
+        trace = (image == paler("plant", PALER)).all(axis=2)
         middle = np.array([np.flatnonzero(column).mean() for column in trace.T])[split:]
         at = np.interp(np.linspace(0, len(y) - 1, len(middle)), np.arange(len(y)), y)
         assert np.corrcoef(-middle, at)[0, 1] > 0.97
@@ -255,7 +258,7 @@ def test_the_collar_stands_on_the_trace_at_the_output_and_its_ghost_at_the_estim
         collar, ghost = (stage.body.pose(states[k].tolist(), stage.body.gain)["reading"].position for states in (stage.x, stage.xhat))
         column = min(int((collar[0] / wide + 0.5) * image.shape[1]), image.shape[1] - 1)
         row = (middle + high / 2 - collar[2]) / high * image.shape[0]
-        drawn = np.flatnonzero((image == _paler("plant", PALER)).all(axis=2)[:, column])
+        drawn = np.flatnonzero((image == paler("plant", PALER)).all(axis=2)[:, column])
         assert drawn.min() - 4 <= row <= drawn.max() + 4, k
         assert ghost[2] - collar[2] == pytest.approx(0.84 * 2.5 * (stage.xhat[k, 0] - stage.x[k, 0]) / span)
 
@@ -266,7 +269,7 @@ def test_the_jumps_of_a_faulty_sensor_are_painted_on_the_panel() -> None:
         stage = LESSON.compute(LESSON.apply(LESSON.start(), values)).stage
         assert stage is not None and stage.picture is not None
         grey = (stage.picture.image == np.array(rgb(COLOURS[READINGS]))).all(axis=2)
-        trace = (stage.picture.image == np.array(_paler("plant", PALER))).all(axis=2)
+        trace = (stage.picture.image == np.array(paler("plant", PALER))).all(axis=2)
         rows = np.arange(len(grey))[:, None]
         top, foot = np.where(trace, rows, len(grey)).min(axis=0), np.where(trace, rows, 0).max(axis=0)
         return int(np.where(grey, np.maximum(top - rows, rows - foot), 0).max())
@@ -289,3 +292,72 @@ def test_marked_readings_are_those_that_jump_are_set_aside_or_come_from_the_seco
         at = rows / (study.found.record.rows - 1) * (COLUMNS - 1)
         assert len(at) and np.abs(at[:, None] - found).min(axis=0).max() <= RING[1] + 1
         assert np.abs(at[:, None] - found).min(axis=1).max() <= RING[0] + 1
+
+
+def shown_below(**values: object) -> tuple[Stage, np.ndarray, int]:
+    """The stage of a design, the pixels of the panel's lower part, and the first column of the rows that judge."""
+    outcome = LESSON.compute(LESSON.apply(LESSON.start(), values))
+    stage = outcome.stage
+    assert stage is not None and stage.picture is not None
+    image = stage.picture.image
+    return stage, image[round(0.6 * len(image)):], round(outcome.study.first / (outcome.study.found.record.rows - 1) * COLUMNS) + 4
+
+
+def drawn_heights(image: np.ndarray, colour: np.ndarray) -> np.ndarray:
+    """How far above the middle of a picture a line of this colour stands, column by column, as a share of half its height."""
+    high, rows = len(image), np.arange(len(image))[:, None]
+    line = (image == colour).all(axis=2)
+    return 1 - 2 * (rows * line).sum(axis=0) / np.maximum(line.sum(axis=0), 1) / high
+
+
+def test_the_band_of_innovations_grows_with_the_root_of_their_covariance_and_its_scale_stays() -> None:
+    """The band is ±2√S by the gains of the run; the edge, which the label says, is the same for every factor of Q."""
+    said, ratio = set(), []
+    for factor in (0.1, 1.0, 100.0):
+        design = LESSON.apply(LESSON.start(), {"below": "innovations", "factor": factor})
+        stage, image, split = shown_below(below="innovations", factor=factor)
+        name = str(stage.body.labels[-1][0])
+        said.add(name)
+        covered = (image != image[2, -1]).any(axis=2)[:, split:]
+        tall = float(np.median([np.ptp(np.flatnonzero(column)) for column in covered.T])) - 8  # the pen's width
+        edge = float(name.rpartition("±")[2])
+        ratio.append(tall / len(image) * 2 * edge / (4 * np.sqrt(float(LESSON.compute(design).gains["S"][0, 0]))))
+    assert len(said) == 1 and ratio == pytest.approx([1.0] * 3, rel=0.12)
+
+
+def test_the_error_below_is_what_the_ghost_is_off_and_the_smoother_is_nearer() -> None:
+    """The line follows the ghost less the collar of the same run; that of the smoother has a smaller mean square."""
+    blue, orange = (np.array(rgb(COLOURS[role])) for role in ("second", "estimate"))
+    stage, image, split = shown_below(below="error")
+    away = stage.xhat[:, 0] - stage.x[:, 0]
+    line = drawn_heights(image, blue)[split - 4:]
+    at = np.interp(np.linspace(0, len(away) - 1, len(line)), np.arange(len(away)), away)
+    assert np.corrcoef(line, at)[0, 1] > 0.95 and not (image == orange).all(axis=2).any()
+    _, both, split = shown_below(below="error", smoother=True)
+    smoother = drawn_heights(both, orange)[split - 4:]
+    assert 0.1 < np.std(smoother) / np.std(line) < 0.8
+
+
+def test_the_deviation_below_is_flat_with_one_sensor_and_falls_at_each_exact_reading() -> None:
+    def tops(**values: object) -> np.ndarray:
+        _, image, split = shown_below(below="deviation", **values)
+        return np.array([np.flatnonzero(column).min() for column in (image == band_colour()).all(axis=2)[:, split:-4].T])
+    flat, comb = tops(), tops(second="slow")
+    assert np.ptp(flat) <= 2 and comb.max() > flat.max() + 40
+    low = comb > (comb.max() + flat.max()) / 2
+    assert np.count_nonzero(np.diff(low.astype(int)) == 1) == pytest.approx(800 / 2 / 10, abs=2)
+
+
+@pytest.mark.parametrize("data, states", [("spring", 2), ("masses", 4)])
+def test_columns_above_the_bar_are_the_states_and_those_of_the_model_are_orange(data: str, states: int) -> None:
+    """The bar stands at what noise alone gives; the order colours as many columns; the question's stage has none before its answer."""
+    for order in (1, states, states + 2):
+        stage, *_ = shown_below(below="values", data=data, order=order)
+        parts, poses = {part.name: part for part in stage.body.parts}, stage.body.pose(stage.x[0].tolist(), 1.0)
+        columns = [name for name in parts if name.startswith("column")]
+        tops = [poses[name].position[2] + parts[name].shape.size[2] / 2 for name in columns]
+        assert sum(top > poses["edge"].position[2] for top in tops) == states
+        assert [parts[name].colour == COLOURS["estimate"] for name in columns] == [k < order for k in range(len(columns))]
+    asked = next(k for k, scene in enumerate(LESSON.path) if scene.id == "predict")
+    before = LESSON.compute(LESSON.apply(LESSON.start(), entry_values(LESSON.path, asked, LESSON.start()))).stage
+    assert before is not None and not [part for part in before.body.parts if part.name.startswith("column")]
