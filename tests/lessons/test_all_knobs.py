@@ -7,6 +7,7 @@ import re
 from collections.abc import Iterator
 from functools import partial
 from itertools import product
+from typing import Any
 
 import numpy as np
 import pytest
@@ -18,7 +19,7 @@ from strategies import designs
 
 from observer_lab.colours import COLOURS
 from observer_lab.course.knobs import Choice, Knob, KnobError, Number, Poles, Switch
-from observer_lab.course.lesson import KEYS, Design, Lesson
+from observer_lab.course.lesson import KEYS, Design, Lesson, Outcome
 from observer_lab.engine import EngineError
 from observer_lab.lessons import LESSONS
 from observer_lab.page.column.knob_widgets import label_of, slider_place, slider_value
@@ -29,8 +30,13 @@ IN_SIGHT = 6  # knobs that the lab shows before "more" is asked for
 EXAMPLES, VALUES = 15, 3  # random designs of each lesson; other values of each number, its extremes among them
 
 
+def pixels(outcome: Outcome[Any]) -> bytes:
+    """Those of the picture on the stage, none where there is none."""
+    return b"" if outcome.stage is None or outcome.stage.picture is None else outcome.stage.picture.image.tobytes()
+
+
 def moves_something(lesson: Lesson, knob: Knob) -> None:
-    """Some value of the knob changes a figure or a board."""
+    """Some value of the knob changes a figure, a board or the picture on the stage."""
     tried = 0
     for base in satisfied(lesson, knob, lesson.start()):
         assert lesson.shown(knob, base)
@@ -44,7 +50,7 @@ def moves_something(lesson: Lesson, knob: Knob) -> None:
             except EngineError:
                 continue
             tried += 1
-            if contents(drawn) != contents(figures) or boards_of(new) != boards_of(outcome):
+            if contents(drawn) != contents(figures) or boards_of(new) != boards_of(outcome) or pixels(new) != pixels(outcome):
                 return
     pytest.fail(f"nothing changed in {tried} tries")
 
