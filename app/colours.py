@@ -87,7 +87,6 @@ COLOURS = MappingProxyType({
     "dark": "#3A404A",
     "grey": "#9AA3AE",
     "tube": "#DCE8F2",
-    "air": "#9FC4E8",
     "lit": "#FFF3C4",
     "unlit": "#5A616C",
     "lamp": "#FFD65A",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 import numpy as np
@@ -18,14 +18,13 @@ from observer_lab.plants.bodies.deck_body import STAGE_SCALE as DECK_STAGE
 from observer_lab.plants.bodies.front_bars import Bar, decade_marks, with_bars
 from observer_lab.plants.model import Signal
 from observer_lab.plants.platform import model, nonlinear
-from observer_lab.text import same, text
+from observer_lab.text import text
 
 PLATFORM, PENDULUM_CASE, FALL_CASE = "platform", "pendulum", "fall"
 KF, EKF, UKF = "kf", "ekf", "ukf"
 DEGREE = 180 / np.pi
 GROUND_INTENSITY, COUPLE = 4e-10, 3e-4  # m² s of each ground motion, N² s of a draught that tilts the deck
 SINE_HZ = 0.16  # Hz, of the known force
-BARS_NAMED = 0.1, -1.45, 0.0  # before the numbers of the bars
 LENGTH = nonlinear.NonlinearLaws.length
 
 
@@ -35,7 +34,7 @@ class Case:
 
     Q, R: covariances at noise scales of one. spread (n,): standard deviations of the start at size one about `guess`.
     draft, full: samples of the picture while knobs move and of the long job. scale, state: stage units a unit of the state
-    by which the cloud is drawn. error_gain: how many times the stage exaggerates the ghost's error.
+    by which the cloud is drawn. judged_by: the sign of the signal that the bars on the stage are about.
     """
 
     id: str
@@ -54,20 +53,19 @@ class Case:
     u_max: np.ndarray
     scale: float
     state: int
-    error_gain: float = 1.0
+    judged_by: str
     decades: tuple[int, int] = (-2, 2)  # of the bars on the stage, in the unit of the signal that filters are judged by
     by: float = 0.6  # stage units that the body stands behind them
 
     @cached_property
     def barred(self) -> Body:
-        """The body behind the bars of what the chosen filter states and of its RMS error; a falling body has σ and lane too."""
-        name = self.watched[judged(self)].name
-        bars = (Bar(text("stated σ"), COLOURS["estimate"]), Bar(text("RMS error"), COLOURS["error"]))
-        shown = len(self.guess) + 2 * (self.id == FALL_CASE)
-        marks = decade_marks(*self.decades, 1)[:None if self.body.gain == 1 else -1]  # a factor is written below the last one
-        body = with_bars(self.body, shown, bars, marks, self.by)
-        named = text("{name} [{unit}]", name=name, unit=same(self.watched[judged(self)].unit))
-        return replace(body, labels=(*body.labels, (named, BARS_NAMED)))
+        """The body behind the bars of what the chosen filter states and of its RMS error; of a falling body more is shown."""
+        bars = (Bar(text("stated σ of {signal}", signal=self.judged_by), COLOURS["estimate"]),
+                Bar(text("RMS error of {signal}", signal=self.judged_by), COLOURS["error"]))
+        marks = decade_marks(*self.decades, 2 if self.decades[1] - self.decades[0] > 5 else 1)
+        *first, (last, share) = marks if self.body.gain == 1 else marks[:-1]  # else a factor is written below the last one
+        shown = (*first, (f"{last} [{self.watched[judged(self)].unit}]", share))
+        return with_bars(self.body, len(self.guess) + 4 * (self.id == FALL_CASE), bars, shown, self.by, gate=True)
 
 
 @lru_cache(maxsize=1)
@@ -94,7 +92,7 @@ def _platform() -> Case:
                 model.rigid_body(),
                 (Signal(text("height of the deck z"), _unit(6, 1), "mm", 1e3),
                  Signal(text("pitch of the deck θ"), _unit(6, 2), "mrad", 1e3)),
-                np.array(model.DECK_MODEL.kick), gain, np.full(3, 10.0), DECK_STAGE * MOTION_GAIN, 1, by=0.95)
+                np.array(model.DECK_MODEL.kick), gain, np.full(3, 10.0), DECK_STAGE * MOTION_GAIN, 1, "z", by=0.95)
 
 
 def _pendulum() -> Case:
@@ -105,7 +103,7 @@ def _pendulum() -> Case:
                 step_covariance(line.A, noise, step), np.array([[0.005**2]]), cart_pendulum.MODEL.body,
                 (Signal(text("angle of the pole θ"), _unit(4, 1), "°", DEGREE),
                  Signal(text("position of the cart p"), _unit(4, 0), "m")),
-                np.array(cart_pendulum.MODEL.kick), gain, np.array([30.0]), cart_pendulum.STAGE_SCALE, 1)
+                np.array(cart_pendulum.MODEL.kick), gain, np.array([30.0]), cart_pendulum.STAGE_SCALE, 1, "θ")
 
 
 def _fall() -> Case:
@@ -113,7 +111,7 @@ def _fall() -> Case:
                 np.zeros((3, 3)), np.array([[falling_body.NOISE**2]]), falling_body.body(),
                 (Signal(text("altitude h"), _unit(3, 0), "m"),
                  Signal(text("drag coefficient β"), _unit(3, 2), "1/km", 1e3)),
-                np.array([0.0, 300.0, 0.0]), np.zeros((0, 3)), np.zeros(0), falling_body.STAGE_SCALE, 0, falling_body.ERROR_GAIN, (-3, 2))
+                np.array([0.0, 300.0, 0.0]), np.zeros((0, 3)), np.zeros(0), falling_body.STAGE_SCALE, 0, "β", (-3, 5))
 
 
 @lru_cache(maxsize=16)

@@ -10,6 +10,7 @@ import numpy as np
 from observer_lab.course.lazy import LazyMap, LazySequence, LazyValue
 from observer_lab.course.lesson import Check, Design, Formula, Outcome, Stage
 from observer_lab.engine import chi2_band
+from observer_lab.plants.bodies import falling_body
 from observer_lab.plants.bodies.front_bars import share_of_decades
 from observer_lab.text import Text, listed, same, text
 
@@ -63,22 +64,20 @@ def outcome_of(design: Design, study: Study) -> Outcome[Study]:
 
 
 def _stage(s: Study, who: str) -> Stage:
-    """One run behind the bars of what the filter states of its error and of its RMS error; the altitude's ±3σ is a bar, else a ball."""
+    """One run behind the bars of what the filter states of its error and of its RMS error; the altitude's ±3σ is a band, else a ball."""
     case, signal = s.case, s.case.watched[judged(s.case)]
-    spread = 3 * case.scale * case.error_gain * s.sigmas[who][:, case.state]
+    sigma, away = s.sigmas[who][:, case.state], np.clip(s.means[who] - s.x, -1e9, 1e9)
     stated = np.sqrt(np.square(s.sigmas[who]) @ np.square(signal.weights))
     sizes = signal.scale * np.column_stack([stated, s.rms[who][:, judged(case)]])
-    bars, away = share_of_decades(sizes, *case.decades), np.clip(s.means[who] - s.x, -1e9, 1e9)
-    reach = 3 * case.error_gain * s.sigmas[who][:, case.state]
-
-    def shown(states: np.ndarray, lane: float) -> np.ndarray:
-        """The record of a body, or of its ghost in lane 1."""
-        beside = [reach, np.full(len(s.t), lane)] if case.id == FALL_CASE else []
-        return np.column_stack([states, *beside, bars])
-    x, xhat = shown(s.x, 0.0), shown(s.x + case.error_gain * away, 1.0)
+    bars = share_of_decades(sizes, *case.decades)
+    if case.id == FALL_CASE:
+        tangent = {KF: np.full(len(s.t), case.guess[0]), EKF: np.clip(s.x[:, 0] + falling_body.ERROR_GAIN * away[:, 0], 0.0, None)}
+        shown = away[:, 0], 3 * sigma, tangent.get(who, np.full(len(s.t), -1.0))
+        x, xhat = (np.column_stack([s.x, *shown, np.full(len(s.t), ghostly), bars]) for ghostly in (0.0, 1.0))
+        return _smooth(Stage(case.barred, s.t, x, xhat))
+    x, xhat = (np.column_stack([states, bars]) for states in (s.x, s.x + away))
     u = s.u if s.u.shape[1] else np.zeros((len(s.t), 1))
-    stage = Stage(case.barred, s.t, x, xhat, u, None if case.id == FALL_CASE else spread)
-    return _smooth(stage) if case.id == FALL_CASE else stage
+    return Stage(case.barred, s.t, x, xhat, u, 3 * case.scale * sigma)
 
 
 def _smooth(stage: Stage) -> Stage:
@@ -89,7 +88,7 @@ def _smooth(stage: Stage) -> Stage:
         return np.stack([np.interp(t, stage.t, column) for column in values.T], axis=1)
 
     assert stage.xhat is not None
-    return Stage(stage.body, t, fine(stage.x), fine(stage.xhat), np.zeros((len(t), 1)))
+    return Stage(stage.body, t, fine(stage.x), fine(stage.xhat))
 
 
 def _metrics(s: Study) -> dict[str, float]:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from math import atan2, cos, exp, hypot, sin
+from math import asinh, atan2, cos, exp, hypot, sin
 
 import numpy as np
 
@@ -18,11 +18,9 @@ from ...engine import NonlinearPlant
 from ...text import text
 from .body import (
     DARK_GREY,
-    GHOST_NAME,
     METAL,
     PLANT_COLOUR,
     STEEL,
-    Arrow,
     Ball,
     Body,
     Box,
@@ -32,7 +30,6 @@ from .body import (
     Pose,
     Rod,
     Vector,
-    force_arrow,
     pose_between,
 )
 
@@ -87,21 +84,29 @@ def plant(parameters: Parameters = PARAMETERS) -> NonlinearPlant:
     return NonlinearPlant(3, 0, 1, rhs, slope, output, output_slope, "falling body")
 
 
-STAGE_SCALE = 0.03 / 1000  # stage units per metre of the fall, the same across and upwards
-GROUND_LEVEL, TRACK, LANE = 0.16, 0.1, 1.0  # the ground; where the body falls; stage units to the lane of its ghost, right of it
-DISH = (TRACK - 100_000 * FOOT_M * STAGE_SCALE, GROUND_LEVEL + 100_000 * FOOT_M * STAGE_SCALE)
-NAME_ABOVE = 0.18  # stage units: the upper edge of a lane's name over its rail
-CAPSULE = 0.3  # radius of the body, which alone is not to scale
-SCALE_TOP_KM = 95.0  # km, end of the scale
-SCALE_AT = 1.7
-TOP = GROUND_LEVEL + 1000 * SCALE_TOP_KM * STAGE_SCALE
-ARC_Y = 0.04  # stage units behind the plane of the fall: the line of equal distances; the tangent is before it
+STAGE_SCALE = 0.026 / 1000  # stage units per metre of the fall, the same across and upwards
+CAPSULE = 0.22  # radius of the body, which alone is not to scale
+GROUND_LEVEL, TRACK, LANE = 0.16, -0.7, 1.2  # the ground; across: where the body falls, and where its ghost does
+LEVEL = GROUND_LEVEL + 1.3 * CAPSULE  # of the body's middle on the ground
+DISH = (TRACK - 100_000 * FOOT_M * STAGE_SCALE, LEVEL + 100_000 * FOOT_M * STAGE_SCALE)
+RULER_AT, TICKS_KM, TOP = 0.0, range(30, 91, 30), LEVEL + 108_000 * STAGE_SCALE  # across; altitudes with a mark; the ruler's upper end
+GHOST_SIZE = 0.75  # of the body: what counts is where it is in its band
+CEILING = TOP - 2 * GHOST_SIZE * CAPSULE  # of the ghost's middle
+ARC_Y, TANGENT_Y = -0.34, -0.38  # before the body, which would else hide them: the line of equal distances and the tangent
 HOT = 900.0  # m/s² at which the shield glows brightest
 GLOW = tuple(rgb(COLOURS[role]) for role in ("steel", "warm-steel", "white-hot"))
 ARC_PIECES, ARC_STEP = 12, 0.13  # of the line of equal distances, and radians from one end of a piece to the other
-TANGENT = 0.75  # stage units to either side
-BAND, BAND_END = 0.035, 0.27  # radius of the bar of ±3σ through the ghost, and of its ends
-ERROR_GAIN = 100.0  # times that the lesson exaggerates the error of the ghost
+TANGENT = 0.8  # stage units to either side
+BAND, BAND_Y = 0.52, 0.06  # half the width of the band of ±3σ; stage units before it: the line of the true altitude
+ERROR_GAIN, SOFT = 100.0, 0.3  # times that a small error is exaggerated; stage units from which on a larger one is less
+
+
+def drawn_error(error: float) -> float:
+    """Stage units for an error of the altitude in m: a hundred times to scale near zero, rising with the logarithm far off.
+
+    The map is monotone: the truth is drawn inside a band exactly where it is inside.
+    """
+    return SOFT * asinh(ERROR_GAIN * STAGE_SCALE * error / SOFT)
 
 
 def glow(slowing: float) -> tuple[int, int, int]:
@@ -112,21 +117,20 @@ def glow(slowing: float) -> tuple[int, int, int]:
 
 
 def _parts() -> tuple[Part, ...]:
-    ticks = tuple(Part(f"tick {i}", Box((0.22, 0.04, 0.025)), METAL) for i in range(4))
+    estimate = COLOURS["estimate"]
     return (
         Part("ground", Box((4.4, 1.5, GROUND_LEVEL)), DARK_GREY),
-        Part("air", Box((4.3, 0.02, 0.9)), COLOURS["air"], opacity=0.12),
-        Part("mast", Rod(0.06), STEEL),
-        Part("turret", Cylinder(0.13, 0.1), STEEL),
-        Part("dish", Cylinder(0.28, 0.06), METAL),
+        Part("mast", Rod(0.05), STEEL),
+        Part("turret", Cylinder(0.1, 0.1), STEEL),
+        Part("dish", Cylinder(0.22, 0.05), METAL),
         Part("beam", Rod(0.02), COLOURS["lamp"], opacity=0.5),
-        Part("scale", Rod(0.03), STEEL),
-        *(Part(f"rail {k}", Rod(0.022), METAL) for k in range(2)),
-        *ticks,
-        *(Part(f"arc {i}", Rod(0.018), COLOURS["muted"]) for i in range(ARC_PIECES)),
-        Part("tangent", Rod(0.026), COLOURS["estimate"], twin=True, unseen=True),
-        Part("band", Cylinder(BAND, 1.0), COLOURS["estimate"], twin=True, unseen=True),
-        *(Part(f"band {end}", Cylinder(BAND_END, 0.03), COLOURS["estimate"], twin=True, unseen=True) for end in ("top", "foot")),
+        Part("ruler", Rod(0.03), STEEL),
+        *(Part(f"tick {each}", Box((0.2, 0.04, 0.025)), METAL) for each in TICKS_KM),
+        Part("true altitude", Rod(0.024), PLANT_COLOUR),
+        *(Part(f"arc {i}", Rod(0.02), COLOURS["muted"]) for i in range(ARC_PIECES)),
+        Part("tangent", Rod(0.028), estimate, twin=True, unseen=True),
+        Part("band", Box((2 * BAND, 0.04, 1.0)), estimate, twin=True, unseen=True),
+        *(Part(f"band {end}", Box((2 * BAND, 0.08, 0.035)), estimate, twin=True, unseen=True) for end in ("top", "foot")),
         Part("capsule", Cylinder(CAPSULE, 2 * CAPSULE), PLANT_COLOUR, twin=True),
         Part("nose", Ball(CAPSULE), PLANT_COLOUR, twin=True),
         Part("shield", Cylinder(1.5 * CAPSULE, 0.4 * CAPSULE), STEEL, twin=True),
@@ -134,71 +138,69 @@ def _parts() -> tuple[Part, ...]:
 
 
 def body(parameters: Parameters = PARAMETERS) -> Body:
-    """A capsule, the radar with its beam, and a scale with a mark every 30 km; to scale, but for the capsule's size.
+    """A capsule, the radar with its beam and a ruler, to scale but for the capsule's size; the ghost has a lane of its own.
 
-    A state may be followed by the reach of 3σ in m and by 1 for a ghost in a lane of its own.
+    A state (h, v, β) is followed by what its ghost shows: error and 3σ of the altitude in m, the altitude at which the filter
+    takes its tangent, negative for none, and 1 for the ghost itself.
     """
     k = parameters
     fixed = {
         "ground": Pose((0.0, 0.0, GROUND_LEVEL / 2)),
-        "air": Pose((0.0, 0.7, GROUND_LEVEL + 0.45)),  # behind all that falls, which would else be seen through it
         "mast": pose_between((DISH[0], 0.0, GROUND_LEVEL), (DISH[0], 0.0, DISH[1])),
         "turret": Pose((DISH[0], 0.0, DISH[1])),
-        "scale": pose_between((SCALE_AT, 0.0, GROUND_LEVEL), (SCALE_AT, 0.0, GROUND_LEVEL + 1000 * SCALE_TOP_KM * STAGE_SCALE)),
-        **{f"rail {k}": pose_between((TRACK + LANE * k, 0.0, GROUND_LEVEL), (TRACK + LANE * k, 0.0, TOP)) for k in range(2)},
-        **{f"tick {i}": Pose((SCALE_AT, 0.0, GROUND_LEVEL + 30_000 * i * STAGE_SCALE)) for i in range(4)},
+        "ruler": pose_between((RULER_AT, 0.0, GROUND_LEVEL), (RULER_AT, 0.0, TOP)),
+        **{f"tick {each}": Pose((RULER_AT, 0.0, _level(1000.0 * each))) for each in TICKS_KM},
     }
 
-    def at(x: Sequence[float]) -> Vector:
-        return TRACK, 0.0, GROUND_LEVEL + 1.3 * CAPSULE + min(max(float(x[0]), 0.0), 1000 * SCALE_TOP_KM) * STAGE_SCALE
-
-    def in_lane(x: Sequence[float]) -> Vector:
-        across, deep, up = at(x)
-        return across + (LANE * float(x[4]) if len(x) > 4 else 0.0), deep, up
-
     def pose(x: Sequence[float], gain: float) -> Mapping[str, Pose]:
-        place, lane = at(x), in_lane(x)[0]
-        poses = dict(fixed)
-        across, up = place[0] - DISH[0], place[2] - DISH[1]
-        far = max(hypot(across, up), 1e-9)
-        sight = (DISH[0] + 0.16 * across / far, 0.0, DISH[1] + 0.16 * up / far)
-        turned = pose_between((DISH[0], 0.0, DISH[1]), sight)
-        slowing = exp(min(-k.density * float(x[0]), 50.0)) * float(x[1])**2 * float(x[2]) if len(x) > 2 else 0.0
-        poses["dish"] = Pose(sight, turned.wxyz)
-        poses["beam"] = pose_between(sight, place)
+        error, reach, slope, ghostly = map(float, x[3:7]) if len(x) > 3 else (0.0, 0.0, -1.0, 0.0)
+        true, poses = _level(float(x[0])), dict(fixed)
+        across, up = TRACK - DISH[0], true - DISH[1]
+        far = hypot(across, up)
+        sight = (DISH[0] + 0.13 * across / far, 0.0, DISH[1] + 0.13 * up / far)
+        poses["dish"] = Pose(sight, pose_between((DISH[0], 0.0, DISH[1]), sight).wxyz)
+        poses["beam"] = pose_between(sight, (TRACK, 0.0, true))
+        poses["true altitude"] = pose_between((LANE + BAND + 0.1, -BAND_Y, true), (TRACK, -BAND_Y, true))
         angle = atan2(up, across)
         for i in range(ARC_PIECES):
             low, high = (angle + ARC_STEP * (i + side - ARC_PIECES / 2) for side in (0, 1))
             ends = [(DISH[0] + far * cos(each), ARC_Y, max(DISH[1] + far * sin(each), GROUND_LEVEL)) for each in (low, high)]
             poses[f"arc {i}"] = pose_between(ends[0], ends[1])
-        steep = (-TANGENT * up / far, TANGENT * across / far)
-        poses["tangent"] = pose_between((place[0] - steep[0], -ARC_Y, max(place[2] - steep[1], GROUND_LEVEL)),
-                                        (place[0] + steep[0], -ARC_Y, max(place[2] + steep[1], GROUND_LEVEL)))
-        reach = float(x[3]) * STAGE_SCALE if len(x) > 3 else 0.0
-        top, foot = min(place[2] + reach, TOP), max(place[2] - reach, GROUND_LEVEL)
-        poses["band"] = Pose((lane, 0.0, (top + foot) / 2), scale=(1.0, 1.0, max(top - foot, 1e-3)))
-        poses |= {"band top": Pose((lane, 0.0, top)), "band foot": Pose((lane, 0.0, foot))}
-        poses["capsule"] = Pose((lane, 0.0, place[2]))
-        poses["nose"] = Pose((lane, 0.0, place[2] + CAPSULE))
-        poses["shield"] = Pose((lane, 0.0, place[2] - 1.1 * CAPSULE), colour=glow(slowing))
+        seen = atan2(_level(slope) - DISH[1], across)
+        steep = (TANGENT * sin(seen), -TANGENT * cos(seen)) if slope >= 0 else (0.0, 0.0)
+        poses["tangent"] = pose_between((TRACK - steep[0], TANGENT_Y, true - steep[1]), (TRACK + steep[0], TANGENT_Y, true + steep[1]))
+        foot, middle, top = (_shown(true, each) for each in (error - reach, error, error + reach))
+        poses["band"] = Pose((LANE, 0.0, (top + foot) / 2), scale=(1.0, 1.0, max(top - foot, 1e-3)))
+        poses |= {"band top": Pose((LANE, 0.0, top)), "band foot": Pose((LANE, 0.0, foot))}
+        at, z, size = (LANE, middle, GHOST_SIZE) if ghostly else (TRACK, true, 1.0)
+        slowing = exp(min(-k.density * float(x[0]), 50.0)) * float(x[1])**2 * float(x[2])
+        poses["capsule"] = Pose((at, 0.0, z), scale=(size, size, size))
+        poses["nose"] = Pose((at, 0.0, z + size * CAPSULE), scale=(size, size, size))
+        poses["shield"] = Pose((at, 0.0, z - 1.1 * size * CAPSULE), scale=(size, size, size), colour=glow(slowing))
         return poses
 
-    def arrows(x: Sequence[float], u: Sequence[float], gain: float) -> tuple[Arrow, ...]:
-        place = at(x)
-        slowing = exp(min(-k.density * float(x[0]), 50.0)) * float(x[1])**2 * float(x[2])
-        return (force_arrow((place[0] - 2 * CAPSULE, 0.0, place[2]), (0.0, 0.0, 1.0), slowing, HOT, "disturbance"),)
-
     def anchors(x: Sequence[float], gain: float) -> tuple[Vector, ...]:
-        return (in_lane(x),)
+        true = _level(float(x[0]))
+        return ((LANE, -BAND_Y, _shown(true, float(x[3])) if len(x) > 6 and x[6] else true),)
 
-    return Body(_parts(), pose, arrows, anchors, 1.0, text("A falling body and the radar that measures its "
-                                                           "distance; a mark every 30 km. The ghost falls beside it; its error is "
-                                                           "drawn 100 times larger. Grey: equal distances "
-                                                           "from the radar. Red: the tangent at the estimate, and a bar "
-                                                           "of ±3σ about it"),
-        tuple((words, (TRACK + LANE * k, 0.0, TOP + NAME_ABOVE)) for k, words in enumerate((text("body"), text("estimate ± 3σ")))), names=(
-        PartName(text("radar"), "dish", (-0.8, 0.0, 0.3)),
-        PartName(text("falling body"), "capsule", (-0.45, 0.0, 0.85)),
-        PartName(text("equal distances"), f"arc {ARC_PIECES - 3}", (0.3, 0.0, 0.8)),
-        PartName(GHOST_NAME, "capsule", (1.0, 0.0, 0.1), True),
+    return Body(_parts(), pose, lambda x, u, gain: (), anchors, 1.0, text(
+        "A falling body and the radar that measures its distance; a ruler with a mark every 30 km. The ghost falls beside it in its "
+        "band of ±3σ. Errors are drawn 100 times larger, large ones less. Blue line: the true altitude. Grey: equal distances from "
+        "the radar. Orange: the tangent that the filter uses"),
+        (*((f"{each} km", (RULER_AT - 0.24, 0.0, _level(1000.0 * each) + 0.06)) for each in TICKS_KM),
+         (text("estimate ± 3σ, error × 100"), (LANE, 0.0, TOP + 0.1))), names=(
+        PartName(text("radar"), "dish", (-0.5, 0.0, 0.35)),
+        PartName(text("falling body"), "capsule", (-0.35, 0.0, 0.75)),
+        PartName(text("equal distances"), f"arc {ARC_PIECES - 2}", (-0.6, 0.0, 0.4)),
+        PartName(text("true altitude"), "true altitude", (-0.05, 0.0, -0.75)),
     ))
+
+
+def _shown(true: float, error: float) -> float:
+    """How high an error in m is drawn in the lane of the ghost."""
+    return min(max(true + drawn_error(error), GROUND_LEVEL), CEILING)
+
+
+def _level(altitude: float) -> float:
+    """How high an altitude in m is on the stage."""
+    return LEVEL + min(max(altitude, 0.0), 95_000.0) * STAGE_SCALE

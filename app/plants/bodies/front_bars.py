@@ -14,7 +14,7 @@ from .gain_lanes import BEHIND, moved_back
 LEFT, BEGIN, LONG = -2.25, -1.05, 3.2  # stage units: the left end of the trough, where bars begin, how long one of 1 is
 FIRST_Y, PITCH, STEP, THICK = -0.28, 0.3, 0.2, 0.1  # y of the bar next to the body, to the next one and down to it, the radius of a bar
 FLOOR, LEAST, PLINTH = 0.1, 0.004, 0.7  # height of the last step; the least share that is drawn; depth of a plinth
-NAME_AT = (LEFT + BEGIN) / 2
+NAME_AT, GATE = (LEFT + BEGIN) / 2, 0.34  # across: the names of bars; how high the gate is
 
 
 @dataclass(frozen=True)
@@ -38,10 +38,11 @@ def decade_marks(low: int, high: int, step: int, name: str = "10") -> tuple[tupl
 
 
 def with_bars(body: Body, states: int, bars: Sequence[Bar], marks: Sequence[tuple[Text | str, float]],
-              by: float = BEHIND, up: float = 0.0) -> Body:
+              by: float = BEHIND, up: float = 0.0, gate: bool = False) -> Body:
     """The body, moved back `by` and `up` onto a plinth, behind a flight of steps, a bar on each.
 
-    After its states comes the share of each bar, 0 to 1; `marks` stand below, each at a share.
+    After its states comes the share of each bar, 0 to 1; `marks` stand below, each at a share. With a `gate` the end of the first
+    bar is marked across the others.
     """
     count, end = len(bars), BEGIN + LONG + 0.12
     rows = [(FIRST_Y - PITCH * k, FLOOR + STEP * (count - 1 - k)) for k in range(count)]  # y of each bar, and how high its step is
@@ -59,6 +60,9 @@ def with_bars(body: Body, states: int, bars: Sequence[Bar], marks: Sequence[tupl
         for k, ((y, high), share) in enumerate(zip(rows, x[states:states + count], strict=True)):
             long, z = LONG * min(max(float(share), LEAST), 1.0), high + THICK
             drawn[f"bar {k}"] = pose_between((BEGIN, y, z), (BEGIN + long, y, z))
+        if gate:
+            (across, _, _), long = drawn["bar 0"].position, drawn["bar 0"].scale[2]
+            drawn["gate"] = Pose((across + long, (rows[0][0] - PITCH / 2 + front) / 2, FLOOR + GATE / 2))
         return {**behind, **fixed, **drawn}
 
     def anchors(x: Sequence[float], gain: float) -> tuple[Vector, ...]:
@@ -66,7 +70,8 @@ def with_bars(body: Body, states: int, bars: Sequence[Bar], marks: Sequence[tupl
 
     parts = (*body.parts, *plinth, *(Part(f"step {k}", Box((end - LEFT, PITCH, high)), DARK_GREY) for k, (_, high) in enumerate(rows)),
              *(Part(f"bar mark {k}", Box((0.025, 0.03, FLOOR)), METAL) for k in range(len(marks))),
-             *(Part(f"bar {k}", Rod(THICK), bar.colour) for k, bar in enumerate(bars)))
+             *(Part(f"bar {k}", Rod(THICK), bar.colour) for k, bar in enumerate(bars)),
+             *((Part("gate", Box((0.04, PITCH * (count - 1) - 0.04, GATE)), METAL),) if gate else ()))
     labels = (*((name, moved_back(place, by, up)) for name, place in body.labels),
               *((bar.name, (NAME_AT, y - THICK, high + 1.3 * THICK)) for bar, (y, high) in zip(bars, rows, strict=True)),
               *((name, (BEGIN + LONG * share, front - 0.08, 0.0)) for name, share in marks))
