@@ -110,3 +110,18 @@ def test_labels_of_the_stage_stand_on_the_ground_of_the_theme(walking: Tab, tmp_
             ground, ink = light
             return (ground < 80 if dark else ground > 200) and abs(ink - ground) > 110
         eventually(seen, legible, f"ground and letters of a label, which come after their board, {theme}")
+
+
+SKINS = """() => {  // of the grounds of labels: how many there are, how many are round, and what the graphics card refuses
+  const {scene, gl} = window.__viserMutable.scene.__r3f.root.getState(), grounds = new Set();
+  scene.traverse(({material}) => { if (material?.fragmentShader?.includes('observerLabGround')) grounds.add(material); });
+  const round = [...grounds].filter(({vertexShader, fragmentShader}) => vertexShader.includes('observerLabPlace = position.xy')
+    && fragmentShader.match(/gl_FragColor = .*observerLabInside\\(\\)/));
+  return [grounds.size, round.length, gl.info.programs.filter(({diagnostics}) => diagnostics?.runnable === false).length];
+}"""
+
+
+def test_labels_of_the_stage_have_round_corners_that_the_card_draws(walking: Tab) -> None:
+    words = LESSONS["virtual-sensor"].words["en"]
+    walking.open_lesson(words.title, words.question, (1366, 768))
+    eventually(lambda: walking.page.evaluate(SKINS), lambda found: found[0] > 0 and found[1:] == [found[0], 0], "grounds of labels")

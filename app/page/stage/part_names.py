@@ -18,7 +18,7 @@ from .trails import HIDDEN_SEGMENT, Pair
 ERROR_BARS, BAR_THICK = "/error-bars", 0.055  # the node of the bars, and how thick they are in stage units
 WORDS_SIZE = 1.3  # of the letters of its words, beside those of a name
 LINES, HALO = "/named/lines", "/named/halo"
-THIN, ROUND_IT, BEHIND = 0.012, 0.034, 0.012  # stage units: a line, the light around it before a dark part, how far behind it that is
+THIN, ROUND_IT, BEHIND = 0.011, 0.026, 0.012  # stage units: a line, the light around it before a dark part, how far behind it that is
 AWAY: Vector = (0.0, BEHIND, 0.0)
 APART, BELOW = 0.05, (0.0, 0.0, -9.0)  # stage units between a part and its ghost from which on the ghost has a name; out of sight
 
@@ -43,7 +43,7 @@ class PartNames:
                         for i, name in enumerate(wanted)]
         colours = palette(dark)
         self._lines = [self._scene.add_line_segments(path, np.array([HIDDEN_SEGMENT], np.float32), rgb(colours[role]), thickness=thick)
-                       for path, role, thick in ((LINES, "label", THIN), (HALO, "glass", ROUND_IT))]
+                       for path, role, thick in ((LINES, "glass-leader", THIN), (HALO, "glass", ROUND_IT))]
         return True
 
     def place(self, poses: Mapping[str, Pose], ghost: Mapping[str, Pose], frame: Frame) -> None:

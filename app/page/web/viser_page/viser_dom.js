@@ -144,6 +144,18 @@
     control.setBoundary(within);  // takes what is looked at now inside
     control.setLookAt(from.x, from.y, from.z, to.x, to.y, to.z, false);
   };
+  const ROUND = .3;  // of a label's height: the radius of its corners
+  const roundCorners = skin => {  // of the quads behind labels; their size in pixels comes from how fast a corner's share changes
+    const place = 'varying vec2 observerLabPlace;\n';
+    skin.vertexShader = place + skin.vertexShader.replace('vAlpha = visibility;', 'vAlpha = visibility;\n  observerLabPlace = position.xy;');
+    skin.fragmentShader = `${place}float observerLabInside() {
+  vec2 size = 1.0 / max(fwidth(observerLabPlace), vec2(1e-5));
+  float radius = ${ROUND} * min(size.x, size.y);
+  vec2 beyond = abs(observerLabPlace - 0.5) * size - 0.5 * size + radius;
+  return clamp(0.5 + radius - length(max(beyond, 0.0)), 0.0, 1.0);
+}
+${skin.fragmentShader.replace('* vAlpha)', '* vAlpha * observerLabInside())')}`;
+  };
   const INKS = [['vec4(0.0, 0.0, 0.0,', 'observerLabInk'], ['vec4(1.0, 1.0, 1.0,', 'observerLabGround']];
   lab.colourLabels = (ink, ground) => {  // two uniforms {value: [r, g, b]} in the place of viser's black and white
     const dress = ({material: skin}) => {
@@ -152,6 +164,7 @@
         if (!skin.fragmentShader.includes(`gl_FragColor = ${written}`)) continue;
         skin.uniforms[name] = [ink, ground][k];
         skin.fragmentShader = `uniform vec3 ${name};\n${skin.fragmentShader.replace(written, `vec4(${name},`)}`;
+        if (name === 'observerLabGround') roundCorners(skin);
         skin.needsUpdate = true;
       }
       return true;
