@@ -15,7 +15,7 @@ import numpy as np
 from ..engine import Plant
 from ..text import text
 from .bodies.body import Body
-from .bodies.gauge_body import gauge_body, gauge_labels, named_high
+from .bodies.gauge_body import gauge_body, gauge_labels, gauge_places
 from .model import Model, Signal, Window
 
 SOURCE = "J. C. Doyle, Guaranteed margins for LQG regulators, IEEE Transactions on Automatic Control 23 (1978)"
@@ -44,11 +44,11 @@ def body() -> Body:
     """Two gauges for the states, the first one measured, and a large one for x₁ + x₂, which the cost weighs."""
     shape = gauge_body(2, (0,))
     pose, anchors = shape.pose, shape.anchors
-    return named_high(replace(
+    return replace(
         shape, pose=lambda x, gain: pose((x[0], x[1], PER_SUM * (x[0] + x[1])), gain),
         anchors=lambda x, gain: anchors((x[0], x[1], PER_SUM * (x[0] + x[1])), gain), gain=4.0,
-        labels=gauge_labels(("x₁", "x₂"), "x₁ + x₂"),
-        caption=text("Small gauges: the states x₁ and x₂; x₁ is measured and lit; large gauge: x₁ + x₂ and its ghost")))
+        labels=gauge_labels(gauge_places(2, (0,)), ("x₁", "x₂"), "x₁ + x₂"),
+        caption=text("Small gauges: the states x₁ and x₂; x₁ is measured and lit; large gauge: x₁ + x₂ and its ghost"))
 
 
 PER_SUM = 5.0  # the large gauge's unit is made for g of another plant

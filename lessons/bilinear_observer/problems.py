@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from types import MappingProxyType
 
 import numpy as np
@@ -14,14 +15,18 @@ from observer_lab.engine.observers import BilinearObserver
 from observer_lab.plants import bilinear as example
 from observer_lab.plants.bodies.body import PLANT_COLOUR, Body
 from observer_lab.plants.bodies.front_bars import Bar, decade_marks, with_bars
-from observer_lab.plants.bodies.gauge_body import gauge_body, named_high
+from observer_lab.plants.bodies.gauge_body import gauge_body
+from observer_lab.plants.bodies.term_pipes import with_pipes
 from observer_lab.text import Text, text
 
 PAPER_PROBLEM, THREE_SENSORS, FITTING_SENSORS, NO_SOLUTION = "paper", "three", "three-fitting", "stuck"
 
 LOW, HIGH = -12, 4  # decades of the bars on the stage
-PLINTH_HIGH = 0.26  # stage units that the gauges stand above the floor, so that no bar hides a foot
-BARS = (Bar(text("input |u|"), COLOURS["force"]), Bar(text("wanted |g|"), PLANT_COLOUR), Bar(text("error |ĝ − g|"), COLOURS["error"]))
+PLINTH_HIGH, BEHIND = 0.26, 0.5  # stage units that the gauges stand up and back, so that no bar hides a foot
+BARS = (Bar(text("wanted |g|"), PLANT_COLOUR), Bar(text("error |ĝ − g|"), COLOURS["error"]))
+ROOM = -2.1, -0.3  # of the small gauges: the pipes run from there to the large one
+TERMS = ("F T₂", "A T₃", "F T₃")  # unknown terms of the error
+LAG_FULL = 10.0  # missed by the differentiator where its pipe is as thick as that of the largest term
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,8 +51,28 @@ class Problem:
 def _problem(name: str, label: Text, measured: tuple[int, ...], K: np.ndarray) -> Problem:
     plant = example.with_sensors(measured)
     solved = bilinear_functional_observer(plant.A, plant.B, plant.F, plant.C, K, example.POLE)
-    body = with_bars(named_high(gauge_body(plant.n, measured)), plant.n + 1, BARS, decade_marks(LOW, HIGH, 4), up=PLINTH_HIGH)
-    return Problem(name, label, measured, plant, K, body, solved)
+    return Problem(name, label, measured, plant, K, _behind_bars(gauge_body(plant.n, measured, ROOM), plant.n + 1), solved)
+
+
+def _behind_bars(body: Body, states: int) -> Body:
+    return with_bars(body, states, BARS, decade_marks(LOW, HIGH, 4), BEHIND, PLINTH_HIGH)
+
+
+def unknown_terms(o: BilinearObserver, L: np.ndarray) -> np.ndarray:
+    """Sizes (2, 3) of V₂ and of V₂ − L V₁ times F T₂, A T₃ and F T₃."""
+    F = o.plant.F[0] if np.ndim(o.plant.F) == 3 else o.plant.F
+    blocks = (F @ o.T[1], o.plant.A @ o.T[2], F @ o.T[2])
+    return np.array([[np.linalg.norm(row @ block) for block in blocks] for row in (o.V[1], o.V[1] - L @ o.V[0])])
+
+
+@lru_cache(maxsize=8)
+def piped_body(problem: str, lag: bool) -> Body:
+    """The gauges with a pipe for each unknown term, and with the lag of a differentiator one for what it misses."""
+    p = PROBLEMS[problem]
+    alone = unknown_terms(p.solved, np.zeros((1, p.plant.m)))[0]
+    n, missed = p.plant.n + 1, text("lag of ẏ") if lag else None
+    body = with_pipes(gauge_body(p.plant.n, p.measured, ROOM), n, tuple(zip(TERMS, alone / alone.max(), strict=True)), missed)
+    return _behind_bars(body, n + len(TERMS) + lag)
 
 
 def _fitting() -> np.ndarray:

@@ -15,7 +15,6 @@ from observer_lab.course.lesson import Board, Check, Design, Outcome, Stage
 from observer_lab.engine import BilinearPlant
 from observer_lab.engine.observers import BilinearObserver
 from observer_lab.plants.bilinear import BILINEAR_PLANT, PRINTED_FORM, PRINTED_L, X0
-from observer_lab.plants.bodies.body import Body
 from observer_lab.plants.bodies.front_bars import share_of_decades
 from observer_lab.plants.model import Window
 from observer_lab.text import Text, format_number, same, text
@@ -23,14 +22,28 @@ from observer_lab.text import Text, format_number, same, text
 from ..toolkit.boards import listed
 from ..toolkit.figures import settle_time
 from .formulas import formulas_of
-from .input_signals import HORIZON, form_index, joined, promised, signal
+from .input_signals import FILTERED_DERIVATIVE, HORIZON, form_index, joined, promised, signal
 from .paper_example import pole_of, words
-from .problems import AS_PRINTED, COMPUTED_GAIN, HIGH, LOW, PAPER_PROBLEM, PROBLEMS, ROUNDED_GAIN, nearest_gain
+from .problems import (
+    AS_PRINTED,
+    COMPUTED_GAIN,
+    HIGH,
+    LAG_FULL,
+    LOW,
+    PAPER_PROBLEM,
+    PROBLEMS,
+    ROUNDED_GAIN,
+    Problem,
+    nearest_gain,
+    piped_body,
+    unknown_terms,
+)
 from .run_record import Record, Row, Setting, end_to_end, run_of
 
 DT = 0.005
 LAW_TOLERANCE = 1e-6  # of its own law, over its peak: an error this near follows it
 LARGEST = 1e15  # number that is told of an own plant
+GAIN_STEP = 6  # of the eight: it gives π, and so L
 STATE_JUMP = (0.0, 0.0, 0.0, 0.0, 2.0, 0.0)
 
 
@@ -137,7 +150,7 @@ def paper_setting(design: Design) -> Setting:
         (("u",), tuple(f"y{k + 1}" for k in range(plant.m))), WINDOWS, _boards(design, o, pole),
         (bool(o.controllable), float(np.max(np.abs(o.B_star), initial=0.0))),
         lambda calm: end_to_end([p.error[0, index] * np.exp(pole * p.t) for p in calm])[:, None],
-        partial(_told, o, pole, index), partial(_told_of_error, design), partial(_stage, problem.body, index),
+        partial(_told, o, pole, index), partial(_told_of_error, design), partial(_stage, problem, design, L),
         lambda: formulas_of(o, L, plain, int(design["step"])), partial(_live, design, o))
 
 
@@ -189,9 +202,17 @@ def _boards(design: Design, o: BilinearObserver, pole: float) -> tuple[Board, Bo
     )
 
 
-def _stage(body: Body, index: int, run: Record) -> Stage:
-    bars = share_of_decades(np.column_stack([run.u, run.g, run.errors[:, index]]), LOW, HIGH)
-    true, ghost = (np.column_stack([run.x, g, bars]) for g in (run.g, run.estimates[:, index]))
+def _stage(problem: Problem, design: Design, L: np.ndarray, run: Record) -> Stage:
+    """Gauges behind bars; with pipes for the unknown terms from the step on that gives L."""
+    index = form_index(design)
+    bars = share_of_decades(np.column_stack([run.g, run.errors[:, index]]), LOW, HIGH)
+    body, pipes = problem.body, np.zeros((len(run.t), 0))
+    if design["step"] >= GAIN_STEP:
+        alone, left = unknown_terms(problem.solved, L)
+        missed = [np.abs(run.fed[:, 0] - run.fed[:, 1]) / LAG_FULL] if design["form"] == FILTERED_DERIVATIVE else []
+        body = piped_body(problem.id, bool(missed))
+        pipes = np.column_stack([np.tile(left / alone.max(), (len(run.t), 1)), *missed])
+    true, ghost = (np.column_stack([run.x, g, pipes, bars]) for g in (run.g, run.estimates[:, index]))
     return Stage(body, run.t, true, ghost, run.u[:, None])
 
 

@@ -10,21 +10,17 @@ from observer_lab.course.figures.ranges import round_up_nicely
 from observer_lab.course.figures.records import Curve, PlaneFigure, Point
 from observer_lab.text import same, text
 
-from .problems import PROBLEMS, nearest_gain
+from .problems import PROBLEMS, TERMS, nearest_gain, unknown_terms
 
 TERMS_TAB = text("Unknown terms")
-TERMS = (same("F T₂"), same("A T₃"), same("F T₃"))
 BESIDE, BAR_PX = 0.17, 26.0  # from the middle of a pair to each bar; its thickness
 NOTHING = 1e-9  # of the largest: less is rounding
 
 
 def terms_left(problem: str) -> np.ndarray:
-    """Sizes (2, 3) of V₂ and of V₂ − L V₁ times F T₂, A T₃ and F T₃; the nearest L where none satisfies (21)."""
+    """Sizes (2, 3) of the unknown terms without L and with it; the nearest L where none satisfies (21)."""
     o = PROBLEMS[problem].solved
-    gain = o.L if o.L is not None else nearest_gain(o)
-    F = o.plant.F[0] if np.ndim(o.plant.F) == 3 else o.plant.F
-    blocks = (F @ o.T[1], o.plant.A @ o.T[2], F @ o.T[2])
-    return np.array([[np.linalg.norm(row @ block) for block in blocks] for row in (o.V[1], o.V[1] - gain @ o.V[0])])
+    return unknown_terms(o, o.L if o.L is not None else nearest_gain(o))
 
 
 @lru_cache(maxsize=8)
@@ -43,7 +39,7 @@ def terms_figure(problem: str) -> PlaneFigure:
     return PlaneFigure("terms", text("size of the unknown terms"), tuple(curves), tuple(points), "",
                        text("‖V₂ · term‖, ‖(V₂ − LV₁) · term‖"),
                        (-0.6, len(TERMS) - 0.4), (0.0, top), tab=TERMS_TAB,
-                       names=tuple((float(k), name) for k, name in enumerate(TERMS)),
+                       names=tuple((float(k), same(name)) for k, name in enumerate(TERMS)),
                        caption=text("Grey: without L. Circles: L leaves nothing. Terms removed: {gone} of {count}.",
                                     gone=gone, count=len(TERMS)))
 

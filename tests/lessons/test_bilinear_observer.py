@@ -220,11 +220,65 @@ def test_the_stage_shows_g_and_lights_only_what_is_measured():
         np.testing.assert_array_equal(stage.x[:, :6], stage.xhat[:, :6])
         poses = [problem.body.pose(stage.x[k].tolist(), 1.0) for k in (0, 40)]
         sizes = np.log10(np.clip(np.abs([stage.xhat[k, 6] - stage.x[k, 6] for k in (0, 40)]), 1e-12, 1e4))
-        np.testing.assert_allclose([pose["bar 2"].scale[2] for pose in poses], 3.2 * np.maximum((sizes + 12) / 16, 0.004), atol=0.02)
+        np.testing.assert_allclose([pose["bar 1"].scale[2] for pose in poses], 3.2 * np.maximum((sizes + 12) / 16, 0.004), atol=0.02)
         dark = {p.colour for p in problem.body.parts if p.name == "lamp 3"} == {
             p.colour for p in problem.body.parts if p.name == "table"}
         assert dark == (3 not in problem.measured)
         assert [p.name for p in problem.body.parts if p.twin] == ["large level"]
+
+
+def unknown_by_hand(o, L) -> list[tuple[float, float]]:
+    """(without L, with it) of the three terms, from the printed condition: w = V x for V = [V₁; V₂] = [T₁ T₂ T₃]⁻¹."""
+    T1, T2, T3 = o.T
+    V = np.linalg.inv(np.hstack([T1, T2, T3]))
+    V1, V2 = V[:T1.shape[1]], V[T1.shape[1]:T1.shape[1] + 1]
+    terms = o.plant.F @ T2, o.plant.A @ T3, o.plant.F @ T3
+    return [(np.linalg.norm(V2 @ each), np.linalg.norm((V2 - L @ V1) @ each)) for each in terms]
+
+
+@pytest.mark.parametrize(("values", "gone"), [({"problem": "paper"}, True), ({"problem": "stuck"}, True), ({"problem": "three"}, False),
+                                              ({"problem": "paper", "gain": "typed", "l4": 12.9}, False)])
+def test_a_pipe_is_as_thick_as_its_unknown_term_and_empty_behind_the_plate_where_the_gain_removes_it(values, gone):
+    """Cross-sections are sizes, beside the largest of the terms without L."""
+    o = outcome(step=7, **values)
+    sizes = unknown_by_hand(o.study.observer, o.study.setting.L)
+    largest = max(alone for alone, _ in sizes)
+    poses = o.stage.body.pose(o.stage.x[50].tolist(), 1.0)
+    plate = poses["gain plate"].position[0]
+    for k, (alone, left) in enumerate(sizes):
+        grey, pink = poses[f"term {k}"], poses[f"left {k}"]
+        assert grey.scale[0] ** 2 == pytest.approx(alone / largest, rel=1e-6)
+        assert pink.scale[0] ** 2 == pytest.approx(min(left / largest, 1.4), rel=1e-6, abs=2e-6)
+        assert grey.position[0] + grey.scale[2] == pytest.approx(plate) == pink.position[0]
+    assert (max(left for _, left in sizes) < 1e-6) == gone == all(poses[f"left {k}"].scale[0] < 0.01 for k in range(3))
+
+
+def test_the_pipe_of_the_differentiator_is_as_thick_as_what_it_misses():
+    """L ẏ less L (y − y_f)/τ with y_f = y/(τs + 1), by steps of the filter of our own; no such pipe in the other forms."""
+    tau = 0.02
+    o = outcome(step=6, form="filtered", tau=tau)
+    run, L, C = o.study.run, o.study.setting.L, o.study.setting.plant.C
+    fine = np.arange(0, 2 + 1e-9, 0.0005)
+    y = np.interp(fine, run.t, (run.x @ C.T @ L.T)[:, 0])
+    slow = y[:1].repeat(len(fine))
+    for k in range(1, len(fine)):
+        slow[k] = slow[k - 1] + 0.0005 * (0.5 * (y[k] + y[k - 1]) - slow[k - 1]) / (tau + 0.00025)
+    true = np.gradient((run.x @ C.T @ L.T)[:, 0], run.t)
+    for k in (200, 280, 360):
+        missed = abs(true[k] - (y[10 * k] - slow[10 * k]) / tau)
+        pose = o.stage.body.pose(o.stage.x[k].tolist(), 1.0)["left 3"]
+        assert pose.scale[0] ** 2 == pytest.approx(missed / 10, rel=0.05)
+    assert "left 3" not in outcome(step=6, form="plain").stage.body.pose(outcome(step=6).stage.x[0].tolist(), 1.0)
+
+
+def test_dark_gauges_stand_beside_the_large_one_and_pipes_begin_behind_them():
+    for problem in PROBLEMS.values():
+        stage = outcome(problem=problem.id, step=6).stage
+        poses = stage.body.pose(stage.x[0].tolist(), 1.0)
+        places = {i: poses[f"column {i}"].position[0] for i in range(6)}
+        dark = [places[i] for i in range(6) if i not in problem.measured]
+        assert max(places[i] for i in problem.measured) < min(dark) and max(dark) < poses["gain plate"].position[0]
+        assert all(min(dark) - 0.4 < poses[f"term {k}"].position[0] < max(dark) for k in range(3))
 
 
 def test_every_step_has_its_formulas_and_rows():

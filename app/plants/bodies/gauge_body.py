@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 
 from ...colours import COLOURS
 from ...text import same, subscript, text
@@ -28,34 +27,35 @@ from .body import force_arrow as arrow
 
 LOWEST_LEVEL, ZERO_LEVEL = 0.26, 1.16  # lowest level of a column, and its level at zero
 MAX_COLUMN_RISE, MAX_COLUMN_FALL = 1.0, 0.78  # how far a column can go from there
-SMALL_GAUGES_X, LARGE_GAUGE_X = -0.82, 1.2  # the middle of the small gauges, and where the large one stands
-SMALL_GAUGES_WIDE, MOST_GAP = 2.16, 0.68  # room of the small gauges, and the most from one to the next
+SMALL_GAUGES, LARGE_GAUGE_X = (-1.9, 0.26), 1.2  # where the small gauges begin and end, and where the large one stands
+MOST_GAP = 0.68  # from one small gauge to the next
 LEAST_GAP = 0.36  # at which sizes of a small gauge are given
-LABEL_AT = -0.32, 0.1  # y and z of the upper edge of a label
-HIGH = -0.05, 2.3  # the same of one that stands high on its gauge
+LABEL_AT = -0.05, 2.3  # y and z of the upper edge of a label
 PER_STATE, PER_G = 0.28, 0.026  # stage units for one unit of a state and of g
 BRIGHT, UNLIT = COLOURS["lit"], COLOURS["unlit"]
-FULL_INPUT = 4.0
+FULL_INPUT, INPUT_ASIDE = 4.0, 0.36  # at the longest arrow; stage units from the first gauge to it
 
 
-def gauge_gap(states: int) -> float:
+def gauge_gap(states: int, room: tuple[float, float] = SMALL_GAUGES) -> float:
     """From one small gauge to the next: fewer stand farther apart and are thicker."""
-    return min(SMALL_GAUGES_WIDE / states, MOST_GAP)
+    return min((room[1] - room[0]) / states, MOST_GAP)
 
 
-def gauge_places(states: int) -> tuple[float, ...]:
-    """Where the small gauges stand."""
-    return tuple(SMALL_GAUGES_X + gauge_gap(states) * (i - (states - 1) / 2) for i in range(states))
+def gauge_places(states: int, measured: Sequence[int], room: tuple[float, float] = SMALL_GAUGES) -> tuple[float, ...]:
+    """Where the small gauge of each state stands: the measured ones first, on the left."""
+    order = sorted(range(states), key=lambda i: (i not in measured, i))
+    middle, gap = (room[0] + room[1]) / 2, gauge_gap(states, room)
+    return tuple(middle + gap * (order.index(i) - (states - 1) / 2) for i in range(states))
 
 
-def gauge_body(states: int, measured: Sequence[int]) -> Body:
+def gauge_body(states: int, measured: Sequence[int], room: tuple[float, float] = SMALL_GAUGES) -> Body:
     """Gauges for (x, g): entries 0 … states − 1 are the states, the last one is g, whose ghost is ĝ.
 
     `measured` states have a lit lamp and a blue column; the others are dark. A column follows its value nearly
-    linearly around zero and never leaves its gauge.
+    linearly around zero and never leaves its gauge. The small gauges stand in a `room`.
     """
-    places = gauge_places(states)
-    lit = frozenset(measured)
+    lit, thick = frozenset(measured), gauge_gap(states, room) / LEAST_GAP
+    places = gauge_places(states, measured, room)
 
     def level(value: float, unit: float, gain: float) -> float:
         return ZERO_LEVEL + bound_displacement(value * unit * gain, MAX_COLUMN_RISE if value > 0 else MAX_COLUMN_FALL)
@@ -78,39 +78,32 @@ def gauge_body(states: int, measured: Sequence[int]) -> Body:
         return poses
 
     def arrows(x: Sequence[float], u: Sequence[float], gain: float) -> tuple[Arrow, ...]:
-        return (arrow((places[0] - 0.42, 0.0, ZERO_LEVEL), (0.0, 0.0, 1.0), float(u[0]), FULL_INPUT),)
+        return (arrow((min(places) - INPUT_ASIDE, 0.0, ZERO_LEVEL), (0.0, 0.0, 1.0), float(u[0]), FULL_INPUT),)
 
     def anchors(x: Sequence[float], gain: float) -> tuple[Vector, ...]:
         return ((LARGE_GAUGE_X, -0.32, level(float(x[states]), PER_G, gain)),)
 
     seen = ", ".join(str(i + 1) for i in sorted(lit))
     last = subscript(f"x{states}")
-    return Body(_parts(states, lit), pose, arrows, anchors, 1.0, text("Small gauges: the states x₁ … {last}; {seen} are measured and "
-                                                                      "lit; large gauge: g and its ghost ĝ",
-                                                                      last=last, seen=seen),
-                gauge_labels(tuple(subscript(f"x{i + 1}") for i in range(states)), "g"), names=_names(states, lit))
+    told = text("Small gauges: the states x₁ … {last}; {seen} are measured and lit; large gauge: g and its ghost ĝ", last=last, seen=seen)
+    return Body(_parts(states, lit, thick), pose, arrows, anchors, 1.0, told,
+                (*gauge_labels(places, tuple(subscript(f"x{i + 1}") for i in range(states)), "g"),
+                 ("u", (min(places) - INPUT_ASIDE, 0.0, LOWEST_LEVEL))), names=_names(states, lit, places))
 
 
-def gauge_labels(states: Sequence[str], large: str) -> tuple[tuple[str, Vector], ...]:
-    """What stands before the foot of each gauge."""
-    small = ((name, (x, *LABEL_AT)) for name, x in zip(states, gauge_places(len(states)), strict=True))
-    return (*small, (large, (LARGE_GAUGE_X, *LABEL_AT)))
+def gauge_labels(places: Sequence[float], states: Sequence[str], large: str) -> tuple[tuple[str, Vector], ...]:
+    """The names of the gauges, high on them: something may stand before their feet."""
+    return (*((name, (x, *LABEL_AT)) for name, x in zip(states, places, strict=True)), (large, (LARGE_GAUGE_X, *LABEL_AT)))
 
 
-def named_high(body: Body) -> Body:
-    """The body with the names of its gauges high on them: something stands before their feet."""
-    return replace(body, labels=tuple((name, (x, *HIGH)) for name, (x, _, _) in body.labels))
-
-
-def _names(states: int, lit: frozenset[int]) -> tuple[PartName, ...]:
-    dark = sorted(frozenset(range(states)) - lit)
+def _names(states: int, lit: frozenset[int], places: Sequence[float]) -> tuple[PartName, ...]:
+    dark = sorted(frozenset(range(states)) - lit, key=lambda i: places[i])
     return (*(PartName(text("lit: measured"), f"lamp {i}", (-0.1, -0.2, 0.18)) for i in sorted(lit)[:1]),
             *(PartName(text("dark: not measured"), f"lamp {i}", (0.14, -0.2, 0.18)) for i in dark[-1:]),
             PartName(same("g"), "large level", (-0.45, -0.4, 0.0)), PartName(text("ghost: ĝ"), "large level", (0.55, -0.4, 0.35), True))
 
 
-def _parts(states: int, lit: frozenset[int]) -> tuple[Part, ...]:
-    thick = gauge_gap(states) / LEAST_GAP
+def _parts(states: int, lit: frozenset[int], thick: float) -> tuple[Part, ...]:
     small = tuple(part for i in range(states) for part in (
         Part(f"back {i}", Box((0.28 * thick, 0.05, 2.2)), METAL if i in lit else DARK_GREY),
         Part(f"socket {i}", Cylinder(0.12 * thick, 0.16), STEEL),
