@@ -14,6 +14,7 @@ from types import MappingProxyType
 
 from observer_lab.colours import COLOURS, rgb
 from observer_lab.plants.bodies.body import (
+    DARK_GREY,
     METAL,
     PLANT_COLOUR,
     STEEL,
@@ -32,7 +33,7 @@ from observer_lab.plants.bodies.body import (
 )
 from observer_lab.plants.bodies.deck_body import deck_body
 from observer_lab.plants.platform.model import Parameters
-from observer_lab.text import Text, text
+from observer_lab.text import Text, same, text
 
 CLOUD, MIDDLE = 0.3, (0.0, -0.1, 3.2)  # stage units per typical size, and where the cloud hangs
 MIN_HALF_AXIS = 0.025  # an ellipsoid is never drawn thinner
@@ -40,6 +41,8 @@ MAX_DRAWN_DISTANCE, ARM = 3.4, 3.1  # typical sizes: nothing is drawn farther ou
 OFF, ON = rgb(COLOURS["off"]), rgb(COLOURS["plant"])
 HALF_TURN = (0.0, 1.0, 0.0, 0.0)  # half a turn: a rod that hangs instead of standing
 DECK_PARAMETERS = Parameters()
+WIDEST, ROOM, POST_Y, MOST_NAMED = 1.3, 4.8, 0.28, 6  # columns: widest and whole room, how far behind their posts stand, named ones
+SMALL = "₁₂₃₄₅₆"
 
 CLOUD_PARTS = (
     Part("cloud", Ball(1.0), COLOURS["estimate"], opacity=0.38),
@@ -118,17 +121,22 @@ def _deck() -> Body:
 
 
 def columns_body(count: int, label: Text) -> Body:
-    """A plant without a shape: one column a state, as high as the state; the needle in the cloud points along C."""
-    width = min(0.5, 4.4 / count)
+    """A plant without a shape: one column a state, as high as the state, on a post; the needle in the cloud points along C.
+
+    Few columns have names; the axes of the cloud bear those of the states along them.
+    """
+    pitch = min(WIDEST, ROOM / count)
+    width = 0.55 * pitch
     base, full = 1.1, 0.75
 
     def place(i: int) -> float:
-        return (i - (count - 1) / 2) * min(0.8, 4.8 / count)
+        return (i - (count - 1) / 2) * pitch
 
     def top(x: Sequence[float], i: int) -> Vector:
         return place(i), 0.0, base + bound_displacement(float(x[i]) * full, 0.95)
 
     fixed = {"plinth": Pose((0.0, 0.0, 0.06))} | {f"foot {i}": Pose((place(i), 0.0, base)) for i in range(count)}
+    fixed |= {f"post {i}": pose_between((place(i), POST_Y, 0.12), (place(i), POST_Y, base + full)) for i in range(count)}
 
     def pose(x: Sequence[float], gain: float) -> Mapping[str, Pose]:
         poses = dict(fixed)
@@ -146,11 +154,16 @@ def columns_body(count: int, label: Text) -> Body:
     def anchors(x: Sequence[float], gain: float) -> tuple[Vector, ...]:
         return tuple(top(x, i) for i in range(count))
 
-    parts = [Part("plinth", Box((5.2, 1.2, 0.12)), STEEL), Part("needle", Rod(0.03), METAL), *CLOUD_PARTS]
+    parts = [Part("plinth", Box((count * pitch + 0.4, 1.2, 0.12)), DARK_GREY), Part("needle", Rod(0.03), METAL), *CLOUD_PARTS]
     for i in range(count):
-        parts += [Part(f"foot {i}", Box((width, 0.5, 0.03)), STEEL), Part(f"stem {i}", Rod(0.2 * width), METAL),
+        parts += [Part(f"foot {i}", Box((width, 0.5, 0.03)), STEEL), Part(f"post {i}", Rod(0.045), STEEL),
+                  Part(f"stem {i}", Rod(0.2 * width), METAL),
                   Part(f"head {i}", Box((width, 0.4, 0.12)), PLANT_COLOUR, twin=True)]
-    return Body(tuple(parts), pose, arrows, anchors, 1.0, label)
+    named = tuple((same(f"x{SMALL[i]}"), (place(i), -0.45, 0.2)) for i in range(count if count <= MOST_NAMED else 0))
+    ends = ((ARM + 0.4, 0, 0), (0, 0, ARM + 0.15), (0, ARM + 0.4, 0))[:count]
+    axes = tuple((same(f"x{SMALL[i]}"), tuple(m + CLOUD * d for m, d in zip(MIDDLE, end, strict=True))) for i, end in enumerate(ends))
+    return Body(tuple(parts), pose, arrows, anchors, 1.0, label, (*named, *axes),  # type: ignore[arg-type]
+                names=(PartName(text("what the sensor reads"), "needle", (0.9, -0.2, 0.25)),))
 
 
 COLUMNS_CAPTION = text("One column per state; above, the states that the data so far allow, and the direction of C")

@@ -303,3 +303,17 @@ def test_a_plant_that_is_barely_observable_is_not_said_to_read_alike() -> None:
     o = LESSON.compute(LESSON.apply(LESSON.start(), {"plant": "pair", "gap": 1e-8}))
     said = next(f for f in LESSON.figures(o) if f.id == "two-readings").caption("en")
     assert "less than their noise" in said and "agree" not in said
+
+
+@pytest.mark.parametrize("changes", [{"plant": "notes"}, {"plant": "pair"}, {"plant": "many", "count": 6}], ids=lambda each: each["plant"])
+def test_the_axes_of_the_cloud_and_the_columns_bear_the_names_of_their_states(changes: dict) -> None:
+    """The blue point is where x(0) is by the named axes, and each head stands above the name of its state."""
+    stage = stage_of(**changes)
+    n = int(changes.get("count", 2))
+    names = [str(words) for words, _ in stage.body.labels]
+    assert names[:n] == [f"x{'₁₂₃₄₅₆'[i]}" for i in range(n)] and names[n:] == names[:min(n, 3)]
+    poses, middle, places = stage.body.pose(stage.x[0].tolist(), 1.0), np.array((0.0, -0.1, 3.2)), [at for _, at in stage.body.labels]
+    assert [poses[f"head {i}"].position[0] for i in range(n)] == pytest.approx([at[0] for at in places[:n]])
+    ways = np.array(places[n:]) - middle
+    point = 0.3 * stage.x[0, :len(ways)] @ (ways / np.linalg.norm(ways, axis=1, keepdims=True))
+    assert np.array(poses["truth"].position) - middle == pytest.approx(point)
