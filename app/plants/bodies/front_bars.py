@@ -14,7 +14,7 @@ from .gain_lanes import BEHIND, moved_back
 LEFT, BEGIN, LONG = -2.25, -1.05, 3.2  # stage units: the left end of the trough, where bars begin, how long one of 1 is
 FIRST_Y, PITCH, STEP, THICK = -0.28, 0.3, 0.2, 0.1  # y of the bar next to the body, to the next one and down to it, the radius of a bar
 FLOOR, LEAST, PLINTH = 0.1, 0.004, 0.7  # height of the last step; the least share that is drawn; depth of a plinth
-NAME_AT, GATE = (LEFT + BEGIN) / 2, 0.34  # across: the names of bars; how high the gate is
+NAME_AT, GATE = (LEFT + BEGIN) / 2, 0.44  # across: the names of bars; how high the gate is
 
 
 @dataclass(frozen=True)
@@ -62,7 +62,7 @@ def with_bars(body: Body, states: int, bars: Sequence[Bar], marks: Sequence[tupl
             drawn[f"bar {k}"] = pose_between((BEGIN, y, z), (BEGIN + long, y, z))
         if gate:
             (across, _, _), long = drawn["bar 0"].position, drawn["bar 0"].scale[2]
-            drawn["gate"] = Pose((across + long, (rows[0][0] - PITCH / 2 + front) / 2, FLOOR + GATE / 2))
+            drawn["gate"] = Pose((across + long, (FIRST_Y + front) / 2, FLOOR + GATE / 2))
         return {**behind, **fixed, **drawn}
 
     def anchors(x: Sequence[float], gain: float) -> tuple[Vector, ...]:
@@ -71,7 +71,7 @@ def with_bars(body: Body, states: int, bars: Sequence[Bar], marks: Sequence[tupl
     parts = (*body.parts, *plinth, *(Part(f"step {k}", Box((end - LEFT, PITCH, high)), DARK_GREY) for k, (_, high) in enumerate(rows)),
              *(Part(f"bar mark {k}", Box((0.025, 0.03, FLOOR)), METAL) for k in range(len(marks))),
              *(Part(f"bar {k}", Rod(THICK), bar.colour) for k, bar in enumerate(bars)),
-             *((Part("gate", Box((0.04, PITCH * (count - 1) - 0.04, GATE)), METAL),) if gate else ()))
+             *((Part("gate", Box((0.04, FIRST_Y - front - 0.02, GATE)), METAL),) if gate else ()))
     labels = (*((name, moved_back(place, by, up)) for name, place in body.labels),
               *((bar.name, (NAME_AT, y - THICK, high + 1.3 * THICK)) for bar, (y, high) in zip(bars, rows, strict=True)),
               *((name, (BEGIN + LONG * share, front - 0.08, 0.0)) for name, share in marks))
