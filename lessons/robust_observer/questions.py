@@ -23,7 +23,7 @@ def recall(asked: Asked) -> DrawnQuestion:
     run, plant = asked.entry.study.true, EXAMPLE_CASES[asked.entry.design["example"]].example.plant
     A, e0 = plant.A - observer_gain(plant.A, plant.C, POLES_OF_A_WHOLE_OBSERVER).gain @ plant.C, run.x[0]
     alone = size(driven(A, e0, run.t))
-    pushed = size(driven(A, e0, run.t, run.x @ errors(asked.entry.design)[0].T))
+    pushed = size(driven(A, e0, run.t, asked.after.study.true.x @ errors(asked.after.design)[0].T))
     return question_over_time(text("size of the error e"), run.t, (Curve(text("with the exact model"), alone, "muted"),), (alone, pushed),
                               Curve(text("the real plant"), pushed, "error"), "‖e‖", log_y=True, span=(-4.0, 1.0))
 

@@ -12,10 +12,10 @@ from .criterion import criterion_4
 from .knobs import IM_HIGH
 from .study import Story
 
-REAL = np.linspace(-4.0, -0.2, 77)  # rad/s; the left end of the region never lies right of it
+REAL = np.linspace(-2.0, -0.2, 37)  # rad/s; the left end of the region never lies right of it
 HIGH = np.linspace(0.1, IM_HIGH, 60)
 NEAR_END = 1e-9  # rad/s: a point of the grid this near to an end lies in the rectangle
-TIMES = (1 - 1e-9, 1.1, 3.0, 10.0)  # levels of J, in shares of the least J in the rectangle
+TIMES = (1 - 1e-9, 1.1)  # levels of J, in shares of the least J in the rectangle
 EDGE = len(TIMES) + 1
 
 
@@ -36,7 +36,6 @@ def pair_map(outcome: Outcome[Story], tab: Text) -> MapFigure:
             text("The rectangle has no room for a pair: largest |Im s| is {tall:.2g}.", tall=design["region_tall"]))
     upper = outcome.poles["observer"][np.argmax(outcome.poles["observer"].imag)]
     return MapFigure("map", text("J over Re s and Im s of a pair"), REAL, HIGH, values,
-                     ((text("less"), "force"), (text("up to 1.1 times"), "plant"),
-                      (text("up to 3 times"), "second"), (text("up to 10 times"), "estimate"), (text("more than 10 times"), "muted"),
-                      (text("rectangle"), "error")),
+                     ((text("less than the best in the rectangle"), "force"), (text("as the best, within 10 %"), "plant"),
+                      (text("more than that"), "muted"), (text("edge of the rectangle"), "error")),
                      "Re s [rad/s]", "Im s [rad/s]", (float(upper.real), float(upper.imag)) if upper.imag else None, said, tab)

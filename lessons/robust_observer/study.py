@@ -20,6 +20,7 @@ from observer_lab.engine import functional_observer
 from observer_lab.engine.observers import FunctionalObserver, Norm, Perturbations, RobustObserver, error_index, peak_gain, vertices
 from observer_lab.plants import Window
 from observer_lab.plants.bodies.body import Body
+from observer_lab.plants.bodies.cause_rows import CauseRows
 from observer_lab.plants.bodies.duan_body import rack_body
 from observer_lab.plants.duan import EXAMPLE_1, EXAMPLE_2, Example
 from observer_lab.plants.two_carts import CARTS, directions
@@ -31,6 +32,7 @@ from .formulas import formulas_of
 from .knobs import ERRORS_GROUP, EXAMPLE_FOUR, EXAMPLE_ONE, EXAMPLE_THREE, EXAMPLE_TWO, IM_HIGH, KNOBS, NORMS, RE_HIGH, RE_LOW
 from .loop import CONDITION_RTOL, Drive, Errors, Loop, Run, Setting, amplitudes, loop_of, run_of, weighed
 from .loop import Story as PlainStory
+from .parts import Cause, error_parts
 
 HORIZON, DT = 6.0, 0.015
 BEST_POLE = -5 / 3  # least J of example 1 with unit weights
@@ -45,26 +47,40 @@ MIN_POLE_GAP = 1e-3  # two real poles of example 2 must be farther apart than th
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """One example with its body, and the knobs that hold its poles and the three model errors."""
+    """One example with its body, and the knobs that hold its poles and the three model errors.
+
+    `full`: the error that a bar on the stage draws at full length. `body_input` has a row for the error of the input as well.
+    """
 
     example: Example
     body: Body
+    body_input: Body
     poles: str
     deltas: tuple[str, str, str]
+    full: float
 
 
+ADDED = text("added to û − u")
 ERROR_KNOBS = MappingProxyType({knob.name: knob for knob in KNOBS if isinstance(knob, Number) and knob.group == ERRORS_GROUP})
 
 
-def _case(example: Example, poles: str, deltas: tuple[str, str, str], n: int, q: int, full: tuple[float, ...]) -> Case:
-    return Case(example, rack_body(n, q, full, [ERROR_KNOBS[name].label for name in deltas]), poles, deltas)
+def _case(example: Example, poles: str, deltas: tuple[str, str, str], q: int, full: tuple[float, ...], bar: float,
+          axis: Text = ADDED, called: Mapping[str, Text] = MappingProxyType({})) -> Case:
+    def rows(*names: str) -> CauseRows:
+        return CauseRows(text("first error"), [called.get(name, ERROR_KNOBS[name].label) for name in names], text("sum: error of û"),
+                         (f"≤ −{bar:g}", "0", f"≥ {bar:g}"), axis)
+
+    bodies = (rack_body(example.plant.n, q, full, rows(*names)) for names in (deltas, (*deltas, "input")))
+    return Case(example, *bodies, poles, deltas, bar)
 
 
 EXAMPLE_CASES: MappingProxyType[str, Case] = MappingProxyType({
-    EXAMPLE_ONE: _case(EXAMPLE_1, "pole", ("a1", "a2", "c"), 2, 1, (3.0, 3.0, 3.0, 20.0)),
-    EXAMPLE_TWO: _case(EXAMPLE_2, "pair", ("b1", "b2", "d"), 3, 2, (0.6, 0.6, 0.6, 3.0, 3.0, 5.0)),
-    EXAMPLE_THREE: _case(replace(EXAMPLE_1, z0=(-0.3, -0.3)), "pair", ("a1", "a2", "c"), 2, 2, (3.0, 3.0, 3.0, 3.0, 20.0)),
-    EXAMPLE_FOUR: _case(CARTS, "pair", ("stiff", "damp", "tacho"), 4, 2, (0.5, 1.5, 0.5, 1.5, 2.0, 2.0, 20.0)),
+    EXAMPLE_ONE: _case(EXAMPLE_1, "pole", ("a1", "a2", "c"), 1, (3.0, 3.0, 3.0, 3.0), 3.0),
+    EXAMPLE_TWO: _case(EXAMPLE_2, "pair", ("b1", "b2", "d"), 2, (0.6, 0.6, 0.6, 3.0, 3.0, 5.0), 0.02),
+    EXAMPLE_THREE: _case(replace(EXAMPLE_1, z0=(-0.3, -0.3)), "pair", ("a1", "a2", "c"), 2, (3.0, 3.0, 3.0, 3.0, 3.0), 3.0),
+    EXAMPLE_FOUR: _case(CARTS, "pair", ("stiff", "damp", "tacho"), 2, (0.5, 1.5, 0.5, 1.5, 2.0, 2.0, 3.0), 0.5,
+                        text("added to û − u, in N"),
+                        MappingProxyType({"stiff": text("δ of the spring"), "damp": text("δ of the damping")})),
 })
 
 
@@ -84,6 +100,14 @@ def errors(design: Design) -> Errors:
     """ΔA, ΔB = δ_b B and ΔC of the true plant."""
     example, (a, c) = EXAMPLE_CASES[design["example"]].example, deltas(design)
     return np.tensordot(a, example.wrong.A, 1), design["input"] * example.plant.B, np.tensordot(c, example.wrong.C, 1)
+
+
+def causes(design: Design) -> tuple[Cause, ...]:
+    """The errors of the model one by one, that of the input last and only where there is one."""
+    example, (a, c) = EXAMPLE_CASES[design["example"]].example, deltas(design)
+    known = (*(Cause(A=d * way) for d, way in zip(a, example.wrong.A, strict=True)),
+             *(Cause(C=d * way) for d, way in zip(c, example.wrong.C, strict=True)))
+    return (*known, Cause(B=design["input"] * example.plant.B)) if design["input"] else known
 
 
 def turn(design: Design) -> np.ndarray:
@@ -212,12 +236,14 @@ def _loop_board(design: Design, loop: np.ndarray) -> Board:
 
 
 def _stage(design: Design, story: Story) -> Stage:
-    case, run = EXAMPLE_CASES[design["example"]], story.true
+    case, run, named = EXAMPLE_CASES[design["example"]], story.true, causes(design)
     given, wanted = run.u, run.u - run.e[:, None]
-    shares = np.tile([design[name] / ERROR_KNOBS[name].high for name in case.deltas], (len(run.t), 1))
-    states = np.clip(np.hstack([run.x, run.z, shares]), -DISPLAY_LIMIT, DISPLAY_LIMIT)
+    knobs = (*case.deltas, "input")[:len(named)]
+    shares = np.tile([design[name] / ERROR_KNOBS[name].high for name in knobs], (len(run.t), 1))
+    parts = np.clip(np.nan_to_num(np.column_stack([error_parts(run, story.observer, named), run.e]) / case.full), -1.0, 1.0)
+    states = np.hstack([np.clip(np.hstack([run.x, run.z]), -DISPLAY_LIMIT, DISPLAY_LIMIT), shares, parts])
     true, ghost = (np.hstack([states, np.clip(u, -DISPLAY_LIMIT, DISPLAY_LIMIT)]) for u in (wanted, given))
-    return Stage(case.body, run.t, true, ghost, np.clip(given, -DISPLAY_LIMIT, DISPLAY_LIMIT))
+    return Stage(case.body_input if design["input"] else case.body, run.t, true, ghost, np.clip(given, -DISPLAY_LIMIT, DISPLAY_LIMIT))
 
 
 def _live(design: Design, metrics: Mapping[str, float]) -> Text:

@@ -144,9 +144,9 @@ def test_the_map_has_the_rectangle_and_its_least_cells_at_the_pair():
     assert drawn.marked == (-0.5, 1.5) and "−0.5 ± 1.5j, about 2.34; now J is 2.34" in drawn.caption("en").replace("-", "−")
     least = inside & (drawn.values == 1)
     assert least[np.isclose(x, -0.5) & np.isclose(y, 1.5)].all() and (x[least] > -0.75).all() and (y[least] > 1.3).all()
-    assert not (inside & np.isin(drawn.values, (0, 5))).any() and (drawn.values == 0).any()  # J is smaller outside only
-    edge = drawn.values == 5
-    assert edge[np.isclose(y, 1.6) & (x < -0.49)].all() and edge[np.isclose(x, -0.45) & (y < 1.51)].all() and edge.sum() == 71 + 15
+    assert not (inside & np.isin(drawn.values, (0, 3))).any() and (drawn.values == 0).any()  # J is smaller outside only
+    edge = drawn.values == 3
+    assert edge[np.isclose(y, 1.6) & (x < -0.49)].all() and edge[np.isclose(x, -0.45) & (y < 1.51)].all() and edge.sum() == 31 + 15
 
 
 @pytest.mark.parametrize("example", ["2", "3", "4"])
@@ -169,3 +169,14 @@ def test_the_circle_is_reached_by_a_pair_only():
     assert not task.check(LESSON.compute(LESSON.apply(CARTS, {"pair": pair(-0.5, 2)}))).solved
     s1, s2 = np.meshgrid(np.linspace(-12, -1, 200), np.linspace(-12, -1, 200))
     assert criterion_4(s1, s2, CARTS).sum(axis=0).min() > 13
+
+
+@pytest.mark.parametrize("tall", [0.4, 1.5, 2.6])
+def test_green_pairs_of_the_map_have_a_smaller_J_than_all_pairs_in_the_rectangle(tall):
+    o = LESSON.compute(LESSON.apply(CARTS, {"pair": pair(-0.5, 0.5), "region_tall": tall}))
+    drawn = next(f for f in LESSON.figures(o) if f.id == "map")
+    J = np.array([[peer_J(complex(x, y), complex(x, -y)) for x in drawn.x] for y in drawn.y])
+    least = J[np.ix_(drawn.y <= tall + 1e-9, drawn.x <= -0.5 + 1e-9)].min()
+    edge = drawn.values == 3
+    assert ((drawn.values == 0) == (least * (1 - 1e-9) > J))[~edge].all() and ((drawn.values == 1) <= (1.1 * least * (1 + 1e-9) >= J)).all()
+    assert not (drawn.values == 0)[np.ix_(drawn.y <= tall, drawn.x <= -0.5)].any() and edge.any()
