@@ -1,7 +1,7 @@
 """Draw the plants of lesson 18, each with two lamps that show its packets.
 
 The record that the stage plays is (state, measurement heard, input heard, share of the sample, earlier packets of both links); a packet
-is 1 or 0, −1 before the run.
+is 1 or 0, −1 before the run. On the ridge two more say where a delayed force would be right: whether that is shown, and the place.
 """
 
 from __future__ import annotations
@@ -42,8 +42,8 @@ UNSEEN = -9.0  # below the floor
 PACKET = (0.13, 0.12, 0.09)
 SLICES, RIDGE_WIDTH, CREST = 21, 3.4, 0.95  # of the ridge
 MAX_DRAWN_POSITION, STEEP = 1.5, 0.26  # farthest drawn place of the ball, drop of the ridge at one stage unit squared
-SCALE = 0.12  # stage units per centimetre on the ridge
-BALL = 0.16
+SCALE = 0.16  # stage units per centimetre on the ridge
+BALL, TARGET_SHADE = 0.16, 0.45
 HALF_TURN = (0.0, 1.0, 0.0, 0.0)  # half a turn
 
 
@@ -90,6 +90,23 @@ def _ridge(x: float) -> float:
     return CREST - STEEP * x * x
 
 
+def _on_ridge(place: float, gain: float) -> Vector:
+    at = bound_displacement(place * SCALE * gain, MAX_DRAWN_POSITION)
+    return at, 0.0, _ridge(at) + BALL
+
+
+def ridge_with_target() -> Body:
+    """The ridge with its lamps and belts, and a green ball at the place for which the acting force is right."""
+    body, links = with_lamps(ridge_body(), 1), 1 + 3 + 2 * (PACKETS - 1)
+
+    def pose(x: Sequence[float], gain: float) -> Mapping[str, Pose]:
+        shown, place = x[links:] or (0.0, 0.0)
+        there = _on_ridge(float(place), gain)
+        return {**body.pose(x[:links], gain), "target": Pose(there if shown > 0.5 else (there[0], 0.0, UNSEEN))}
+
+    return replace(body, parts=(*body.parts, Part("target", Ball(BALL), COLOURS["force"], opacity=TARGET_SHADE)), pose=pose)
+
+
 def ridge_body() -> Body:
     """A ball on the crest of a ridge, its place in cm: the farther off, the faster it rolls away."""
     width = RIDGE_WIDTH / SLICES
@@ -99,8 +116,7 @@ def ridge_body() -> Body:
         fixed[f"slice {i}"] = Pose((x, 0.1, (0.1 + _ridge(x)) / 2))
 
     def centre(x: Sequence[float], gain: float) -> Vector:
-        at = bound_displacement(float(x[0]) * SCALE * gain, MAX_DRAWN_POSITION)
-        return at, 0.0, _ridge(at) + BALL
+        return _on_ridge(float(x[0]), gain)
 
     def pose(x: Sequence[float], gain: float) -> Mapping[str, Pose]:
         return fixed | {"ball": Pose(centre(x, gain))}

@@ -20,7 +20,7 @@ from observer_lab.plants.chip import STAGE_SCALE as CHIP_SCALE
 from observer_lab.plants.platform.model import deck_disturbance
 from observer_lab.text import Text, text
 
-from .bodies import SCALE, columns_body, ridge_body, with_lamps
+from .bodies import SCALE, columns_body, ridge_with_target, with_lamps
 
 RUN_SAMPLES = 80
 SCALAR_CASE, TWO, CHIP_CASE, CART_CASE, DECK_CASE = "scalar", "two", "chip-runaway", "cart-pendulum", "deck"
@@ -43,7 +43,7 @@ class Kind:
 
 
 CASE_KINDS: MappingProxyType[str, Kind] = MappingProxyType({
-    SCALAR_CASE: Kind(text("Scalar: a ball on a ridge"), with_lamps(ridge_body(), 1), (3.0,), (4.0,),
+    SCALAR_CASE: Kind(text("Scalar: a ball on a ridge"), ridge_with_target(), (3.0,), (4.0,),
                  Signal(text("place of the ball x"), (1.0,), "cm"), (SCALE,), "cm"),
     TWO: Kind(text("Two unstable modes, one sensor"), with_lamps(columns_body(2, 60.0), 2),
               (20.0, -10.0), (30.0, 0.0), Signal(text("first state x₁"), (1.0, 0.0), ""), (0.7 / 60, 0.0), ""),

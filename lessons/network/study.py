@@ -35,6 +35,8 @@ INPUT_LOSSES = np.linspace(0.0, 0.96, 17)
 OVER = np.linspace(0.05, 0.95, 19)
 FIRST_BAR_SHARE = 0.2  # share of the bar for the loss of the design
 AUTONOMOUS_TOLERANCE = 1e-6  # of the separation meter: below it the error lives by itself
+FARTHEST = 1e3  # cm: a place beyond is drawn at the edge
+LATE_FORCE = text("Green ball: the place for which the acting force is right")
 FRAME_S, MAX_FRAMES_PER_SAMPLE = 0.04, 12  # s, how finely the stage plays, and in how many parts of a sample at most
 
 
@@ -242,13 +244,17 @@ def _stage(design: Design, study: Study) -> Stage:
     after = np.minimum(index + 1, RUN_SAMPLES - 1)
     sensed, acted = (last_packets(came)[index] for came in (study.heard, study.fresh))
     packets = np.hstack([sensed[:, :1], acted[:, :1], share, sensed[:, 1:], acted[:, 1:]])
+    late = design["case"] == SCALAR_CASE and design["delay"] > 0
+    if design["case"] == SCALAR_CASE:  # the place for which the acting force is right: u = −K x
+        packets = np.hstack([packets, np.full_like(share, late), np.clip(-study.applied / s.K[0, 0], -FARTHEST, FARTHEST)[index]])
 
     def played(x: np.ndarray) -> np.ndarray:
         return np.hstack([x[index] * (1 - share) + x[after] * share, packets])
     row = np.array(kind.shown)
     sigma = np.sqrt(np.maximum(np.einsum("i,kij,j->k", row, study.run.plan.P, row), 0.0))  # rounding of a huge P may go below
     t = np.arange(len(index)) * s.plant.dt / fine
-    return Stage(kind.body, t, played(study.x), played(study.xhat), study.applied[index], 3 * np.minimum(sigma, 1e3)[index])
+    return Stage(kind.body, t, played(study.x), played(study.xhat), study.applied[index], 3 * np.minimum(sigma, 1e3)[index],
+                 (LATE_FORCE,) if late else ())
 
 
 def _formulas(design: Design, study: Study) -> tuple[Formula, ...]:

@@ -258,3 +258,27 @@ def test_the_products_of_a_gap_shrink_only_below_the_limit(loss: float) -> None:
     assert product[1] == pytest.approx(np.log10(ratio) if loss else -9 + growth[1], abs=1e-9)
     assert product[3] == pytest.approx(max(growth[3] + chance[3], -12.0), abs=1e-9) or loss == 0
     assert ("finite" in gaps.caption("en")) == (ratio < 1)
+
+
+@pytest.mark.parametrize("told", ["applied", "ahead"])
+@pytest.mark.parametrize("delay", [1, 2])
+def test_the_green_ball_stands_where_the_late_force_was_right(told: str, delay: int) -> None:
+    """Without look-ahead: the estimate of some samples ago; with it that estimate, run on by x⁺ = a x + u with the forces that acted."""
+    o = outcome(delay=delay, told=told, loss_u=0.0)
+    assert o.stage is not None and o.stage.xhat is not None and o.stage.note
+    per, a = (len(o.stage.t) - 1) // (RUN_SAMPLES - 1), o.design["a"]
+    for k in range(delay + 1, 20):
+        place = float(o.stage.xhat[(k - delay) * per, 0])
+        for sample in range(k - delay, k) if told == "ahead" else ():
+            place = a * place + float(o.stage.u[sample * per, 0])  # type: ignore[index]
+        drawn, ball = (o.stage.body.pose(state, 1.0)[name].position for state, name in (
+            (o.stage.x[k * per].tolist(), "target"), ([place, *o.stage.x[k * per, 1:].tolist()], "ball")))
+        assert drawn == pytest.approx(ball, abs=1e-6)
+    there, here = (o.stage.body.pose(o.stage.x[3 * per].tolist(), 1.0)[name].position[0] for name in ("target", "ball"))
+    assert told == "ahead" or delay == 2 or (there > 0.2 and here < 0 and o.stage.u[3 * per, 0] < 0)  # type: ignore[index]
+
+
+def test_without_a_delay_no_green_ball_is_seen_and_nothing_is_said_of_it() -> None:
+    o = outcome(delay=0)
+    assert o.stage is not None and not o.stage.note
+    assert all(o.stage.body.pose(state.tolist(), 1.0)["target"].position[2] < -1 for state in o.stage.x[::7])
