@@ -1,6 +1,6 @@
 """Draw the platform with springs and sensors at the chosen places, and one mode slowly.
 
-The record that the stage plays is (ten states, a, s, h, μ).
+The record that the stage plays is (ten states, a, s, h, μ, columns and plates of `rank_columns`).
 """
 
 from __future__ import annotations
@@ -19,8 +19,10 @@ from observer_lab.plants.platform.model import Parameters
 from observer_lab.text import text
 
 from .balanced_platform import STATE_COUNT, Motion, Platform, believed, relative
+from .rank_columns import rank_labels, rank_parts, rank_poses
 
 NOMINAL = Parameters()
+COLUMNS_FROM = STATE_COUNT + 4  # of a record
 SWING_S, SWING_COUNT, FRAMES = 1.5, 4, 240  # s that one swing takes on the stage, swings, samples
 REST, TRAVEL, LARGER = 0.55, 0.42, 1.3  # stage units of a test mass above its base plate, and how far it may swing; how large it is drawn
 MAX_DRAWN_MOTION = np.array([3.6e-3, 3.6e-3, 16e-3, 2.2e-3, 2.2e-3])  # m, m, rad, m, m: how far a motion is drawn
@@ -36,7 +38,7 @@ def _placed(a: float, s: float, h: float) -> Body:
 
 
 def _pose(x: Sequence[float], gain: float) -> Mapping[str, Pose]:
-    a, s, h, mu = x[STATE_COUNT:]
+    a, s, h, mu = x[STATE_COUNT:COLUMNS_FROM]
     poses = dict(_placed(a, s, h).pose(x[:STATE_COUNT], gain))
     size = LARGER * min(max((mu / NOMINAL.mu) ** (1 / 3), 0.6), 1.4)
     for side, sign, place in (("left", -1.0, x[3]), ("right", 1.0, x[4])):
@@ -47,12 +49,12 @@ def _pose(x: Sequence[float], gain: float) -> Mapping[str, Pose]:
         there = (foot[0] + longer * apart[0], foot[1] + longer * apart[1], foot[2] + longer * apart[2])
         poses[f"test mass {side}"] = replace(ball, position=there, scale=(size, size, size))
         poses[f"servo {side}"] = pose_between(foot, there)
-    return poses
+    return {**poses, **rank_poses(x[COLUMNS_FROM:])} if len(x) > COLUMNS_FROM else poses
 
 
 _BASE = _placed(NOMINAL.a, NOMINAL.s, NOMINAL.h)
 BODY = Body(
-    _BASE.parts,
+    (*_BASE.parts, *rank_parts(STATE_COUNT)),
     _pose,
     lambda x, u, gain: (),
     lambda x, gain: _placed(*x[STATE_COUNT : STATE_COUNT + 3]).anchors(x[:STATE_COUNT], gain),
@@ -100,7 +102,7 @@ def _marked(p: Parameters, motion: Motion) -> Body:
     drawn = _arrows(shares, record)
     labels = tuple((name, (each[-1].tail[0] + side * NAME_ASIDE, each[-1].tail[1], each[-1].tail[2] + up)) for name, each, share, (side, up)
                    in zip(PARTS, drawn, shares, ((0.0, 0.3), (-1.0, 0.06), (1.0, 0.06), (-1.0, 0.06), (1.0, 0.06)), strict=True) if share)
-    return replace(BODY, arrows=lambda x, u, gain: tuple(arrow for each in drawn for arrow in each), labels=labels)
+    return replace(BODY, arrows=lambda x, u, gain: tuple(arrow for each in drawn for arrow in each), labels=(*labels, *rank_labels()))
 
 
 def slower(motion: Motion) -> float:
@@ -108,13 +110,16 @@ def slower(motion: Motion) -> float:
     return motion.frequency * SWING_S
 
 
-def swing(s: Platform, motion: Motion, order: int) -> Stage:
-    """The motion undamped, one swing in SWING_S seconds; its largest part begins at MAX_DRAWN_MOTION. The ghost is the model's."""
+def swing(s: Platform, motion: Motion, order: int, columns: np.ndarray) -> Stage:
+    """The motion undamped, one swing in SWING_S seconds; its largest part begins at MAX_DRAWN_MOTION. The ghost is the model's.
+
+    `columns` are the singular values and tolerances before the deck.
+    """
     p = s.parameters
     shape = _begun(p, motion)
     t = np.linspace(0.0, SWING_S * SWING_COUNT, FRAMES + 1)
     turning = np.exp(2j * np.pi * t / SWING_S)[:, None]
-    fixed = np.tile([p.a, p.s, p.h, p.mu], (len(t), 1))
+    fixed = np.tile([p.a, p.s, p.h, p.mu, *columns], (len(t), 1))
     true, guess = (np.real(turning * v) for v in (shape, believed(s, order, shape)))
     return Stage(_marked(p, motion), t, np.hstack([true, fixed]), np.hstack([guess, fixed]), np.zeros((len(t), 1)))
 

@@ -184,5 +184,6 @@ def _costs(outcome: Outcome[PlatformStudy]) -> TableFigure:
 
 
 PLATFORM_SETTING = Setting(
-    studied, lambda s: swing(s.system, s.motion, s.order), lambda s: {"K": s.compared.small.design.K, "L": s.compared.small.design.L},
+    studied, lambda s: swing(s.system, s.motion, s.order, s.columns),
+    lambda s: {"K": s.compared.small.design.K, "L": s.compared.small.design.L},
     numbers, checks, formulas, live, _staircase, _further_tabs, lambda s: (_forms(s),), (_told(),), _sharper, LOG_AXIS_FLOOR, (1e-8, 1e4))

@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
+import numpy as np
+
 from observer_lab.course.lesson import Check, Design, Formula
 from observer_lab.plants.platform.model import Parameters
 from observer_lab.text import Text, text
@@ -13,8 +15,9 @@ from observer_lab.text import Text, text
 from ..toolkit.latex import number
 from .balanced_platform import MASSES_AGAINST_MODE, MASSES_TOGETHER_MODE, STATE_COUNT, Motion, Platform, closed_forms, system
 from .body import share, slower
+from .rank_columns import rank_shares
 from .reduced_regulator import Compared, compare
-from .study import Study
+from .study import RELATIVE, Study
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,6 +28,13 @@ class PlatformStudy(Study):
     motion: Motion
     v0: float
     pressed: str
+    tolerance: float = 1e-9
+    measure: str = RELATIVE
+
+    @property
+    def columns(self) -> np.ndarray:
+        """Heights of the singular values before the deck, and of the tolerance."""
+        return rank_shares(self.ranks, self.tolerance, self.measure)
 
     @cached_property
     def compared(self) -> Compared:
@@ -35,7 +45,8 @@ class PlatformStudy(Study):
 def studied(design: Design) -> PlatformStudy:
     """The platform of a design."""
     s = system(Parameters(**{name: design[name] for name in ("s", "h", "a", "mu", "kp")}), design["ground"])
-    return PlatformStudy(s, design["clock"], int(design["order"]), s.motions[int(design["pair"]) - 1], design["v0"], design["pressed"])
+    return PlatformStudy(s, design["clock"], int(design["order"]), s.motions[int(design["pair"]) - 1], design["v0"], design["pressed"],
+                         design["tolerance"], design["measure"])
 
 
 def numbers(study: PlatformStudy) -> dict[str, float | None]:

@@ -21,6 +21,7 @@ from observer_lab.lessons.weak_states.balanced_platform import (
 )
 from observer_lab.lessons.weak_states.body import BODY, NOMINAL, SWING_S, share
 from observer_lab.lessons.weak_states.lesson import LESSON
+from observer_lab.lessons.weak_states.rank_columns import rank_labels
 from observer_lab.lessons.weak_states.reduced_regulator import STATES_ALIKE, WEIGHT_OUTPUTS
 from observer_lab.lessons.weak_states.study import cut
 from observer_lab.plants.platform.model import Parameters, in_time_units, plant
@@ -311,8 +312,35 @@ def test_the_stage_marks_what_swings_as_the_run_begins(kind: int, name: str) -> 
     for part, way in far.items():
         along = sum(h - t for h, t in zip(drawn[part].head, drawn[part].tail, strict=True))
         assert along == pytest.approx(0.62 * way / most if abs(way) > 0.08 * most else 0.0, abs=1e-6)
-    shown = {words("en") for words, _ in stage.body.labels}
+    shown = {words("en") for words, _ in stage.body.labels} - {words("en") for words, _ in rank_labels()}
     assert shown == {part for part, way in far.items() if abs(way) > 0.08 * most} and name in shown
     bars = {next(n("en") for at, n in figure.names if abs(at - curve.x[0]) < 0.3): curve.y[1] for curve in figure.curves
             if curve.role == "plant"}
     assert bars[name] == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize(("changes", "numbers"), [
+    ({}, (4, 4)), ({"clock": 0.001, "tolerance": 5e-7}, (10, 9)), ({"clock": 0.03}, (10, 10)),
+    ({"measure": "absolute", "tolerance": 0.1}, None)])
+def test_the_columns_above_the_plate_are_those_that_count(changes: dict[str, object], numbers: tuple[int, int] | None) -> None:
+    """Powers of A in the unit of time, their singular values over the largest: each column is as high, the plate as the tolerance."""
+    outcome = LESSON.compute(LESSON.apply(LESSON.start(), changes))
+    stage, plant, clock = outcome.stage, outcome.study.system.plant, outcome.design["clock"]
+    assert stage is not None
+    scale = np.where(np.arange(10) < 5, 1.0, clock)  # velocities in metres per unit of time
+    A, B, C = clock * plant.A / scale[None] * scale[:, None], clock * scale[:, None] * plant.B, plant.C / scale[None]
+    poses = stage.body.pose(stage.x[0].tolist(), stage.body.gain)
+    powers = [np.linalg.matrix_power(A, k) for k in range(10)]
+    for row, M in enumerate((np.hstack([p @ B for p in powers]), np.vstack([C @ p for p in powers]))):
+        values = np.linalg.svd(M, compute_uv=False)
+        level = poses[f"plate {row}"].position[2] - poses[f"value {row} 0"].position[2]
+        bars = [poses[f"value {row} {k}"] for k in range(10)]
+        heights = np.array([bar.scale[2] for bar in bars])
+        sure = np.array([values[k] / values[0] > 1e-13 for k in range(10)])
+        assert heights[sure] == pytest.approx(0.62 * (1 + np.log10(values[sure] / values[0]) / 18), abs=0.02)
+        grey = {bar.colour for bar in bars} - {bars[0].colour}
+        counted = sum(bar.colour not in grey for bar in bars)
+        assert counted == int((heights > level).sum()) == outcome.metrics[("rank_controllability", "rank_observability")[row]]
+        if numbers is not None:
+            relative = outcome.design["tolerance"]
+            assert level == pytest.approx(0.62 * (1 + np.log10(relative) / 18), abs=1e-9) and counted == numbers[row]
