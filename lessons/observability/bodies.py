@@ -1,7 +1,7 @@
 """Draw plants with their sensors and the ellipsoid of states that fit the data.
 
-The record that the stage plays is (state, sensors, cloud). Of the cloud: middle (3), half axes (3), rotation
-(w, x, y, z), truth (3), in typical sizes; right, away, up.
+The record that the stage plays is (state, sensors, cloud, and the state of a second deck if one is wanted). Of the cloud: middle (3),
+half axes (3), rotation (w, x, y, z), truth (3), in typical sizes; right, away, up.
 """
 
 from __future__ import annotations
@@ -38,6 +38,7 @@ from observer_lab.text import Text, same, text
 CLOUD, MIDDLE = 0.3, (0.0, -0.1, 3.2)  # stage units per typical size, and where the cloud hangs
 MIN_HALF_AXIS = 0.025  # an ellipsoid is never drawn thinner
 MAX_DRAWN_DISTANCE, ARM = 3.4, 3.1  # typical sizes: nothing is drawn farther out; how long the axes and the needle are
+SECOND_FROM = 24  # of a record of the deck: where the state of a second one begins
 OFF, ON = rgb(COLOURS["off"]), rgb(COLOURS["plant"])
 HALF_TURN = (0.0, 1.0, 0.0, 0.0)  # half a turn: a rod that hangs instead of standing
 DECK_PARAMETERS = Parameters()
@@ -104,7 +105,9 @@ def _deck_pose(x: Sequence[float], gain: float) -> Mapping[str, Pose]:
         mark = f"test mass {name}" if name != "across" else "needle across"
         if not live:  # a sensor that is off has lost its mark as well as its colour
             poses[mark] = replace(poses[mark], scale=(0.02, 0.02, 0.02))
-    return poses | cloud_poses(x[11:])
+    if len(x) > SECOND_FROM:
+        poses["second deck"] = _deck_with(DECK_PARAMETERS.s).pose(x[SECOND_FROM:], gain)["deck"]
+    return poses | cloud_poses(x[11:SECOND_FROM])
 
 
 def _deck() -> Body:
@@ -170,9 +173,18 @@ COLUMNS_CAPTION = text("One column per state; above, the states that the data so
 DECK_BODY = _deck()
 
 
+def _two_decks() -> Body:
+    deck = next(part for part in DECK_BODY.parts if part.name == "deck")
+    second = replace(deck, name="second deck", colour=COLOURS["second"], opacity=0.5, twin=False)
+    return replace(DECK_BODY, parts=(*DECK_BODY.parts, second))
+
+
+TWO_DECKS = _two_decks()
+
+
 @lru_cache(maxsize=32)
-def body_of(name: str, count: int) -> Body:
-    """The body of a case with `count` states."""
-    return DECK_BODY if name == "deck" else columns_body(count, COLUMNS_CAPTION)
+def body_of(name: str, count: int, two: bool = False) -> Body:
+    """The body of a case with `count` states; for the deck also `two` of them."""
+    return columns_body(count, COLUMNS_CAPTION) if name != "deck" else TWO_DECKS if two else DECK_BODY
 
 

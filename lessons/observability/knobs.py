@@ -58,5 +58,7 @@ KNOBS = (
            hint=text("The tab Two starts runs the deck from two starts that differ in this alone.")),
     Number("apart", r"\Delta", text("difference of the two starts"), low=0.0, high=2.0, default=1.0, step=0.05,
            hint=text("In typical sizes: 2 mm or 10 mrad on the deck. Elsewhere it is in the direction that the readings show least.")),
+    Switch("twin", "", text("second deck on the stage"), default=False, when=("plant", (DECK_CASE,)),
+           hint=text("The deck of the second start, translucent, in place of the ghost.")),
     Number("seed", r"s_0", text("noise seed"), low=0, high=9999, default=1, scale="integer", hidden=True),
 )

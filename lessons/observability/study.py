@@ -85,7 +85,10 @@ def cloud_of(found: Study) -> np.ndarray:
 
 
 def _stage(design: Design, found: Study) -> Stage:
-    """The plant along its free motion, its ghost along the estimate from the data so far, sensors, and the cloud."""
+    """The plant along its free motion, its ghost along the estimate from the data so far, sensors, and the cloud.
+
+    The deck may have the one of the second start beside it, and then no ghost.
+    """
     s, case = found.sensed, found.case
     n = s.plant.n
     if case.id == DECK_CASE:
@@ -96,6 +99,8 @@ def _stage(design: Design, found: Study) -> Stage:
     size = np.array(case.scale[:n])
     tail = np.hstack([np.tile(extra, (len(s.t), 1)), cloud_of(found)])
     true = np.hstack([s.powers @ found.start * size, tail])
+    if case.id == DECK_CASE and design["twin"]:
+        return Stage(body_of(case.id, n, two=True), s.t, np.hstack([true, found.twins.states[1] * size]))
     guess = np.hstack([np.einsum("kij,kj->ki", s.powers, found.belief.mean) * size, tail])
     return Stage(body_of(case.id, n), s.t, true, guess)
 

@@ -95,7 +95,7 @@ def _deviation(rows: int, sigma: np.ndarray, largest: float) -> Below:
     """σ of the estimated output in each row that judges, above 0: after the rows that were computed it repeats its last period."""
     edge = HEADROOM * largest
     sigma = np.concatenate([sigma, np.tile(sigma[-EVERY:], -(-rows // EVERY))])[:rows]
-    return Below(text("σ of the estimate, 0 to {edge:.2g}", edge=edge), SHARE, (0.0, edge), 0 * sigma, sigma)
+    return Below(text("σ of the estimate, 0 to {edge:.2g}", edge=edge), SHARE, (0.0, edge), lines=(Line(sigma, "estimate"),))
 
 
 def paint_below(image: np.ndarray, below: Below, first: int, start: float) -> None:

@@ -54,7 +54,7 @@ def _pose(x: Sequence[float], gain: float) -> Mapping[str, Pose]:
 
 _BASE = _placed(NOMINAL.a, NOMINAL.s, NOMINAL.h)
 BODY = Body(
-    (*_BASE.parts, *rank_parts(STATE_COUNT)),
+    _BASE.parts,
     _pose,
     lambda x, u, gain: (),
     lambda x, gain: _placed(*x[STATE_COUNT : STATE_COUNT + 3]).anchors(x[:STATE_COUNT], gain),
@@ -95,14 +95,16 @@ def _arrows(shares: Sequence[float], record: Sequence[float]) -> tuple[tuple[Arr
             (along(beside[0], 0.0, left),), (along(beside[1], 0.0, right),))
 
 
-def _marked(p: Parameters, motion: Motion) -> Body:
-    """The body with an arrow and a name for each part that swings in the motion."""
+def _marked(p: Parameters, motion: Motion, columns: bool) -> Body:
+    """The body with an arrow and a name for each part that swings in the motion, and columns before it if they are wanted."""
     shares, record = motion_shares(p, motion).tolist(), (p.a, p.s, p.h, p.mu)
     shares = [share if abs(share) > LEAST_SHARE else 0.0 for share in shares]
     drawn = _arrows(shares, record)
     labels = tuple((name, (each[-1].tail[0] + side * NAME_ASIDE, each[-1].tail[1], each[-1].tail[2] + up)) for name, each, share, (side, up)
                    in zip(PARTS, drawn, shares, ((0.0, 0.3), (-1.0, 0.06), (1.0, 0.06), (-1.0, 0.06), (1.0, 0.06)), strict=True) if share)
-    return replace(BODY, arrows=lambda x, u, gain: tuple(arrow for each in drawn for arrow in each), labels=(*labels, *rank_labels()))
+    before, names = (rank_parts(STATE_COUNT), rank_labels()) if columns else ((), ())
+    return replace(BODY, parts=(*BODY.parts, *before), arrows=lambda x, u, gain: tuple(arrow for each in drawn for arrow in each),
+                   labels=(*labels, *names))
 
 
 def slower(motion: Motion) -> float:
@@ -113,7 +115,7 @@ def slower(motion: Motion) -> float:
 def swing(s: Platform, motion: Motion, order: int, columns: np.ndarray) -> Stage:
     """The motion undamped, one swing in SWING_S seconds; its largest part begins at MAX_DRAWN_MOTION. The ghost is the model's.
 
-    `columns` are the singular values and tolerances before the deck.
+    `columns` are the singular values and tolerances before the deck, none if it is empty.
     """
     p = s.parameters
     shape = _begun(p, motion)
@@ -121,7 +123,7 @@ def swing(s: Platform, motion: Motion, order: int, columns: np.ndarray) -> Stage
     turning = np.exp(2j * np.pi * t / SWING_S)[:, None]
     fixed = np.tile([p.a, p.s, p.h, p.mu, *columns], (len(t), 1))
     true, guess = (np.real(turning * v) for v in (shape, believed(s, order, shape)))
-    return Stage(_marked(p, motion), t, np.hstack([true, fixed]), np.hstack([guess, fixed]), np.zeros((len(t), 1)))
+    return Stage(_marked(p, motion, len(columns) > 0), t, np.hstack([true, fixed]), np.hstack([guess, fixed]), np.zeros((len(t), 1)))
 
 
 def share(s: Platform, motion: Motion, order: int) -> float:

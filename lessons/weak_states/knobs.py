@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from observer_lab.course.knobs import Choice, Number
+from observer_lab.course.knobs import Choice, Number, Switch
 from observer_lab.text import Text, same, text
 
 from .balanced_platform import STATE_COUNT, sigmas
@@ -32,6 +32,8 @@ KNOBS = (
            hint=text("Singular values at or below it count as zero.")),
     Choice("measure", "", text("singular values"), default=RELATIVE, options=MEASURES, group=RANK_FOLDER,
            hint=text("Measured against the largest, or taken as they are.")),
+    Switch("columns", "", text("singular values on the stage"), default=False, group=RANK_FOLDER,
+           hint=text("As columns before the deck, with the tolerance as a plate.")),
     _size("s", "s", text("sensors off the centre"), "m", 0.06, 0.18,
           text("Half the distance of the two sensors."), 0.002),
     _size("h", "h", text("height of the centre of mass"), "m", 0.002, 0.06,

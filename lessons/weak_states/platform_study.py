@@ -30,11 +30,12 @@ class PlatformStudy(Study):
     pressed: str
     tolerance: float = 1e-9
     measure: str = RELATIVE
+    ranked: bool = False
 
     @property
     def columns(self) -> np.ndarray:
-        """Heights of the singular values before the deck, and of the tolerance."""
-        return rank_shares(self.ranks, self.tolerance, self.measure)
+        """Heights of the singular values before the deck, and of the tolerance; none if they are not wanted."""
+        return rank_shares(self.ranks, self.tolerance, self.measure) if self.ranked else np.zeros(0)
 
     @cached_property
     def compared(self) -> Compared:
@@ -46,7 +47,7 @@ def studied(design: Design) -> PlatformStudy:
     """The platform of a design."""
     s = system(Parameters(**{name: design[name] for name in ("s", "h", "a", "mu", "kp")}), design["ground"])
     return PlatformStudy(s, design["clock"], int(design["order"]), s.motions[int(design["pair"]) - 1], design["v0"], design["pressed"],
-                         design["tolerance"], design["measure"])
+                         design["tolerance"], design["measure"], bool(design["columns"]))
 
 
 def numbers(study: PlatformStudy) -> dict[str, float | None]:

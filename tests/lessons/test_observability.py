@@ -317,3 +317,19 @@ def test_the_axes_of_the_cloud_and_the_columns_bear_the_names_of_their_states(ch
     ways = np.array(places[n:]) - middle
     point = 0.3 * stage.x[0, :len(ways)] @ (ways / np.linalg.norm(ways, axis=1, keepdims=True))
     assert np.array(poses["truth"].position) - middle == pytest.approx(point)
+
+
+def test_the_second_deck_moves_from_the_second_start_and_the_reading_does_not_tell_it() -> None:
+    """Both decks run by e^{At} from starts 2 mm apart in height; the ghost gives way to the second one."""
+    changes = {"twin": True, "left_on": False, "right_on": False, "across_on": True}
+    stage, study = stage_of(**changes), found(**changes)
+    assert stage.xhat is None and stage_of(**changes | {"twin": False}).xhat is not None
+    difference = stage.x[:, 24:] - stage.x[:, :6]
+    assert difference[0] == pytest.approx([0, 0.002, 0, 0, 0, 0])
+    for k in (30, 100):
+        raw = np.array(study.case.scale)
+        A = study.sensed.plant.A * raw[:, None] / raw[None]
+        assert difference[k] == pytest.approx(expm(A * stage.t[k]) @ difference[0], abs=1e-9)
+        poses = stage.body.pose(stage.x[k].tolist(), stage.body.gain)
+        alone = stage.body.pose([*stage.x[k, 24:], *stage.x[k, 6:]], stage.body.gain)["deck"]
+        assert poses["second deck"].position == alone.position and poses["second deck"].wxyz == alone.wxyz

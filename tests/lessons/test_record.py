@@ -339,12 +339,12 @@ def test_the_error_below_is_what_the_ghost_is_off_and_the_smoother_is_nearer() -
 
 
 def test_the_deviation_below_is_flat_with_one_sensor_and_falls_at_each_exact_reading() -> None:
-    def tops(**values: object) -> np.ndarray:
+    def heights(**values: object) -> np.ndarray:
         _, image, split = shown_below(below="deviation", **values)
-        return np.array([np.flatnonzero(column).min() for column in (image == band_colour()).all(axis=2)[:, split:-4].T])
-    flat, comb = tops(), tops(second="slow")
-    assert np.ptp(flat) <= 2 and comb.max() > flat.max() + 40
-    low = comb > (comb.max() + flat.max()) / 2
+        return drawn_heights(image, np.array(rgb(COLOURS["estimate"])))[split:-4]
+    flat, comb = heights(), heights(second="slow")
+    assert np.ptp(flat) < 0.02 and comb.min() < flat.min() - 0.4
+    low = comb < (comb.min() + flat.min()) / 2
     assert np.count_nonzero(np.diff(low.astype(int)) == 1) == pytest.approx(800 / 2 / 10, abs=2)
 
 

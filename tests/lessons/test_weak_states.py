@@ -21,7 +21,6 @@ from observer_lab.lessons.weak_states.balanced_platform import (
 )
 from observer_lab.lessons.weak_states.body import BODY, NOMINAL, SWING_S, share
 from observer_lab.lessons.weak_states.lesson import LESSON
-from observer_lab.lessons.weak_states.rank_columns import rank_labels
 from observer_lab.lessons.weak_states.reduced_regulator import STATES_ALIKE, WEIGHT_OUTPUTS
 from observer_lab.lessons.weak_states.study import cut
 from observer_lab.plants.platform.model import Parameters, in_time_units, plant
@@ -312,7 +311,7 @@ def test_the_stage_marks_what_swings_as_the_run_begins(kind: int, name: str) -> 
     for part, way in far.items():
         along = sum(h - t for h, t in zip(drawn[part].head, drawn[part].tail, strict=True))
         assert along == pytest.approx(0.62 * way / most if abs(way) > 0.08 * most else 0.0, abs=1e-6)
-    shown = {words("en") for words, _ in stage.body.labels} - {words("en") for words, _ in rank_labels()}
+    shown = {words("en") for words, _ in stage.body.labels}
     assert shown == {part for part, way in far.items() if abs(way) > 0.08 * most} and name in shown
     bars = {next(n("en") for at, n in figure.names if abs(at - curve.x[0]) < 0.3): curve.y[1] for curve in figure.curves
             if curve.role == "plant"}
@@ -324,7 +323,7 @@ def test_the_stage_marks_what_swings_as_the_run_begins(kind: int, name: str) -> 
     ({"measure": "absolute", "tolerance": 0.1}, None)])
 def test_the_columns_above_the_plate_are_those_that_count(changes: dict[str, object], numbers: tuple[int, int] | None) -> None:
     """Powers of A in the unit of time, their singular values over the largest: each column is as high, the plate as the tolerance."""
-    outcome = LESSON.compute(LESSON.apply(LESSON.start(), changes))
+    outcome = LESSON.compute(LESSON.apply(LESSON.start(), {"columns": True, **changes}))
     stage, plant, clock = outcome.stage, outcome.study.system.plant, outcome.design["clock"]
     assert stage is not None
     scale = np.where(np.arange(10) < 5, 1.0, clock)  # velocities in metres per unit of time

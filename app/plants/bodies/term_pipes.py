@@ -8,11 +8,11 @@ from math import sqrt
 
 from ...colours import COLOURS
 from ...text import Text, joined, text
-from .body import METAL, STEEL, Body, Box, Part, Pose, Rod, Vector, pose_between
+from .body import METAL, PLANT_COLOUR, STEEL, Body, Box, Part, Pose, Rod, Vector, pose_between
 
 BEGIN, PLATE, END = -0.75, 0.32, 0.86  # across: behind the dark gauges, the plate, behind the large gauge
 BACK, TOP, PITCH = 0.3, 1.86, 0.45  # y of the pipes; how high the first one is, and down to the next
-FULL, GLASS, LEAST = 0.16, 1.12, 1e-3  # radius of a pipe whose share is one; of the glass around it; what is next to nothing
+FULL, GLASS, LEAST = 0.18, 1.12, 1e-3  # radius of a pipe whose share is one; of the glass around it; what is next to nothing
 NAME_AT, NAME_ABOVE = -0.02, 0.13  # across: the names of the pipes; stage units from a pipe to the upper edge of its name
 MOST = 1.4  # of a share that is drawn
 
@@ -23,7 +23,7 @@ def thickness(share: float) -> float:
 
 
 def with_pipes(body: Body, states: int, terms: Sequence[tuple[str, float]], lag: Text | None = None) -> Body:
-    """The body with a grey pipe for each of the named `terms`, as thick as its share, up to the plate.
+    """The body with a blue pipe for each of the named `terms`, as thick as its share, up to the plate.
 
     After the body's states come the shares that the gain leaves, pink behind the plate, and with a `lag` that of what a
     differentiator misses: a pipe of its own, past the plate.
@@ -48,12 +48,12 @@ def with_pipes(body: Body, states: int, terms: Sequence[tuple[str, float]], lag:
         return body.anchors(x[:states], gain)
 
     named = [name for name, _ in terms] + ([] if lag is None else [lag])
-    parts = (*(Part(f"term {k}", Rod(FULL), COLOURS["unlit"]) for k in range(len(terms))),
+    parts = (*(Part(f"term {k}", Rod(FULL), PLANT_COLOUR) for k in range(len(terms))),
              *(Part(f"left {k}", Rod(FULL), COLOURS["error"]) for k in range(len(heights))),
              *(Part(f"glass {k}", Rod(FULL), STEEL, opacity=0.3) for k in range(len(heights))),
              Part("gain plate", Box((0.06, 0.44, heights[0] - heights[len(terms) - 1] + 0.5)), METAL))
     labels = (*body.labels, *((name, (NAME_AT, BACK - FULL, z + FULL + NAME_ABOVE)) for name, z in zip(named, heights, strict=True)),
               ("L", (PLATE, BACK, heights[0] + 0.25 + NAME_ABOVE)))
-    told = text("Pipes from the dark gauges: unknown terms of the error, grey as they are, pink what L leaves of them.")
+    told = text("Pipes from the dark gauges: unknown terms of the error, blue as they are, pink what L leaves of them.")
     return replace(body, parts=(*body.parts, *parts), pose=pose, anchors=anchors, labels=labels, caption=joined(body.caption, told),
                    arrows=lambda x, u, gain: body.arrows(x[:states], u, gain))
