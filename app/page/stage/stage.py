@@ -130,7 +130,7 @@ class StageView:
                                                       head_radius=head, head_length=point))
         self._errors = ErrorLines(self._scene, stage, self._trails, self._dark)
         self._clouds = [] if stage.spread is None or stage.xhat is None else [
-            self._scene.add_icosphere(f"/spread/{i}", 1.0, rgb(GHOST_COLOUR), opacity=0.24, side="back", cast_shadow=False,
+            self._scene.add_icosphere(f"/spread/{i}", 1.0, rgb(GHOST_COLOUR), subdivisions=4, opacity=0.24, side="back", cast_shadow=False,
                                       receive_shadow=False)
             for i, _ in enumerate(body.anchors(stage.xhat[0].tolist(), body.gain))]
         said = factors(body, language)
