@@ -214,7 +214,7 @@ def _stage(study: Study, smoothed: bool, kind: str) -> Stage:
 
 
 def _errors(study: Study, smoothed: bool) -> list[np.ndarray]:
-    """Errors of the first output in the rows that judge: of the filter as fitted, of the filter, and of the smoother if it is on."""
+    """Errors of the first output in the rows that judge: filter as fitted, filter, and smoother if it is on."""
     beside = (study.measured if study.clean is None else study.clean)[:, 0]
     ways = ((False, True), (False, False), *([(True, False)] if smoothed else []))
     return [np.nan_to_num(study.estimate(*way)[:, 0] - beside) for way in ways]

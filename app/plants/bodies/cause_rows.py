@@ -56,7 +56,7 @@ class CauseRows:
         return steps + beads
 
     def fixed(self) -> dict[str, Pose]:
-        """Where what does not move stands."""
+        """The poses of all parts that do not move."""
         found = {}
         for k, (y, high) in enumerate(self._rows()):
             found |= {f"step {k}": Pose(((LEFT + RIGHT) / 2, y, high / 2)), f"none {k}": Pose((ZERO, y, high + 0.11)),
@@ -66,7 +66,7 @@ class CauseRows:
         return found
 
     def moving(self, shares: Sequence[float]) -> Mapping[str, Pose]:
-        """Beads and bars for the shares of each cause, −1 to 1, then those of the start, of the part of each cause and of the sum."""
+        """Beads and bars. The shares, −1 to 1, are those of each cause, then of the start, of each part and of the sum."""
         causes, found = len(self.causes), {}
         for k, (y, high) in enumerate(self._rows()):
             if 0 < k < self.count - 1:
