@@ -86,10 +86,12 @@ def find_starts(outcome: Outcome[Study]) -> Iterator[tuple[float, Starts | None]
     limit = ceiling(scenario.plant, float(scenario.u_max[0]))
     values[:, np.abs(START_GRID_DEG) >= limit] = UNRECOVERABLE
     angles, errors = np.flatnonzero(np.abs(START_GRID_DEG) < limit), np.flatnonzero(START_GRID_DEG >= 0)
+    told: np.ndarray | None = None
     passes = [(angles[i::PASS_STRIDE], errors[j::PASS_STRIDE]) for j in range(PASS_STRIDE) for i in range(PASS_STRIDE)]
     for fraction, found in survey(scenario, ANGLE, np.radians(START_GRID_DEG), values, passes, RECOVERED_NORM, LOST_NORM):
-        starts = Starts(found)
-        yield fraction, starts if starts.done > 0 else None
+        starts = None if found is told else Starts(found)
+        told = found
+        yield fraction, starts if starts is not None and starts.done > 0 else None
 
 
 def rough_starts(outcome: Outcome[Study]) -> Starts | None:

@@ -185,7 +185,7 @@ def test_click_outside_lands_on_the_edge_and_removes_the_kick(told_wish: Outcome
 
 def test_a_map_so_far_holds_only_final_verdicts(told_wish: Outcome) -> None:
     final = told_wish.study.starts.values
-    seen, last = [], 0.0
+    seen, last, found = [], 0.0, {}
     for fraction, outcome in JOB.outcomes(LESSON.compute(told_wish.design)):
         assert last <= fraction <= 1.0
         last = fraction
@@ -193,7 +193,9 @@ def test_a_map_so_far_holds_only_final_verdicts(told_wish: Outcome) -> None:
             known = outcome.study.starts.values != NOT_COMPUTED
             assert np.array_equal(outcome.study.starts.values[known], final[known])
             seen.append(float(np.mean(known)))
+            found[id(outcome)] = outcome  # held, so that no other takes its place
     assert len(set(seen)) >= 4 and seen == sorted(seen) and seen[-1] == 1.0
+    assert len(found) == len(set(seen)), "nothing is drawn anew that is no other"
 
 
 @pytest.mark.slow
