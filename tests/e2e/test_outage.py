@@ -24,6 +24,7 @@ SLIDER = "stiffness error in the model [%]"
 PATH = LESSONS["separation"].path
 PREDICT = next(k for k, scene in enumerate(PATH) if scene.id == "predict")
 NOTICED_S = 10.0  # s in which a dead network is said
+NO_ADDRESS = "() => { window.observerLabAddress.shown = ''; sessionStorage.removeItem('observer-lab-address'); }"  # as on a slow way
 COLUMN = "document.querySelector('.ol-question').closest('[data-ol-view]')"
 UNFOCUSED = "document.hasFocus = () => false"
 expect.set_options(timeout=60_000)
@@ -76,6 +77,20 @@ def test_an_outage_loses_no_edit_and_moves_no_column(context: BrowserContext, ca
     tab.settle()
     eventually(lambda: tab.value(SLIDER), lambda value: value == 6.0, "the design with all that was done")
     eventually(lambda: scrolled(page), lambda top: abs(top - before) <= 2, "the column as it was scrolled")
+
+
+def test_a_press_before_the_page_is_told_its_address_is_not_lost(context: BrowserContext, serve: Serve) -> None:
+    with serve(0, "--view", "present", "--lesson", "separation") as address, Cable(address) as cable:
+        page = context.new_page()
+        page.goto(cable.address)
+        expect(page.locator(".ol-card")).to_have_attribute("data-scene", PATH[0].id)
+        page.evaluate(NO_ADDRESS)
+        cable.become("silent")
+        page.keyboard.press("ArrowRight")
+        expect(page.locator(".ol-lost")).to_be_visible()
+        cable.become("whole")
+        expect(page.locator(".ol-lost")).to_be_hidden()
+        expect(page.locator(".ol-card")).to_have_attribute("data-scene", PATH[1].id)
 
 
 def test_a_long_way_is_no_outage(context: BrowserContext, cable: Cable) -> None:

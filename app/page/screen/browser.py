@@ -51,7 +51,7 @@ class Browser:
 
     def address(self, token: str, lesson: str, asked: int) -> None:
         """Put a state into the address bar, if it fits there."""
-        page_scripts.show_address(self._client, token if len(token) <= LONGEST_LINK else "", lesson, asked)
+        page_scripts.show_address(self._client, token if len(token) <= LONGEST_LINK else "", lesson, asked, self._pressed)
 
     def download(self, name: str, content: bytes) -> None:
         """Give the person a file."""

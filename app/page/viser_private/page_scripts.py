@@ -64,12 +64,13 @@ def tell_the_window(client: viser.ClientHandle, widget: viser.GuiVector3Handle) 
     run_script(client, "window", widget=node_id(widget))
 
 
-def show_address(client: viser.ClientHandle, token: str, lesson: str, asked: int) -> None:
+def show_address(client: viser.ClientHandle, token: str, lesson: str, asked: int, answered: int) -> None:
     """Let the address bar say a state: another lesson is a page of its own to go back from, all else is not.
 
     `asked` is the number of the last state that was opened from there: the answer to an older one is passed over.
+    `answered` is the number of the last press that the state holds.
     """
-    run_script(client, "shown", token=token, lesson=lesson, asked=asked)
+    run_script(client, "shown", token=token, lesson=lesson, asked=asked, answered=answered)
 
 
 def tell_places(client: viser.ClientHandle, widget: Any, tabs: Sequence[str], steps: Sequence[str], tab: str | None) -> None:

@@ -29,12 +29,13 @@
   viser.server = location.origin.replace(/^http/, 'ws') + folder + (role ? `?${role}=1` : launch ? '?lti=' + encodeURIComponent(launch) : '');
   lab.token = () => (lab.carried || location.hash).slice(1);
   lab.say = what => viser.tell(lab.widget, JSON.stringify(what));
-  lab.show = (token, lesson, asked) => {
+  lab.show = (token, lesson, asked, answered) => {
     if (asked < lab.asked) return;  // an answer from before the last state that was opened here
     const old = history.state?.observerLab, other = old !== undefined && old !== lesson;
     history[other ? 'pushState' : 'replaceState']({observerLab: lesson}, '', plain() + (token && '#' + token));
     lab.shown = token;
     held('');
+    if (token) window.observerLabLine?.answered(answered);  // it holds these presses: after an outage they are not done again
     try { sessionStorage.setItem(own(kept), token); } catch (error) { console.warn('not kept', error); }
   };
   addEventListener('hashchange', () => {

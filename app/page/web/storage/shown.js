@@ -1,4 +1,4 @@
 // Puts the state that is shown into the address bar.
-({token, lesson, asked}) => {
-  window.observerLabAddress?.show(token, lesson, asked);
+({token, lesson, asked, answered}) => {
+  window.observerLabAddress?.show(token, lesson, asked, answered);
 }

@@ -1,7 +1,7 @@
 // Runs before viser's page: keeps what a hand has done until the server has answered it, and does it again after an outage. Widgets have
 // new names on a new connection, so each is known by its kind, its label and its place among those alike.
 ({kept}) => {
-  const viser = window.observerLabViser, line = window.observerLabLine, address = () => window.observerLabAddress?.shown ?? '';
+  const viser = window.observerLabViser, line = window.observerLabLine;
   const lesson = () => history.state?.observerLab ?? '';
   const CHANGE = 'GuiUpdateMessage', DRAG = 'SceneNodeDragMessage', COMMAND = 'CommandTriggerMessage', WAIT = 60, LONGEST = 40000;  // ms
   const PRESSES = ['GuiButtonGroupMessage', 'GuiButtonMessage', COMMAND];  // which do something each time; all else sets a value
@@ -44,7 +44,7 @@
     const goes = !line.lost && !(hand && (returns || late));
     if (hand) {
       const key = widget?.key ?? message.name, part = message.type === DRAG ? message.phase : press ? `press ${count}` : '';
-      const entry = {count: count += 1, key, part, press, message, at: address(), lesson: lesson(), unsent: !goes};
+      const entry = {count: count += 1, key, part, press, message, lesson: lesson(), unsent: !goes};
       if (part === 'start') held = held.filter(each => each.key !== key);
       held = [...held.filter(each => !alike(each, entry)), entry];
       store(held);
@@ -67,8 +67,8 @@
     if (entry.lesson && entry.lesson !== lesson()) return null;  // a page that was cut off early was not yet told its lesson
     if (message.type === DRAG) return viser.node(message.name) ? {...message, owner} : null;
     if (!widget || widget[0] === entry.missed) return null;
-    const [uuid, {kind, hidden}] = widget, done = entry.press && !entry.unsent && entry.at !== address();  // its answer was kept, though not seen
-    return done || (hidden && kind === PRESSES[0] && !isAsked(String(message.updates.value))) ? null : {...message, uuid};
+    const [uuid, {kind, hidden}] = widget;
+    return hidden && kind === PRESSES[0] && !isAsked(String(message.updates.value)) ? null : {...message, uuid};
   };
   const redo = async chosen => {  // once the page stands; what a hand does until then comes behind
     const end = performance.now() + LONGEST;
