@@ -80,7 +80,7 @@ def _innovations(found: RecordFit, judged: FilteredRecord) -> Below:
     away = SPREADS * np.sqrt(judged.track.S[first:, 0, 0])
     edge = REACH * float(np.sqrt(found.judged.track.S[-1, 0, 0]))
     return Below(text("innovations, edges ±{edge:.2g}", edge=edge), SHARE, (-edge, edge), -away, away,
-                 (Line(np.nan_to_num(judged.track.innovations[first:, 0]), "lit"),))
+                 (Line(np.nan_to_num(judged.track.innovations[first:, 0]), "dark"),))
 
 
 def _errors(errors: Sequence[np.ndarray]) -> Below:

@@ -9,7 +9,8 @@ from observer_lab.colours import COLOURS, rgb
 COLUMNS, ROWS = 1040, 500  # pixels of the panel
 HALF, FINE = 4, 8  # pixels to either side of the trace; places in a column at which it is read
 FREE = 0.08  # of a picture's height, above and below
-EXPECTED, TINT = "estimate", 0.6  # of a band of what is expected: role, share of its colour
+EXPECTED, TINT = "estimate", 0.35  # of a band of what is expected: role, share of its colour
+GROUND, FITTED, RULED, RULES = "paper", "floor", "chart-grid", 20  # of the panel, of the part of the fit, of its rules; how many there are
 
 
 def paler(role: str, share: float) -> np.ndarray:
@@ -18,8 +19,17 @@ def paler(role: str, share: float) -> np.ndarray:
 
 
 def band_colour() -> np.ndarray:
-    """The estimate's colour, as it looks through the dark ground."""
-    return (TINT * np.array(rgb(COLOURS[EXPECTED])) + (1 - TINT) * np.array(rgb(COLOURS["dark"]))).astype(np.uint8)
+    """The estimate's colour, as it looks on paper."""
+    return paler(EXPECTED, 1 - TINT)
+
+
+def ruled(split: float) -> np.ndarray:
+    """The panel's pixels before anything is painted: paper with upright rules, greyer over this share of the width from the left."""
+    image = np.empty((ROWS, COLUMNS, 3), np.uint8)
+    image[:] = rgb(COLOURS[GROUND])
+    image[:, np.arange(1, RULES) * COLUMNS // RULES] = rgb(COLOURS[RULED])
+    image[:, : round(split * COLUMNS)] = rgb(COLOURS[FITTED])
+    return image
 
 
 def row_of(image: np.ndarray, y: np.ndarray, ends: tuple[float, float]) -> np.ndarray:

@@ -29,10 +29,10 @@ from observer_lab.plants.bodies.own_body import GLASS_COLOUR, MOST_ARROWS
 from observer_lab.text import text
 
 from .below import NOTHING_BELOW, Below, paint_below
-from .painting import COLUMNS, FREE, ROWS, band_colour, paint, paler, row_of
+from .painting import COLUMNS, FREE, ROWS, band_colour, paint, row_of, ruled
 
 PANEL_WIDTH, PANEL_HIGH, PANEL_FOOT = 5.2, 2.5, 0.3  # stage units: of the panel, a little above the floor
-PANEL_DEEP = 0.78  # stage units: how far behind the middle of the stage it stands
+PANEL_DEEP, FRAME = 0.78, 0.07  # stage units: how far behind the middle of the stage it stands; of its frame
 ABOVE_TUBES = 1.36  # stage units: its foot where more tubes stand before it
 BEFORE, GLASS, COLLAR, THICK = 0.36, 0.12, 0.22, 0.1  # stage units: of the tube before the panel: its distance, radii and collar
 BASE, RAIL, BAR = (0.7, 0.4, 0.14), 0.06, 0.035  # stage units: of what the tube stands on; of the rail and of the line on the panel
@@ -41,10 +41,9 @@ POST, COLUMN, LEAST_COLUMN = 0.025, 0.3, 0.01  # stage units: radius of what the
 NAMED, BESIDE = 0.75, 0.7  # where the name of what is below stands: share of its height, and of the width beside columns
 TITLE, NOTE = 0.16, -0.1  # stage units above the panel: the names of its parts; above its foot: of what is marked
 LIES, LIFTED = 0.06, 0.17  # stage units: from the panel to what is written on it; from its foot to the upper edge of that
-READINGS = "floor"  # the role of the colour of readings
-PALER, FITTED = 0.45, 0.3  # how far the output's blue, and the ground of the part of the fit, go toward white
+READINGS, OUTPUT = "grey", "plant"  # the roles of the colours of readings and of the output
 WIDTHS = 2.0  # standard deviations of the band of expected readings
-FAULT, ASIDE, EXACT = "error", "paper", "lit"  # roles of the colours of marked readings
+FAULT, ASIDE, EXACT = "error", "reference", "dark"  # roles of the colours of marked readings
 DOT, SMALL, RING = 6.5, 5.0, (9.0, 13.0)  # pixels: the radii of dots; the radii of a ring
 STRIP = 9  # pixels: how high the strip is along the foot where readings have a bias
 
@@ -99,12 +98,10 @@ def panel_foot(count: int) -> float:
 def panel(trace: Trace, foot: float, below: Below = NOTHING_BELOW) -> StagePicture:
     """A record over the width of the panel: its output before its readings, before what the filter expects of them.
 
-    The part used for the fit has a paler ground and no band. What is shown `below` takes the lower part of the panel.
+    The part used for the fit has a greyer ground and no band. What is shown `below` takes the lower part of the panel.
     """
-    whole = np.empty((ROWS, COLUMNS, 3), np.uint8)
-    whole[:] = rgb(COLOURS["dark"])
     split, away = trace.share(trace.first), WIDTHS * trace.spread
-    whole[:, : round(split * COLUMNS)] = paler("dark", FITTED)
+    whole = ruled(split)
     line = round((1 - below.share) * ROWS)
     image = whole[:line]
     paint_below(whole[line:], below, trace.first, split)
@@ -112,7 +109,7 @@ def panel(trace: Trace, foot: float, below: Below = NOTHING_BELOW) -> StagePictu
     if trace.biased is not None:
         image[-STRIP:, round(trace.share(trace.biased) * COLUMNS):] = rgb(COLOURS[FAULT])
     paint(image, trace.ends, trace.readings, trace.readings, 0.0, np.array(rgb(COLOURS[READINGS]), np.uint8))
-    paint(image, trace.ends, trace.y, trace.y, 0.0, paler("plant", PALER))
+    paint(image, trace.ends, trace.y, trace.y, 0.0, np.array(rgb(COLOURS[OUTPUT]), np.uint8))
     _dots(image, trace, trace.faulty, trace.readings, (0.0, DOT), FAULT)
     _dots(image, trace, trace.aside, trace.readings, RING, ASIDE)
     _dots(image, trace, trace.exact, trace.y, (0.0, SMALL), EXACT)
@@ -139,9 +136,19 @@ def _columns(below: Below, foot: float) -> tuple[tuple[Part, ...], dict[str, Pos
         high = max(unit * value, LEAST_COLUMN)
         parts.append(Part(f"column {k}", Box((COLUMN, COLUMN, high)), COLOURS["estimate" if k < below.used else "muted"]))
         poses[f"column {k}"] = Pose((pitch * (k + 0.5) - PANEL_WIDTH / 2, PANEL_DEEP - COLUMN, foot + high / 2))
-    edge = Part("edge", Box((PANEL_WIDTH, BAR, BAR)), COLOURS["lit"])
+    edge = Part("edge", Box((PANEL_WIDTH, BAR, BAR)), COLOURS["dark"])
     poses["edge"] = Pose((0.0, PANEL_DEEP - 1.6 * COLUMN, foot + unit * below.edge))
     return (*parts, edge), poses
+
+
+def _frame(foot: float) -> tuple[tuple[Part, ...], dict[str, Pose]]:
+    """Bars around the panel; those at its sides stand on the floor."""
+    high, side = foot + PANEL_HIGH + FRAME, (PANEL_WIDTH + FRAME) / 2
+    upright, across = Box((FRAME, FRAME, high)), Box((PANEL_WIDTH, FRAME, FRAME))
+    places = {"frame left": (-side, PANEL_DEEP, high / 2), "frame right": (side, PANEL_DEEP, high / 2),
+              "frame top": (0.0, PANEL_DEEP, high - FRAME / 2), "frame foot": (0.0, PANEL_DEEP, foot - FRAME / 2)}
+    parts = tuple(Part(name, upright if at[0] else across, METAL) for name, at in places.items())
+    return parts, {name: Pose(at) for name, at in places.items()}
 
 
 def body_with_trace(trace: Trace, count: int, strongest: Sequence[float], others: Body | None, below: Below = NOTHING_BELOW) -> Body:
@@ -156,6 +163,7 @@ def body_with_trace(trace: Trace, count: int, strongest: Sequence[float], others
     split, part = trace.share(trace.first), 1 - below.share
     line, tall = foot + PANEL_HIGH * below.share, PANEL_HIGH * part  # where the record begins, and how high it is
     columns, standing = _columns(below, foot)
+    frame, around = _frame(foot)
 
     def up(y: float) -> float:
         return line + part * height(y, low, high)
@@ -166,7 +174,7 @@ def body_with_trace(trace: Trace, count: int, strongest: Sequence[float], others
     def pose(x: Sequence[float], gain: float) -> Mapping[str, Pose]:
         at = across(x)
         rest = {} if others is None else others.pose(x[1:], gain)
-        return {**{name: replace(each, position=_near(each.position)) for name, each in rest.items()}, **standing,
+        return {**{name: replace(each, position=_near(each.position)) for name, each in rest.items()}, **standing, **around,
                 "rail": Pose((0.0, deep, foot - BASE[2])), "base": Pose((at, deep, foot - BASE[2] / 2)),
                 "glass": Pose((at, deep, line + tall / 2)),
                 "now": Pose((at, PANEL_DEEP - BAR, foot + PANEL_HIGH / 2)),
@@ -183,9 +191,9 @@ def body_with_trace(trace: Trace, count: int, strongest: Sequence[float], others
         return ((across(x), deep - COLLAR, up(float(x[0]))), *rest)
 
     parts = (Part("rail", Box((PANEL_WIDTH, RAIL, RAIL)), STEEL), Part("base", Box(BASE), DARK_GREY),
-             Part("now", Box((BAR, BAR, PANEL_HIGH)), COLOURS["lit"]), Part("cap", Cylinder(1.1 * GLASS, 0.06), METAL),
+             Part("now", Box((BAR, BAR, PANEL_HIGH)), COLOURS["dark"]), Part("cap", Cylinder(1.1 * GLASS, 0.06), METAL),
              Part("glass", Cylinder(GLASS, tall), GLASS_COLOUR, opacity=0.12),
-             Part("reading", Cylinder(COLLAR, THICK), PLANT_COLOUR, twin=True), *columns)
+             Part("reading", Cylinder(COLLAR, THICK), PLANT_COLOUR, twin=True), *frame, *columns)
     if below.share:
         parts = (*parts, Part("post", Cylinder(POST, PANEL_HIGH * below.share), METAL))
     top = foot + PANEL_HIGH + TITLE

@@ -21,9 +21,9 @@ from observer_lab.engine.identification import read_record
 from observer_lab.lessons import LESSONS
 from observer_lab.lessons.record.data import TRUTHS, record_of
 from observer_lab.lessons.record.own import with_record
-from observer_lab.lessons.record.painting import COLUMNS, band_colour, paler
+from observer_lab.lessons.record.painting import COLUMNS, band_colour
 from observer_lab.lessons.record.study import Study
-from observer_lab.lessons.record.trace import ASIDE, EXACT, FAULT, PALER, READINGS, RING, STRIP
+from observer_lab.lessons.record.trace import ASIDE, EXACT, FAULT, OUTPUT, READINGS, RING, STRIP
 from observer_lab.page.stage.body_extent import reach
 from observer_lab.page.stage.viewpoint import body_scale, round_plant
 
@@ -187,16 +187,16 @@ def painted(image: np.ndarray) -> np.ndarray:
 
 
 def test_the_panel_shows_the_output_of_the_record_and_the_bar_where_the_run_is() -> None:
-    """The trace is as high as the output at each moment of the run. It stands right of the fitted part, whose ground is paler."""
+    """The trace is as high as the output at each moment of the run. It stands right of the fitted part, whose ground is greyer."""
     for share in (30, 50):
         outcome = LESSON.compute(LESSON.apply(LESSON.start(), {"share": share}))
         stage = outcome.stage
         assert stage is not None and stage.picture is not None
         image, y = stage.picture.image, stage.x[:, 0]
-        ground = image[0].astype(int).sum(axis=1)
+        ground = (image[0] == image[0, -1]).all(axis=1).astype(int)  # whether it is that of the rows that judge
         split = int(np.flatnonzero(np.diff(ground) != 0)[0]) + 1
-        assert ground[0] > ground[-1] and split == pytest.approx(share / 100 * len(ground), abs=2)
-        trace = (image == paler("plant", PALER)).all(axis=2)
+        assert ground[0] < ground[-1] and split == pytest.approx(share / 100 * len(ground), abs=2)
+        trace = (image == np.array(rgb(COLOURS[OUTPUT]))).all(axis=2)
         middle = np.array([np.flatnonzero(column).mean() for column in trace.T])[split:]
         at = np.interp(np.linspace(0, len(y) - 1, len(middle)), np.arange(len(y)), y)
         assert np.corrcoef(-middle, at)[0, 1] > 0.97
@@ -258,7 +258,7 @@ def test_the_collar_stands_on_the_trace_at_the_output_and_its_ghost_at_the_estim
         collar, ghost = (stage.body.pose(states[k].tolist(), stage.body.gain)["reading"].position for states in (stage.x, stage.xhat))
         column = min(int((collar[0] / wide + 0.5) * image.shape[1]), image.shape[1] - 1)
         row = (middle + high / 2 - collar[2]) / high * image.shape[0]
-        drawn = np.flatnonzero((image == paler("plant", PALER)).all(axis=2)[:, column])
+        drawn = np.flatnonzero((image == np.array(rgb(COLOURS[OUTPUT]))).all(axis=2)[:, column])
         assert drawn.min() - 4 <= row <= drawn.max() + 4, k
         assert ghost[2] - collar[2] == pytest.approx(0.84 * 2.5 * (stage.xhat[k, 0] - stage.x[k, 0]) / span)
 
@@ -269,7 +269,7 @@ def test_the_jumps_of_a_faulty_sensor_are_painted_on_the_panel() -> None:
         stage = LESSON.compute(LESSON.apply(LESSON.start(), values)).stage
         assert stage is not None and stage.picture is not None
         grey = (stage.picture.image == np.array(rgb(COLOURS[READINGS]))).all(axis=2)
-        trace = (stage.picture.image == np.array(paler("plant", PALER))).all(axis=2)
+        trace = (stage.picture.image == np.array(rgb(COLOURS[OUTPUT]))).all(axis=2)
         rows = np.arange(len(grey))[:, None]
         top, foot = np.where(trace, rows, len(grey)).min(axis=0), np.where(trace, rows, 0).max(axis=0)
         return int(np.where(grey, np.maximum(top - rows, rows - foot), 0).max())

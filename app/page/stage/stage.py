@@ -35,6 +35,7 @@ THICK, THIN = (0.035, 0.09, 0.16), (0.014, 0.05, 0.13)  # stage units: of shaft,
 MIN_ARROW_LENGTH = 0.05  # stage units: shorter arrows are not drawn
 LARGEST_CLOUD, ONE_OF_SEVERAL = 0.9, 0.5  # stage units: of a cloud that stands alone, and of one of several about one body
 UPRIGHT = (math.sqrt(0.5), math.sqrt(0.5), 0.0, 0.0)  # pictures lie flat until they are turned, then the last row is above
+BY_NIGHT = 0.66  # of the light of a picture, in the dark
 INSIDE = 0.985  # the ghost is drawn this much smaller: where it agrees, it vanishes into the body
 Place = tuple[int, tuple[int, ...]]  # the sample of the run that is shown, and of each pin's run
 BELOW: Vector = (0.0, 0.0, -9.0)
@@ -109,9 +110,10 @@ class StageView:
         if stage is None:
             return
         body = stage.body
+        light = BY_NIGHT if self._dark else 1.0
         self._picture = None if stage.picture is None else self._scene.add_image(
-            "/picture", stage.picture.image[::-1], *stage.picture.size, format="jpeg", cast_shadow=False, receive_shadow=False,
-            position=stage.picture.place, wxyz=UPRIGHT)
+            "/picture", (light * stage.picture.image[::-1]).astype(np.uint8), *stage.picture.size, format="jpeg",
+            cast_shadow=False, receive_shadow=False, position=stage.picture.place, wxyz=UPRIGHT)
         for part in body.parts:
             if not part.unseen:
                 self._solid.add(part, part.colour, part.opacity)
