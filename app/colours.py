@@ -85,6 +85,7 @@ COLOURS = MappingProxyType({
     "steel": "#8A93A0",
     "coil": "#4B4440",  # of wire; orange is the ghost's alone
     "dark": "#3A404A",
+    "bench": "#B4C0CF",  # on which bars and gauges stand
     "grey": "#9AA3AE",
     "tube": "#DCE8F2",
     "lit": "#FFF3C4",

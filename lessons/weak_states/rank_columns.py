@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from observer_lab.colours import COLOURS, rgb
-from observer_lab.plants.bodies.body import DARK_GREY, Box, Part, Pose, Rod, Vector
+from observer_lab.plants.bodies.body import BENCH, Box, Part, Pose, Rod, Vector
 from observer_lab.text import Text, text
 
 from .study import RELATIVE, Ranks
@@ -35,7 +35,7 @@ def rank_parts(count: int) -> tuple[Part, ...]:
     """Two steps with `count` columns each and a plate."""
     long = PITCH * count + 0.1
     return tuple(part for row, (_, high) in enumerate(ROWS) for part in (
-        Part(f"rank step {row}", Box((RIGHT - LEFT, DEEP, high)), DARK_GREY),
+        Part(f"rank step {row}", Box((RIGHT - LEFT, DEEP, high)), BENCH),
         *(Part(f"value {row} {k}", Rod(THICK), COLOURS[ROLES[row]]) for k in range(count)),
         Part(f"plate {row}", Box((long, 0.8 * DEEP, PLATE)), COLOURS["glass"], opacity=0.55)))
 

@@ -18,7 +18,7 @@ Quaternion = tuple[float, float, float, float]  # (w, x, y, z)
 UNTURNED: Quaternion = (1.0, 0.0, 0.0, 0.0)
 
 PLANT_COLOUR = COLOURS["plant"]  # the moving body
-METAL, STEEL, COIL, DARK_GREY = (COLOURS[role] for role in ("metal", "steel", "coil", "dark"))
+METAL, STEEL, COIL, DARK_GREY, BENCH = (COLOURS[role] for role in ("metal", "steel", "coil", "dark", "bench"))
 
 
 @dataclass(frozen=True)

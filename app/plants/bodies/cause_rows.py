@@ -8,7 +8,7 @@ from math import copysign
 
 from ...colours import COLOURS
 from ...text import Text
-from .body import DARK_GREY, METAL, PLANT_COLOUR, STEEL, Ball, Box, Part, Pose, Rod, Vector, pose_between
+from .body import BENCH, DARK_GREY, PLANT_COLOUR, STEEL, Ball, Box, Part, Pose, Rod, Vector, pose_between
 
 LEFT, RIGHT = -2.3, 2.3  # ends of the steps
 NAMES, TRACK, TRACK_HALF = -1.68, -0.6, 0.4  # x of the names, middle and half of a bead's track
@@ -46,12 +46,12 @@ class CauseRows:
         """Steps, a zero plate and a bar on each, tracks and beads of the causes."""
         last = self.count - 1
         steps = tuple(part for k, (_, high) in enumerate(self._rows()) for part in (
-            Part(f"step {k}", Box((RIGHT - LEFT, PITCH, high)), DARK_GREY),
-            *(Part(f"{side} {k}", Box((MARK, 0.8 * PITCH, 0.03)), METAL) for side in ("least", "most")),
-            Part(f"none {k}", Box((MARK, 0.8 * PITCH, 0.22)), METAL),
+            Part(f"step {k}", Box((RIGHT - LEFT, PITCH, high)), BENCH),
+            *(Part(f"{side} {k}", Box((MARK, 0.8 * PITCH, 0.03)), DARK_GREY) for side in ("least", "most")),
+            Part(f"none {k}", Box((MARK, 0.8 * PITCH, 0.22)), DARK_GREY),
             Part(f"part {k}", Rod(THICK if k == last else THIN), COLOURS["error"])))
         beads = tuple(part for k in range(len(self.causes)) for part in (
-            Part(f"track {k}", Box((2 * TRACK_HALF, 0.08, 0.04)), STEEL), Part(f"model {k}", Box((MARK, 0.2, 0.1)), METAL),
+            Part(f"track {k}", Box((2 * TRACK_HALF, 0.08, 0.04)), STEEL), Part(f"model {k}", Box((MARK, 0.2, 0.1)), DARK_GREY),
             Part(f"bead {k}", Ball(BEAD), PLANT_COLOUR)))
         return steps + beads
 

@@ -11,6 +11,7 @@ from collections.abc import Mapping, Sequence
 from ...colours import COLOURS
 from ...text import same, subscript, text
 from .body import (
+    BENCH,
     DARK_GREY,
     GHOST_NAME,
     METAL,
@@ -60,7 +61,7 @@ def rack_body(n: int, q: int, full: Sequence[float], rows: CauseRows) -> Body:
     places, last, up = columns(n, q), n + q, rows.top - BASE_TOP
     names = (*(f"x{i + 1}" for i in range(n)), *(f"z{i + 1}" for i in range(q)), "u")
     zero, panel = ZERO_LEVEL + up, up + (PANEL_LOW + PANEL_HIGH) / 2
-    parts = [Part("base", Box((RIGHT - LEFT, BASE_DEEP, rows.top)), DARK_GREY), *rows.parts(),
+    parts = [Part("base", Box((RIGHT - LEFT, BASE_DEEP, rows.top)), BENCH), *rows.parts(),
              Part("zero plant", Box((gap(n) * (n - 1) + 0.5, 0.02, 0.02)), DARK_GREY),
              Part("zero observer", Box((gap(q) * (q - 1) + 0.5, 0.02, 0.02)), DARK_GREY),
              Part("zero u", Box((0.95, 0.02, 0.03)), DARK_GREY)]

@@ -17,6 +17,7 @@ from ...colours import COLOURS, rgb
 from ...engine import NonlinearPlant
 from ...text import text
 from .body import (
+    BENCH,
     DARK_GREY,
     METAL,
     PLANT_COLOUR,
@@ -119,13 +120,13 @@ def glow(slowing: float) -> tuple[int, int, int]:
 def _parts() -> tuple[Part, ...]:
     estimate = COLOURS["estimate"]
     return (
-        Part("ground", Box((4.4, 1.5, GROUND_LEVEL)), DARK_GREY),
+        Part("ground", Box((4.4, 1.5, GROUND_LEVEL)), BENCH),
         Part("mast", Rod(0.05), STEEL),
         Part("turret", Cylinder(0.1, 0.1), STEEL),
         Part("dish", Cylinder(0.22, 0.05), METAL),
         Part("beam", Rod(0.02), COLOURS["lamp"], opacity=0.5),
         Part("ruler", Rod(0.03), STEEL),
-        *(Part(f"tick {each}", Box((0.2, 0.04, 0.025)), METAL) for each in TICKS_KM),
+        *(Part(f"tick {each}", Box((0.2, 0.04, 0.025)), DARK_GREY) for each in TICKS_KM),
         Part("true altitude", Rod(0.024), PLANT_COLOUR),
         *(Part(f"arc {i}", Rod(0.02), COLOURS["muted"]) for i in range(ARC_PIECES)),
         Part("tangent", Rod(0.028), estimate, twin=True, unseen=True),

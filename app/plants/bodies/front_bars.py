@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...text import Text
-from .body import DARK_GREY, METAL, Body, Box, Part, Pose, Rod, Vector, pose_between
+from .body import BENCH, DARK_GREY, Body, Box, Part, Pose, Rod, Vector, pose_between
 from .gain_lanes import BEHIND, moved_back
 
 LEFT, BEGIN, LONG = -2.25, -1.05, 3.2  # stage units: the left end of the trough, where bars begin, how long one of 1 is
@@ -50,7 +50,7 @@ def with_bars(body: Body, states: int, bars: Sequence[Bar], marks: Sequence[tupl
     front = rows[-1][0] - PITCH / 2
     fixed |= {f"bar mark {k}": Pose((BEGIN + LONG * share, front, FLOOR / 2)) for k, (_, share) in enumerate(marks)}
 
-    plinth = (Part("plinth", Box((end - LEFT, PLINTH, up)), DARK_GREY),) if up else ()
+    plinth = (Part("plinth", Box((end - LEFT, PLINTH, up)), BENCH),) if up else ()
     if up:
         fixed["plinth"] = Pose(((LEFT + end) / 2, FIRST_Y + (PITCH + PLINTH) / 2, up / 2))
 
@@ -68,10 +68,10 @@ def with_bars(body: Body, states: int, bars: Sequence[Bar], marks: Sequence[tupl
     def anchors(x: Sequence[float], gain: float) -> tuple[Vector, ...]:
         return tuple(moved_back(place, by, up) for place in body.anchors(x[:states], gain))
 
-    parts = (*body.parts, *plinth, *(Part(f"step {k}", Box((end - LEFT, PITCH, high)), DARK_GREY) for k, (_, high) in enumerate(rows)),
-             *(Part(f"bar mark {k}", Box((0.025, 0.03, FLOOR)), METAL) for k in range(len(marks))),
+    parts = (*body.parts, *plinth, *(Part(f"step {k}", Box((end - LEFT, PITCH, high)), BENCH) for k, (_, high) in enumerate(rows)),
+             *(Part(f"bar mark {k}", Box((0.025, 0.03, FLOOR)), DARK_GREY) for k in range(len(marks))),
              *(Part(f"bar {k}", Rod(THICK), bar.colour) for k, bar in enumerate(bars)),
-             *((Part("gate", Box((0.04, FIRST_Y - front - 0.02, GATE)), METAL),) if gate else ()))
+             *((Part("gate", Box((0.04, FIRST_Y - front - 0.02, GATE)), DARK_GREY),) if gate else ()))
     labels = (*((name, moved_back(place, by, up)) for name, place in body.labels),
               *((bar.name, (NAME_AT, y - THICK, high + 1.3 * THICK)) for bar, (y, high) in zip(bars, rows, strict=True)),
               *((name, (BEGIN + LONG * share, front - 0.08, 0.0)) for name, share in marks))

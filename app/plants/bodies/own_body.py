@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 from ...colours import COLOURS
 from ...text import NO_WORDS, Text, joined, text
 from .body import (
-    DARK_GREY,
+    BENCH,
     GHOST_NAME,
     METAL,
     PLANT_COLOUR,
@@ -100,6 +100,6 @@ def _stand(rows: tuple[int, ...], gap: float) -> tuple[list[Part], dict[str, Pos
     parts, poses = [], {}
     for i, size in enumerate(rows):
         high = 0.13 + ROW_STEP_HEIGHT * i
-        parts.append(Part(f"step {i}", Box((max(size * gap + 0.2, 1.0), ROW_GAP - 0.08, high)), DARK_GREY))
+        parts.append(Part(f"step {i}", Box((max(size * gap + 0.2, 1.0), ROW_GAP - 0.08, high)), BENCH))
         poses[f"step {i}"] = Pose((0.0, FRONT + ROW_GAP * i, high / 2))
     return parts, poses
