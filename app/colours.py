@@ -125,6 +125,7 @@ DARK_COLOURS = MappingProxyType({
     "glass-grid": "#3E4652",
     "glass-arc": "#626E80",
     "glass-leader": "#96A0B0",
+    "bench": "#667283",
 })
 
 

@@ -8,11 +8,11 @@ from collections.abc import Callable, Sequence
 import numpy as np
 import viser
 
-from ...colours import COLOURS, rgb
+from ...colours import COLOURS, palette, rgb
 from ...course.error_window import sample_at
 from ...course.lesson import Stage
 from ...course.pinned_designs import Ghost
-from ...plants.bodies.body import ASKED, Body, Vector
+from ...plants.bodies.body import ASKED, BENCH, Body, Vector
 from ...text import label_in_language
 from ..charts.text_layout import fold_lines
 from ..viser_private import viser_internals
@@ -116,7 +116,7 @@ class StageView:
             cast_shadow=False, receive_shadow=False, position=stage.picture.place, wxyz=UPRIGHT)
         for part in body.parts:
             if not part.unseen:
-                self._solid.add(part, part.colour, part.opacity)
+                self._solid.add(part, palette(self._dark)["bench"] if part.colour == BENCH else part.colour, part.opacity)
             if part.twin and stage.xhat is not None:
                 self._ghost.add(part, GHOST_COLOUR, 0.55 if self._dark else 0.42)
         self._hand = PullingHand(self._scene, body.gain)
