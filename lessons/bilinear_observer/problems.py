@@ -55,7 +55,7 @@ def _problem(name: str, label: Text, measured: tuple[int, ...], K: np.ndarray) -
 
 
 def _behind_bars(body: Body, states: int) -> Body:
-    return with_bars(body, states, BARS, decade_marks(LOW, HIGH, 4), BEHIND, PLINTH_HIGH)
+    return with_bars(body, states, BARS, decade_marks(LOW, HIGH, 4), BEHIND, PLINTH_HIGH, decades=(LOW, HIGH))
 
 
 def unknown_terms(o: BilinearObserver, L: np.ndarray) -> np.ndarray:

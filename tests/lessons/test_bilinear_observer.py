@@ -8,6 +8,7 @@ from mpmath import mp, mpf
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
+from observer_lab.colours import COLOURS
 from observer_lab.course.figures.records import TableFigure
 from observer_lab.lessons.bilinear_observer.knobs import KNOBS
 from observer_lab.lessons.bilinear_observer.lesson import LESSON
@@ -221,8 +222,12 @@ def test_the_stage_shows_g_and_lights_only_what_is_measured():
         poses = [problem.body.pose(stage.x[k].tolist(), 1.0) for k in (0, 40)]
         sizes = np.log10(np.clip(np.abs([stage.xhat[k, 6] - stage.x[k, 6] for k in (0, 40)]), 1e-12, 1e4))
         np.testing.assert_allclose([pose["bar 1"].scale[2] for pose in poses], 3.2 * np.maximum((sizes + 12) / 16, 0.004), atol=0.02)
-        dark = {p.colour for p in problem.body.parts if p.name == "lamp 3"} == {
-            p.colour for p in problem.body.parts if p.name == "table"}
+        assert problem.body.marks is not None
+        for k, size in zip((0, 40), sizes, strict=True):
+            said = problem.body.marks(stage.x[k].tolist(), stage.xhat[k].tolist(), 1.0).words[1][0]
+            number = said.translate(str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹−", "-0123456789-", "≤≥ ")).replace("·10", "e").replace("10-", "1e-")
+            assert np.log10(float(number)) == pytest.approx(size, abs=0.03), said
+        dark = {p.colour for p in problem.body.parts if p.name == "lamp 3"} == {COLOURS["dark"]}
         assert dark == (3 not in problem.measured)
         assert [p.name for p in problem.body.parts if p.twin] == ["large level"]
 
