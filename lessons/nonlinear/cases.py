@@ -22,6 +22,7 @@ from observer_lab.text import text
 
 PLATFORM, PENDULUM_CASE, FALL_CASE = "platform", "pendulum", "fall"
 KF, EKF, UKF = "kf", "ekf", "ukf"
+TEST_DECADES = -2, 6  # of the bars of NEES and NIS
 DEGREE = 180 / np.pi
 GROUND_INTENSITY, COUPLE = 4e-10, 3e-4  # m² s of each ground motion, N² s of a draught that tilts the deck
 SINE_HZ = 0.16  # Hz, of the known force
@@ -65,7 +66,19 @@ class Case:
         marks = decade_marks(*self.decades, 2 if self.decades[1] - self.decades[0] > 5 else 1)
         *first, (last, share) = marks if self.body.gain == 1 else marks[:-1]  # else a factor is written below the last one
         shown = (*first, (f"{last} [{self.watched[judged(self)].unit}]", share))
-        return with_bars(self.body, len(self.guess) + 4 * (self.id == FALL_CASE), bars, shown, self.by, gate=True)
+        return with_bars(self.body, self.drawn, bars, shown, self.by, gate=True)
+
+    @property
+    def drawn(self) -> int:
+        """How many numbers pose the body alone."""
+        return len(self.guess) + 4 * (self.id == FALL_CASE)
+
+    @cached_property
+    def tested(self) -> Body:
+        """The body behind the bars of NEES per state and of NIS per reading, both 1 for a consistent filter."""
+        bars = (Bar(text("NEES per state"), COLOURS["error"]), Bar(text("NIS per reading"), COLOURS["muted"]))
+        marks = decade_marks(*TEST_DECADES, 2)
+        return with_bars(self.body, self.drawn, bars, marks if self.body.gain == 1 else marks[:-1], self.by, decades=TEST_DECADES)
 
 
 @lru_cache(maxsize=1)

@@ -25,9 +25,9 @@ def try_often(outcome: Outcome[Study]) -> Iterator[tuple[float, Study | None]]:
 
 
 def depends(design: Design) -> Design:
-    """The design without what only changes what is looked at: the line in doubt, and the ghost where it does not steer."""
+    """The design without what only changes what is looked at: the line in doubt, the bars, and the ghost where it does not steer."""
     steered = design["case"] == PENDULUM_CASE or (design["case"] == PLATFORM and design["steer"])
-    return design.with_values(line="") if steered else design.with_values(line="", filter="")
+    return design.with_values(line="", bars="") if steered else design.with_values(line="", bars="", filter="")
 
 
 def shown(outcome: Outcome[Study], found: Study) -> Outcome[Study]:

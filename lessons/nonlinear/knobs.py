@@ -10,6 +10,7 @@ from .cases import EKF, FALL_CASE, KF, PENDULUM_CASE, PLATFORM, UKF
 from .report_algorithms import NONE, REPORT_LINES
 
 HORIZON = 30.0  # s, of the longest record
+ERRORS, TESTS = "errors", "tests"
 KNOBS = (
     Choice("case", "", text_in("nonlinear", "case"), default=FALL_CASE,
            options=((PLATFORM, text("platform, hardening springs")),
@@ -21,6 +22,9 @@ KNOBS = (
                     (EKF, text("EKF, expanded at every estimate")),
                     (UKF, text("UKF, sigma points"))),
            hint=text("The filter whose estimate and 3σ are drawn, and which the controller uses where there is one.")),
+    Choice("bars", "", text("bars of the stage"), default=ERRORS,
+           options=((ERRORS, text("stated σ and RMS error")), (TESTS, text("NEES and NIS"))),
+           hint=text("Two values of the filter of the ghost at each time, as bars before the body.")),
     Number("hardening", r"\gamma", text("hardening γ"), low=0.0, high=1.0, default=0.3, step=0.05, when=("case", (PLATFORM,)),
            hint=text("A spring stretched by 5 mm pulls 1 + γ times as hard as a linear one.")),
     Number("weakening", r"\nu", text("weakening of the coils ν"), low=0.0, high=1.0, default=0.2, step=0.05,

@@ -15,7 +15,8 @@ from observer_lab.plants.bodies.front_bars import share_of_decades
 from observer_lab.text import Text, listed, same, text
 
 from ..toolkit.latex import number
-from .cases import EKF, FALL_CASE, KF, PENDULUM_CASE, PLATFORM, UKF, judged
+from .cases import EKF, FALL_CASE, KF, PENDULUM_CASE, PLATFORM, TEST_DECADES, UKF, judged
+from .knobs import TESTS
 from .runs import FILTERS, Study, draft
 
 
@@ -58,26 +59,33 @@ def outcome_of(design: Design, study: Study) -> Outcome[Study]:
     """What a study shows."""
     who = design["filter"]
     metrics = LazyMap(lambda: _metrics(study))
-    stage = _stage(study, who)
+    stage = _stage(study, who, design["bars"] == TESTS)
     return Outcome(design, {}, {}, metrics, LazySequence(lambda: _checks(study, metrics)), None, (), stage,
                    LazySequence(lambda: _formulas(design, study)), LazyValue(lambda: _live(design, study)), study)
 
 
-def _stage(s: Study, who: str) -> Stage:
-    """One run behind the bars of what the filter states of its error and of its RMS error; the altitude's ±3σ is a band, else a ball."""
-    case, signal = s.case, s.case.watched[judged(s.case)]
-    sigma, away = s.sigmas[who][:, case.state], np.clip(s.means[who] - s.x, -1e9, 1e9)
+def _bars(s: Study, who: str, tested: bool) -> np.ndarray:
+    """Shares (n_t, 2) of the bars: NEES per state and NIS per reading, or what the filter states of its error and its RMS error."""
+    if tested:
+        return share_of_decades(np.column_stack([s.nees[who] / s.x.shape[1], s.nis[who] / len(s.case.R)]), *TEST_DECADES)
+    signal = s.case.watched[judged(s.case)]
     stated = np.sqrt(np.square(s.sigmas[who]) @ np.square(signal.weights))
-    sizes = signal.scale * np.column_stack([stated, s.rms[who][:, judged(case)]])
-    bars = share_of_decades(sizes, *case.decades)
+    return share_of_decades(signal.scale * np.column_stack([stated, s.rms[who][:, judged(s.case)]]), *s.case.decades)
+
+
+def _stage(s: Study, who: str, tested: bool) -> Stage:
+    """One run behind two bars; the altitude's ±3σ is a band, else a ball."""
+    case, bars = s.case, _bars(s, who, tested)
+    sigma, away = s.sigmas[who][:, case.state], np.clip(s.means[who] - s.x, -1e9, 1e9)
+    body = case.tested if tested else case.barred
     if case.id == FALL_CASE:
         tangent = {KF: np.full(len(s.t), case.guess[0]), EKF: np.clip(s.x[:, 0] + falling_body.ERROR_GAIN * away[:, 0], 0.0, None)}
         shown = away[:, 0], 3 * sigma, tangent.get(who, np.full(len(s.t), -1.0))
         x, xhat = (np.column_stack([s.x, *shown, np.full(len(s.t), ghostly), bars]) for ghostly in (0.0, 1.0))
-        return _smooth(Stage(case.barred, s.t, x, xhat))
+        return _smooth(Stage(body, s.t, x, xhat))
     x, xhat = (np.column_stack([states, bars]) for states in (s.x, s.x + away))
     u = s.u if s.u.shape[1] else np.zeros((len(s.t), 1))
-    return Stage(case.barred, s.t, x, xhat, u, 3 * case.scale * sigma)
+    return Stage(body, s.t, x, xhat, u, 3 * case.scale * sigma)
 
 
 def _smooth(stage: Stage) -> Stage:

@@ -295,3 +295,21 @@ def test_a_small_error_of_the_ghost_is_drawn_a_hundred_times_to_scale_and_a_larg
     study, body, ghost = on_stage(KF, 13, sensor=0.1)  # 36 km
     top = body["ruler"].position[2] + body["ruler"].scale[2]
     assert ghost["nose"].position[2] < top and ghost["capsule"].position[2] > body["capsule"].position[2] + 1.5
+
+
+@pytest.mark.parametrize("case", ["fall", "pendulum", "platform"])
+def test_the_bars_of_both_tests_are_their_means_over_the_runs_and_say_their_sizes(case: str) -> None:
+    """A bar of 10^-2 to 10^6 is as long as NEES per state, or NIS per reading, of the filter of the ghost."""
+    o = LESSON.compute(LESSON.apply(LESSON.start(), {"case": case, "bars": "tests"}))
+    stage, study = o.stage, o.study
+    assert stage is not None and stage.xhat is not None and stage.body.marks is not None
+    step = (len(stage.t) - 1) // (len(study.t) - 1)
+    for k in (0, len(study.t) // 2, len(study.t) - 1):
+        sizes = study.nees[EKF][k] / study.x.shape[1], study.nis[EKF][k] / len(study.case.R)
+        state = stage.x[step * k].tolist()
+        poses, words = stage.body.pose(state, 1.0), stage.body.marks(state, state, 1.0).words
+        for bar, size in enumerate(sizes):
+            share = np.clip((np.log10(max(size, 1e-2)) + 2) / 8, 0.004, 1)
+            assert poses[f"bar {bar}"].scale[2] == pytest.approx(3.2 * share, abs=1e-6)
+            if 1e-2 < size < 1000:
+                assert float(words[bar][0]) == pytest.approx(size, rel=0.06)
