@@ -72,6 +72,13 @@ def verdict(walker: Walker) -> str:
     return plain(re.sub(r'<p class="ol-note">[^<]*<button.*?</p>', "", told))
 
 
+def question(walker: Walker) -> str:
+    """What the card asks, with its numbers."""
+    picture = walker.session.picture
+    assert picture is not None
+    return plain(re.findall(r'<div class="ol-text">(.*?)</div>', card_html(picture, "hand"), re.S)[0])
+
+
 def opened(lesson: Lesson, index: int) -> Walker:
     """A tab at a scene, come to by its dot."""
     walker = Walker(lesson.id)
@@ -291,6 +298,7 @@ def done_right(lesson: Lesson, index: int, found: Cards) -> None:
     options = len(prediction_of(lesson, scene, "en").options) if isinstance(scene.do, Choose) else 0
     for what, option in ways(scene, options):
         walker = opened(lesson, index)
+        asked = question(walker)
         if isinstance(scene.do, Choose):
             walker.send(ChooseOption(option), 3.0)
         else:
@@ -299,6 +307,8 @@ def done_right(lesson: Lesson, index: int, found: Cards) -> None:
         here = f"{lesson.id} {scene.id} {what}"
         done = scene.id in walker.done
         found.hold(what.split()[0], done, f"{here}: not taken")
+        if done and isinstance(scene.do, Choose):
+            found.hold("question", question(walker) == asked, f"{here}: was “{asked}”, is “{question(walker)}”")
         if done:
             judged(lesson, walker, found, here)
             come_back(lesson, walker, index, found, here)

@@ -89,7 +89,8 @@ def card_html(picture: Picture, hand: str) -> str:
                    f'aria-label="{k + 1}" aria-current="{"step" if k == at else "false"}"'
                    f'{" data-done" if is_done else ""}></button>' for k, is_done in enumerate(done))
     parts = [f'<div class="ol-where"><span>{at + 1}/{count}</span><nav class="ol-dots">{dots}</nav></div>',
-             f'<h1 class="ol-scene">{html.escape(words.title)}</h1>', f'<div class="ol-text">{paragraphs(picture, words.text)}</div>']
+             f'<h1 class="ol-scene">{html.escape(words.title)}</h1>',
+             f'<div class="ol-text">{paragraphs(picture, words.text, picture.asked)}</div>']
     if isinstance(scene.do, Choose):
         parts.append(_options(picture, scene, hand))
     if words.do:

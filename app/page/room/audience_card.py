@@ -33,7 +33,8 @@ def card_html(picture: Picture) -> str:
         return f'<section class="ol-card"><h1 class="ol-scene">{html.escape(words.question)}</h1></section>'
     at, said = picture.lesson.path.index(scene) + 1, picture.scene_words
     parts = [f'<div class="ol-where"><span>{at}/{len(picture.lesson.path)}</span></div>',
-             f'<h1 class="ol-scene">{html.escape(said.title)}</h1><div class="ol-text">{paragraphs(picture, said.text)}</div>']
+             f'<h1 class="ol-scene">{html.escape(said.title)}</h1>'
+             f'<div class="ol-text">{paragraphs(picture, said.text, picture.asked)}</div>']
     if isinstance(scene.do, Choose):
         parts.append(_options(picture, scene))
     return f'<section class="ol-card" data-scene="{scene.id}">{"".join(parts)}</section>'

@@ -14,7 +14,7 @@ from ...course.guiding.questions import Asked, DrawnQuestion
 from ...course.lazy import FigureSet, complete_figures
 from ...course.lesson import Design, Lesson, Outcome
 from ...course.pinned_designs import Pin, Pinned
-from ...course.scenes import Scene
+from ...course.scenes import Choose, Scene
 
 CACHED_DESIGNS = 32  # designs whose drafts are remembered, and results of jobs
 SLICE_S = 0.015  # s of a long job between two looks at the mailbox
@@ -170,15 +170,17 @@ class SceneOutcomes:
         self._question: tuple[tuple[str, str, Design, Design], DrawnQuestion] | None = None  # and what it rests on
 
     def of(self, lesson: Lesson, scene: Scene | None, done: Mapping[str, Design], began: Design | None, present: Outcome) -> tuple[
-            Outcome | None, Design | None, DrawnQuestion | None]:
-        """The outcome with which a scene was `done`, None where it is not; the design with which it `began`; its question's figure.
+            Outcome | None, Design | None, DrawnQuestion | None, Outcome | None]:
+        """The outcome with which a scene was `done`, None where it is not; the design with which it `began`; its question's figure;
+        the outcome with which a question is asked.
 
         All are None where no scene is open.
         """
         if scene is None:
-            return None, None, None
+            return None, None, None, None
         began, kept = began or present.design, done.get(scene.id)
-        return self._outcome(lesson, kept, present), began, self._figure(lesson, scene, began, kept)
+        asked = self._drafts.draw(lesson, began)[0] if isinstance(scene.do, Choose) and began != present.design else None
+        return self._outcome(lesson, kept, present), began, self._figure(lesson, scene, began, kept), asked
 
     def _outcome(self, lesson: Lesson, done: Design | None, present: Outcome) -> Outcome | None:
         if done is None or done == present.design:

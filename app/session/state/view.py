@@ -42,7 +42,7 @@ class Picture:
     `figures` and the outcome's boards are the lesson's own; `seen` and `boards` have the pinned designs laid in. One that is not
     `whole` shows what is looked at, the open tab's figures, boards and stage, while a knob moves; the rest follows. `kept` is the
     outcome of the run with which the open scene was done, None where it is not done; `began` the design with which the scene began;
-    `question` is the figure of its question.
+    `question` is the figure of its question, `asked` the outcome of the design with which that is asked, None where it is this one.
     """
 
     lesson: Lesson
@@ -60,6 +60,7 @@ class Picture:
     kept: Outcome | None = None
     began: Design | None = None
     question: DrawnQuestion | None = None
+    asked: Outcome | None = None
 
     @cached_property
     def seen(self) -> Sequence[Figure]:
