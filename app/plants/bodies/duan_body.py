@@ -14,7 +14,6 @@ from .body import (
     BENCH,
     DARK_GREY,
     GHOST_NAME,
-    METAL,
     PLANT_COLOUR,
     STEEL,
     Arrow,
@@ -74,7 +73,7 @@ def rack_body(n: int, q: int, full: Sequence[float], rows: CauseRows) -> Body:
         r = WIDE if wide else min(0.42 * gap(n if k < n else q), 0.22)  # of the collar that shows the value
         colour = PLANT_COLOUR if wide or k < n else OBSERVER_COLOUR
         parts += [Part(f"{name} socket", Cylinder(0.8 * r, 0.1), STEEL),
-                  Part(f"{name} plate", Box((2.2 * r, 0.05, PANEL_HIGH - PANEL_LOW)), METAL),
+                  Part(f"{name} plate", Box((2.2 * r, 0.05, PANEL_HIGH - PANEL_LOW)), COLOURS["tube"]),
                   Part(f"{name} column", Rod(0.45 * r), STEEL),
                   Part(f"{name} level", Cylinder(r, COLLAR), colour, twin=wide)]
         fixed[f"{name} socket"] = Pose((place, 0.0, rows.top + 0.05))

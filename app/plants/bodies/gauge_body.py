@@ -9,7 +9,6 @@ from ...text import same, subscript, text
 from .body import (
     BENCH,
     DARK_GREY,
-    METAL,
     PLANT_COLOUR,
     STEEL,
     Arrow,
@@ -106,7 +105,7 @@ def _names(states: int, lit: frozenset[int], places: Sequence[float]) -> tuple[P
 
 def _parts(states: int, lit: frozenset[int], thick: float) -> tuple[Part, ...]:
     small = tuple(part for i in range(states) for part in (
-        Part(f"back {i}", Box((0.28 * thick, 0.05, 2.2)), METAL if i in lit else STEEL),
+        Part(f"back {i}", Box((0.28 * thick, 0.05, 2.2)), COLOURS["tube"] if i in lit else STEEL),
         Part(f"socket {i}", Cylinder(0.12 * thick, 0.16), STEEL),
         Part(f"zero {i}", Box((0.28 * thick, 0.03, 0.02)), STEEL),
         Part(f"column {i}", Rod(0.06 * thick), PLANT_COLOUR if i in lit else UNLIT),
@@ -115,7 +114,7 @@ def _parts(states: int, lit: frozenset[int], thick: float) -> tuple[Part, ...]:
     ))
     return (
         Part("table", Box((4.1, 0.9, 0.1)), BENCH), *small,
-        Part("large back", Box((0.78, 0.07, 2.35)), METAL),
+        Part("large back", Box((0.78, 0.07, 2.35)), COLOURS["tube"]),
         Part("large socket", Cylinder(0.3, 0.16), STEEL),
         Part("large zero", Box((0.78, 0.03, 0.025)), STEEL),
         Part("large column", Rod(0.15), STEEL),
