@@ -100,7 +100,7 @@ def _criterion(outcome: Outcome[Story]) -> PlaneFigure:
         known, seen, output = criterion_1(axis, design)
         curves = [Curve(same("J"), known + seen + output, "plant", width=2.4, x=axis),
                   Curve(same("2α|s|"), known, "muted", "dot", 1.4, axis),
-                  Curve(same("β|s² + 4s + 3|"), seen, "estimate", "dash", 1.4, axis),
+                  Curve(same("β|s² + 4s + 3|"), seen, "second", "dash", 1.4, axis),
                   Curve(same("γ|50 + 30s|"), output, "force", "dash", 1.4, axis)]
         title = text("J over the observer pole s")
         words = text("J = {j:.4g} at s = {poles_real:.3g}. The kink of the green part is where M = 0: s = −5/3.",

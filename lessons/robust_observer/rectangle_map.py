@@ -13,9 +13,9 @@ from .knobs import IM_HIGH
 from .study import Story
 
 REAL = np.linspace(-2.0, -0.2, 37)  # rad/s; the left end of the region never lies right of it
-HIGH = np.linspace(0.1, IM_HIGH, 60)
+HIGH = np.linspace(0.1, 3.5, 35)  # beyond, J grows on
 NEAR_END = 1e-9  # rad/s: a point of the grid this near to an end lies in the rectangle
-TIMES = (1 - 1e-9, 1.1)  # levels of J, in shares of the least J in the rectangle
+TIMES = (1 - 1e-9, 1.1, 2.0)  # levels of J, in shares of the least J in the rectangle
 EDGE = len(TIMES) + 1
 
 
@@ -37,5 +37,5 @@ def pair_map(outcome: Outcome[Story], tab: Text) -> MapFigure:
     upper = outcome.poles["observer"][np.argmax(outcome.poles["observer"].imag)]
     return MapFigure("map", text("J over Re s and Im s of a pair"), REAL, HIGH, values,
                      ((text("less than the best in the rectangle"), "force"), (text("as the best, within 10 %"), "plant"),
-                      (text("more than that"), "muted"), (text("edge of the rectangle"), "error")),
+                      (text("up to twice as much"), "second"), (text("more than that"), "metal"), (text("edge of the rectangle"), "error")),
                      "Re s [rad/s]", "Im s [rad/s]", (float(upper.real), float(upper.imag)) if upper.imag else None, said, tab)

@@ -17,7 +17,7 @@ from observer_lab.course.knobs import KnobError, Number
 from observer_lab.course.lazy import LazyValue
 from observer_lab.course.lesson import Board, Check, Design, Stage
 from observer_lab.engine import functional_observer
-from observer_lab.engine.observers import FunctionalObserver, Norm, Perturbations, RobustObserver, error_index, peak_gain, vertices
+from observer_lab.engine.observers import FunctionalObserver, Norm, Perturbations, RobustObserver, criterion, error_index, peak_gain, vertices
 from observer_lab.plants import Window
 from observer_lab.plants.bodies.body import Body
 from observer_lab.plants.bodies.cause_rows import CauseRows
@@ -64,21 +64,21 @@ ADDED = text("added to û − u")
 ERROR_KNOBS = MappingProxyType({knob.name: knob for knob in KNOBS if isinstance(knob, Number) and knob.group == ERRORS_GROUP})
 
 
-def _case(example: Example, poles: str, deltas: tuple[str, str, str], q: int, full: tuple[float, ...], bar: float,
+def _case(example: Example, poles: str, deltas: tuple[str, str, str], q: int, full: tuple[float, ...], bar: float, most: float,
           axis: Text = ADDED, called: Mapping[str, Text] = MappingProxyType({})) -> Case:
     def rows(*names: str) -> CauseRows:
         return CauseRows(text("first error"), [called.get(name, ERROR_KNOBS[name].label) for name in names], text("sum: error of û"),
                          (f"≤ −{bar:g}", "0", f"≥ {bar:g}"), axis)
 
-    bodies = (rack_body(example.plant.n, q, full, rows(*names)) for names in (deltas, (*deltas, "input")))
+    bodies = (rack_body(example.plant.n, q, full, rows(*names), most) for names in (deltas, (*deltas, "input")))
     return Case(example, *bodies, poles, deltas, bar)
 
 
 EXAMPLE_CASES: MappingProxyType[str, Case] = MappingProxyType({
-    EXAMPLE_ONE: _case(EXAMPLE_1, "pole", ("a1", "a2", "c"), 1, (3.0, 3.0, 3.0, 3.0), 3.0),
-    EXAMPLE_TWO: _case(EXAMPLE_2, "pair", ("b1", "b2", "d"), 2, (0.6, 0.6, 0.6, 3.0, 3.0, 5.0), 0.02),
-    EXAMPLE_THREE: _case(replace(EXAMPLE_1, z0=(-0.3, -0.3)), "pair", ("a1", "a2", "c"), 2, (3.0, 3.0, 3.0, 3.0, 3.0), 3.0),
-    EXAMPLE_FOUR: _case(CARTS, "pair", ("stiff", "damp", "tacho"), 2, (0.5, 1.5, 0.5, 1.5, 2.0, 2.0, 3.0), 0.5,
+    EXAMPLE_ONE: _case(EXAMPLE_1, "pole", ("a1", "a2", "c"), 1, (3.0, 3.0, 3.0, 3.0), 3.0, 360.0),
+    EXAMPLE_TWO: _case(EXAMPLE_2, "pair", ("b1", "b2", "d"), 2, (0.6, 0.6, 0.6, 3.0, 3.0, 5.0), 0.02, 100.0),
+    EXAMPLE_THREE: _case(replace(EXAMPLE_1, z0=(-0.3, -0.3)), "pair", ("a1", "a2", "c"), 2, (3.0, 3.0, 3.0, 3.0, 3.0), 3.0, 30.0),
+    EXAMPLE_FOUR: _case(CARTS, "pair", ("stiff", "damp", "tacho"), 2, (0.5, 1.5, 0.5, 1.5, 2.0, 2.0, 3.0), 0.5, 8.0,
                         text("added to û − u, in N"),
                         MappingProxyType({"stiff": text("δ of the spring"), "damp": text("δ of the damping")})),
 })
@@ -108,6 +108,12 @@ def causes(design: Design) -> tuple[Cause, ...]:
     known = (*(Cause(A=d * way) for d, way in zip(a, example.wrong.A, strict=True)),
              *(Cause(C=d * way) for d, way in zip(c, example.wrong.C, strict=True)))
     return (*known, Cause(B=design["input"] * example.plant.B)) if design["input"] else known
+
+
+def index_parts(design: Design, o: FunctionalObserver) -> np.ndarray:
+    """The three parts of J (3,): what of it is due to T, to L and to M."""
+    return np.array([criterion(*(kept if k == part else 0 * kept for k, kept in enumerate((o.T, o.L, o.M))), o.wrong, norm=norm_of(design))
+                     for part in range(3)])
 
 
 def turn(design: Design) -> np.ndarray:
@@ -241,7 +247,8 @@ def _stage(design: Design, story: Story) -> Stage:
     knobs = (*case.deltas, "input")[:len(named)]
     shares = np.tile([design[name] / ERROR_KNOBS[name].high for name in knobs], (len(run.t), 1))
     parts = np.clip(np.nan_to_num(np.column_stack([error_parts(run, story.observer, named), run.e]) / case.full), -1.0, 1.0)
-    states = np.hstack([np.clip(np.hstack([run.x, run.z]), -DISPLAY_LIMIT, DISPLAY_LIMIT), shares, parts])
+    index = np.tile(index_parts(design, story.observer), (len(run.t), 1))
+    states = np.hstack([np.clip(np.hstack([run.x, run.z]), -DISPLAY_LIMIT, DISPLAY_LIMIT), shares, parts, index])
     true, ghost = (np.hstack([states, np.clip(u, -DISPLAY_LIMIT, DISPLAY_LIMIT)]) for u in (wanted, given))
     return Stage(case.body_input if design["input"] else case.body, run.t, true, ghost, np.clip(given, -DISPLAY_LIMIT, DISPLAY_LIMIT))
 

@@ -144,8 +144,8 @@ def test_the_map_has_the_rectangle_and_its_least_cells_at_the_pair():
     assert drawn.marked == (-0.5, 1.5) and "−0.5 ± 1.5j, about 2.34; now J is 2.34" in drawn.caption("en").replace("-", "−")
     least = inside & (drawn.values == 1)
     assert least[np.isclose(x, -0.5) & np.isclose(y, 1.5)].all() and (x[least] > -0.75).all() and (y[least] > 1.3).all()
-    assert not (inside & np.isin(drawn.values, (0, 3))).any() and (drawn.values == 0).any()  # J is smaller outside only
-    edge = drawn.values == 3
+    assert not (inside & np.isin(drawn.values, (0, 4))).any() and (drawn.values == 0).any()  # J is smaller outside only
+    edge = drawn.values == 4
     assert edge[np.isclose(y, 1.6) & (x < -0.49)].all() and edge[np.isclose(x, -0.45) & (y < 1.51)].all() and edge.sum() == 31 + 15
 
 
@@ -177,6 +177,7 @@ def test_green_pairs_of_the_map_have_a_smaller_J_than_all_pairs_in_the_rectangle
     drawn = next(f for f in LESSON.figures(o) if f.id == "map")
     J = np.array([[peer_J(complex(x, y), complex(x, -y)) for x in drawn.x] for y in drawn.y])
     least = J[np.ix_(drawn.y <= tall + 1e-9, drawn.x <= -0.5 + 1e-9)].min()
-    edge = drawn.values == 3
+    edge = drawn.values == 4
     assert ((drawn.values == 0) == (least * (1 - 1e-9) > J))[~edge].all() and ((drawn.values == 1) <= (1.1 * least * (1 + 1e-9) >= J)).all()
+    assert ((drawn.values == 3) == (2.0 * least < J))[~edge].all() and (drawn.values == 2).any()
     assert not (drawn.values == 0)[np.ix_(drawn.y <= tall, drawn.x <= -0.5)].any() and edge.any()

@@ -96,3 +96,19 @@ def test_the_scenes_show_what_they_say() -> None:
     assert with_it[3] * with_it[1:3].sum() < 0 and abs(exact[-1]) > 3 * abs(with_it[-1])
     before, after = (rows_drawn(outcome(example="4", pair=(complex(-0.5, -im), complex(-0.5, im))), 4.0) for im in (0.5, 2.0))
     assert abs(before[3]) > 0.05 and abs(after[3]) <= 0.0041 and abs(after[1]) > 2 * abs(before[1])
+
+
+@pytest.mark.parametrize("s", [-10.0, -5.0, -5 / 3, -0.5])
+def test_the_slabs_are_the_three_sizes_in_the_criterion_by_the_papers_equations(s: float) -> None:
+    """Example 1: T A₁ and T A₂ have the one entry s, L C₁ the entry −(s² + 4s + 3), M C₁ the entry −(50 + 30s)."""
+    sizes = np.array([2 * abs(s), abs(s * s + 4 * s + 3), abs(50 + 30 * s)])
+    o = outcome(pole=(s,))
+    stage = o.stage
+    assert stage is not None and stage.body.marks is not None
+    x = stage.x[0].tolist()
+    poses, words = stage.body.pose(x, 1.0), stage.body.marks(x, x, 1.0).words
+    drawn = np.array([poses[f"J {name}"].scale[2] for name in "TLM"])
+    np.testing.assert_allclose(drawn, np.maximum(1.5 * sizes / max(360.0, sizes.sum()), 0.004), atol=1e-9)
+    assert words[0][0] == f"J = {sizes.sum():.3g}"
+    seen = [name for name, high in zip("TLM", drawn, strict=True) if high >= 0.09]
+    assert [name for name, at, _ in words[1:] if at[2] > 0] == seen

@@ -14,7 +14,7 @@ import numpy as np
 from ...text import NO_WORDS, Text, text
 from ..figures.curves import thin_samples
 from ..figures.ranges import round_up_nicely
-from ..figures.records import Curve, PlaneFigure, Point, finite
+from ..figures.records import Curve, Dash, PlaneFigure, Point, finite
 from ..knobs import KnobError
 from ..lesson import Lesson, Outcome
 
@@ -57,7 +57,7 @@ class DrawnQuestion:
         yours = self.options[chosen] if chosen is not None and chosen >= 0 else ()
         if sketch is not None and len(sketch) == len(self.columns):
             heights = self.heights_of(sketch)
-            yours = tuple(_bar(x, h, YOU, "dimmed", -1) for x, h in zip(self.columns, heights, strict=True)) if self.bars else (
+            yours = tuple(_bar(x, h, YOU, "reference", -1, "dash") for x, h in zip(self.columns, heights, strict=True)) if self.bars else (
                 Curve(YOU, np.array(heights), "reference", "dash", 2.4, np.array(self.columns)),)
         parts = (*yours, *(self.run if answered else ()))
         return replace(self.figure, curves=(*self.figure.curves, *(p for p in parts if isinstance(p, Curve))),
@@ -142,9 +142,9 @@ def question_of_bar_groups(title: Text, y_label: Text | str, known: Sequence[tup
     drawn = (*(_bar(k, value, NO_WORDS, "muted") for k, (_, value) in enumerate(known)), *_levels(first, *level))
     figure = PlaneFigure("question", title, drawn, (), "", y_label, (-0.6, len(names) - 0.4), (low, high), names=names)
 
-    def group(values: Sequence[float], side: float, name: Text, role: str) -> tuple[Curve, ...]:
-        return tuple(_bar(first + k, value, name, role, side) for k, value in enumerate(values))
-    return DrawnQuestion(figure, tuple(group(each, -1, YOU, "dimmed") for each in options), group(run, +1, RUN, role),
+    def group(values: Sequence[float], side: float, name: Text, role: str, dash: Dash = "solid") -> tuple[Curve, ...]:
+        return tuple(_bar(first + k, value, name, role, side, dash) for k, value in enumerate(values))
+    return DrawnQuestion(figure, tuple(group(each, -1, YOU, "reference", "dash") for each in options), group(run, +1, RUN, role),
                          tuple(float(first + k) for k in range(len(asked))), bars=True)
 
 
@@ -155,9 +155,9 @@ def _levels(first: int, name: Text, heights: Sequence[float]) -> Iterator[Curve]
                     np.array([first + k - LEVEL_HALF, first + k + LEVEL_HALF]))
 
 
-def _bar(at: float, value: float, name: Text, role: str, side: float = 0.0) -> Curve:
-    """A bar from zero at a place, beside its middle where another one stands there too."""
-    return Curve(name, np.array([0.0, float(value)]), role, "solid", BAR_WIDTH, np.full(2, at + side * BAR_GAP))
+def _bar(at: float, value: float, name: Text, role: str, side: float = 0.0, dash: Dash = "solid") -> Curve:
+    """A bar from zero at a place, beside its middle where another one stands there too; with a `dash` its edge alone."""
+    return Curve(name, np.array([0.0, float(value)]), role, dash, BAR_WIDTH, np.full(2, at + side * BAR_GAP))
 
 
 def question_of_poles(title: Text, known: Sequence[Point], options: Sequence[Sequence[complex]], run: Sequence[complex],

@@ -11,6 +11,7 @@ import numpy as np
 
 from ...colours import COLOURS, rgb
 from ...course.figures.records import (
+    Curve,
     DiagramFigure,
     Figure,
     GaugeFigure,
@@ -21,7 +22,7 @@ from ...course.figures.records import (
     TableFigure,
     finite,
 )
-from ...text import label_in_language
+from ...text import format_number, label_in_language
 from ..words.prose import with_minus
 from .axes import ROW_HEIGHT_PX, Axes, H, W, clear_of_marks
 from .diagrams import diagram, equations
@@ -47,6 +48,7 @@ MOST_NAMES, NAME_COLOUR_SHARE = (
     0.66,
 )  # names of curves that stand beside them, more stand in a key; how much of a curve's colour is its name's
 BOLD = 1.08  # how much wider bold words are
+CELL_OPACITY = 0.75  # of the cells of a map
 LEAST_BAR_PX = 2.5  # px that a bar is high at least
 TITLE_PX = 14.0  # px of a drawing's title; in large print it is as large as its other words
 BARS = re.compile("▮+")  # the level of a number in a table: a bar as many parts long
@@ -120,13 +122,19 @@ def _plane(figure: PlaneFigure, language: str, large: bool, high: float) -> tupl
     for curve in figure.curves:
         xs = np.arange(len(curve.y)) if curve.x is None else curve.x
         path = [axes.at(float(a), float(b)) for a, b in zip(finite(xs, 1e6), finite(curve.y, 1e6), strict=True)]
-        if figure.names and len(path) == 2 and path[0][0] == path[1][0] and abs(path[1][1] - path[0][1]) < LEAST_BAR_PX:
+        bar = bool(figure.names) and len(path) == 2 and path[0][0] == path[1][0]
+        if bar and abs(path[1][1] - path[0][1]) < LEAST_BAR_PX:
             path[1] = (path[1][0], path[0][1] - LEAST_BAR_PX)  # a bar of height zero is seen to stand there
         drawn.append(path)
+        if bar and curve.dash != "solid":
+            out.append(_outline(path, curve))
+            continue
         points = " ".join(f"{px:.1f},{py:.1f}" for px, py in path)
         out.append(f'<polyline points="{points}" fill="none" stroke="{COLOURS[curve.role]}" '
                    f'stroke-width="{curve.width}"{SVG_DASHES[curve.dash]}/>')
     out.append("</g>")
+    if figure.id == "question" and figure.names and not figure.powers:
+        out += [_size_of_bar(path, float(curve.y[1])) for path, curve in zip(drawn, figure.curves, strict=True) if path[0][0] == path[-1][0]]
     out += [_mark(*axes.held(p.x, p.y), COLOURS[p.role], p.mark) for p in figure.points]
     marks = [(*axes.held(p.x, p.y), p.name(language)) for p in figure.points if math.isfinite(p.x + p.y)]
     names, taken = _names(marks, np.array([at for path in drawn for at in path], dtype=float).reshape(-1, 2), axes.frame)
@@ -140,6 +148,21 @@ def _plane(figure: PlaneFigure, language: str, large: bool, high: float) -> tupl
     below, more = curve_key([(c.entry(language), COLOURS["muted" if c.pin.id else c.role], c.dash) for c in figure.curves], W, axes.height,
                       patches=bool(figure.names), large=large)
     return "".join(out) + names + below, axes.height + more
+
+
+def _outline(path: list[tuple[float, float]], bar: Curve) -> str:
+    """A bar that is only supposed: its edge, dashed."""
+    (x, foot), (_, top) = path
+    return (f'<rect x="{x - bar.width / 2:.1f}" y="{min(foot, top):.1f}" width="{bar.width:g}" height="{abs(foot - top):.1f}" fill="none" '
+            f'stroke="{COLOURS[bar.role]}" stroke-width="2"{SVG_DASHES[bar.dash]}/>')
+
+
+def _size_of_bar(path: list[tuple[float, float]], value: float) -> str:
+    """The number that a bar shows, above its end, below that of a negative one."""
+    (x, foot), (_, top) = path
+    y = top - 4 if top <= foot else top + 13
+    return (f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="middle" font-size="12" paint-order="stroke" stroke="{COLOURS["paper"]}" '
+            f'stroke-width="3">{html.escape(with_minus(format_number(value, ".3g")))}</text>')
 
 
 def _names(marks: list[tuple[float, float, str]], drawn: np.ndarray, frame: Box) -> tuple[str, list[Box]]:
@@ -196,12 +219,12 @@ def _map(figure: MapFigure, language: str, large: bool, high: float) -> tuple[st
             x0, y0 = axes.at(float(figure.x[j]) - dx / 2, float(figure.y[i]) + dy / 2)
             x1, y1 = axes.at(float(figure.x[j]) + dx / 2, float(figure.y[i]) - dy / 2)
             path.append(f"M{x0:.1f} {y0:.1f}H{x1:.1f}V{y1:.1f}H{x0:.1f}z")
-        out.append(f'<path d="{"".join(path)}" fill="{COLOURS[role]}" fill-opacity="0.75"/>')
+        out.append(f'<path d="{"".join(path)}" fill="{COLOURS[role]}" fill-opacity="{CELL_OPACITY:g}"/>')
     out.append(axes.draw())
     if figure.marked is not None:
         out.append(_mark(*axes.held(*figure.marked), COLOURS["reference"], "circle"))
     words, more = curve_key([(name(language), COLOURS[role], "solid") for name, role in figure.categories], W, axes.height, patches=True,
-                      large=large)
+                            large=large, solid=CELL_OPACITY)
     return "".join(out) + words, axes.height + more
 
 

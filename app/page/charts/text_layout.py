@@ -155,9 +155,9 @@ def _gap(boxes: np.ndarray, path: np.ndarray) -> np.ndarray:
 
 
 def curve_key(entries: Sequence[tuple[str, str, str]], across: float, top: float, patches: bool = False,
-        large: bool = False) -> tuple[str, float]:
+              large: bool = False, solid: float = 1.0) -> tuple[str, float]:
     """A key of (name, colour, dash) in centred rows from `top` down, each name once, and its height; `patches` draws squares of
-    colour, for areas, lines otherwise. One name too long for a row is smaller."""
+    colour as `solid` as the areas are, lines otherwise. One name too long for a row is smaller."""
     told = list(dict.fromkeys(entry for entry in entries if entry[0]))
     size, high = (LARGE_PRINT_PX, LARGE_ROW) if large else (WORDS_PX, KEY_ROW)
     rows: list[list[tuple[str, str, str]]] = [[]]
@@ -176,7 +176,9 @@ def curve_key(entries: Sequence[tuple[str, str, str]], across: float, top: float
         x = (across - signs - less * letters) / 2
         y = top + high * (i + 0.5)
         for name, colour, dash in row:
-            out.append(f'<rect x="{x + 5:.1f}" y="{y - 5:.1f}" width="10" height="10" fill="{colour}" fill-opacity="0.75"/>' if patches
+            out.append(f'<rect x="{x + 5:.1f}" y="{y - 5:.1f}" width="10" height="10" '
+                       + (f'fill="{colour}" fill-opacity="{solid:g}"/>' if dash == "solid" else
+                          f'fill="none" stroke="{colour}" stroke-width="1.6" stroke-dasharray="3 2"/>') if patches
                        else f'<line x1="{x:.1f}" x2="{x + KEY_LINE_PX:.1f}" y1="{y:.1f}" y2="{y:.1f}" stroke="{colour}" '
                             f'stroke-width="2.4"{SVG_DASHES[dash]}/>')
             out.append(

@@ -1,7 +1,8 @@
 """Draw gauges for a plant without a physical shape: states, observer states, input, model errors.
 
-What moves here is (x, z, rows, u): n columns for the plant, q for the observer, one tall gauge for the input, and before them the rows
-of the causes of the error of u. Only the gauge of u has a ghost, since a functional observer estimates K x alone.
+What moves here is (x, z, rows, J, u): n columns for the plant, q for the observer, one tall gauge for the input, before them the rows
+of the causes of the error of u, and on the right the three parts of J. Only the gauge of u has a ghost, since a functional observer
+estimates K x alone.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from .body import (
     Body,
     Box,
     Cylinder,
+    ErrorMarks,
     Part,
     PartName,
     Pose,
@@ -28,6 +30,7 @@ from .body import (
     bound_displacement,
 )
 from .cause_rows import LEFT, RIGHT, CauseRows
+from .criterion_tower import SLABS, CriterionTower
 
 BASE_TOP, BASE_DEEP, ZERO_LEVEL = 0.12, 0.9, 0.9  # height of the base and its depth, level of the value 0
 MAX_DRAWN_LEVEL = 0.62  # farthest drawn level from zero
@@ -39,6 +42,7 @@ OBSERVER_COLOUR = COLOURS["estimate"]
 PANEL_LOW, PANEL_HIGH, PANEL_Y = 0.18, 1.68, 0.2  # of the plates behind the gauges
 NAME_AT = 0.0, 1.84  # y and z of the upper edge of a gauge's name
 SCALE_AT = 0.59  # from the gauge of u to the numbers of its scale
+TOWER = 2.06  # where the tower of J stands
 
 
 def gap(count: int) -> float:
@@ -55,16 +59,20 @@ def columns(n: int, q: int) -> tuple[float, ...]:
     )
 
 
-def rack_body(n: int, q: int, full: Sequence[float], rows: CauseRows) -> Body:
-    """The rack for n plant states and q observer states; `full`: the values (x, z, u) drawn about 0.5 high; `rows` before it."""
+def rack_body(n: int, q: int, full: Sequence[float], rows: CauseRows, most: float) -> Body:
+    """The rack for n plant states and q observer states; `full`: the values (x, z, u) drawn about 0.5 high; `rows` before it.
+
+    `most`: the J that fills its tower.
+    """
     places, last, up = columns(n, q), n + q, rows.top - BASE_TOP
+    tower = CriterionTower(TOWER, rows.top, most)
     names = (*(f"x{i + 1}" for i in range(n)), *(f"z{i + 1}" for i in range(q)), "u")
     zero, panel = ZERO_LEVEL + up, up + (PANEL_LOW + PANEL_HIGH) / 2
-    parts = [Part("base", Box((RIGHT - LEFT, BASE_DEEP, rows.top)), BENCH), *rows.parts(),
+    parts = [Part("base", Box((RIGHT - LEFT, BASE_DEEP, rows.top)), BENCH), *rows.parts(), *tower.parts(),
              Part("zero plant", Box((gap(n) * (n - 1) + 0.5, 0.02, 0.02)), DARK_GREY),
              Part("zero observer", Box((gap(q) * (q - 1) + 0.5, 0.02, 0.02)), DARK_GREY),
              Part("zero u", Box((0.95, 0.02, 0.03)), DARK_GREY)]
-    fixed = {"base": Pose((0.0, 0.0, rows.top / 2)), **rows.fixed(),
+    fixed = {"base": Pose((0.0, 0.0, rows.top / 2)), **rows.fixed(), **tower.fixed(),
              "zero plant": Pose(((places[0] + places[n - 1]) / 2, 0.2, zero)),
              "zero observer": Pose(((places[n] + places[last - 1]) / 2, 0.2, zero)),
              "zero u": Pose((GAUGE, 0.2, zero))}
@@ -95,7 +103,7 @@ def rack_body(n: int, q: int, full: Sequence[float], rows: CauseRows) -> Body:
 
     def pose(x: Sequence[float], gain: float) -> Mapping[str, Pose]:
         shown = (*x[:last], x[-1])
-        return {**fixed, **rows.moving(x[last:-1]), **{f"{name} level": Pose((place, 0.0, level(k, shown[k], gain)))
+        return {**fixed, **rows.moving(x[last:-1 - len(SLABS)]), **tower.moving(x[-1 - len(SLABS):-1]), **{f"{name} level": Pose((place, 0.0, level(k, shown[k], gain)))
                                                        for k, (name, place) in enumerate(zip(names, places, strict=True))}}
 
     def arrows(x: Sequence[float], u: Sequence[float], gain: float) -> tuple[Arrow, ...]:
@@ -104,10 +112,14 @@ def rack_body(n: int, q: int, full: Sequence[float], rows: CauseRows) -> Body:
     def anchors(x: Sequence[float], gain: float) -> tuple[Vector, ...]:
         return tuple((GAUGE + side, 0.0, level(last, x[-1], gain)) for side in (-0.38, 0.38))
 
+    def marks(x: Sequence[float], xhat: Sequence[float], gain: float) -> ErrorMarks:
+        return tower.words(x[-1 - len(SLABS):-1])
+
     return Body(tuple(parts), pose, arrows, anchors, 1.0, text(
         "Blue columns: the plant's states; orange columns: the observer's. The gauge shows the input wanted, its ghost the input given. "
-        "Rows in front: a bead is an error of the model, its bar what it adds to the error of the input. The last bar is the sum"),
-        labels, names=(
+        "Rows in front: a bead is an error of the model, its bar what it adds to the error of the input. The last bar is the sum. "
+        "The slabs on the right are the parts of J"),
+        labels, marks=marks, names=(
         PartName(text("input wanted"), "u level", (-0.75, -0.4, -0.4)),
         PartName(GHOST_NAME, "u level", (0.75, -0.4, 0.6), True),
         PartName(text("error of the model"), "bead 2", (0.2, -0.3, -0.2)),
