@@ -18,6 +18,7 @@ RECORD_TAB, ORDER_TAB, INNOVATIONS_TAB, NIS_TAB, NUMBERS_TAB = (
     text("Record"), text("Order"), text("Innovations"), text("Consistency"), text("Numbers"))
 SINGLE_WIDTH = 0.6  # px: single values lie behind their mean
 MOST_VALUES = 12  # singular values that are drawn
+WHOLE_CIRCLE = 1.2  # half the side of a square around the unit circle
 TOP, MOST_ARROWS = 4.0, 40  # of the NIS figure: its upper edge, in means; arrows there
 
 
@@ -99,22 +100,32 @@ def _values(study: Study) -> PlaneFigure:
 
 
 def _poles(study: Study) -> PlaneFigure:
-    """Fitted poles with their standard deviations, true poles where they are known, and the unit circle."""
+    """Fitted poles with their standard deviations, true poles where they are known, one of each pair; and the unit circle."""
     s, angle = study.found.subspace, np.linspace(0, 2 * np.pi, 121)
     curves = [Curve(text("unit circle"), np.sin(angle), "muted", x=np.cos(angle))]
     for pole, spread in zip(s.poles, s.spread, strict=True):
+        if pole.imag < 0:
+            continue
         root = np.linalg.cholesky(spread + 1e-12 * np.eye(2))
         x, y = 3.0 * root @ np.vstack([np.cos(angle), np.sin(angle)])
         name = text("three standard deviations")
         curves.append(Curve(name, np.clip(pole.imag + y, -1.5, 1.5), "estimate", "dot", x=np.clip(pole.real + x, -1.5, 1.5)))
-    points = [Point(float(p.real), float(p.imag), "estimate", "cross") for p in s.poles]
+    points = [Point(float(p.real), float(p.imag), "estimate", "cross") for p in s.poles if p.imag >= 0]
     if study.true_poles is not None:
-        points += [Point(float(p.real), float(p.imag), "plant", "circle") for p in study.true_poles]
-    words = (text("Crosses: fitted poles. The farthest true pole (circle) is {away:.2g} standard deviations from a fitted one.",
+        points += [Point(float(p.real), float(p.imag), "plant", "circle") for p in study.true_poles if p.imag >= 0]
+    words = (text("Crosses: fitted poles with Im z ≥ 0. The farthest true pole (circle) is {away:.2g} standard deviations from a fitted one.",
                   away=study.away) if study.true_poles is not None else
-             text("Crosses: fitted poles. The true ones of a measured record are not known."))
-    return PlaneFigure("poles", text("poles of the sampled model"), tuple(curves), tuple(points), "Re z", "Im z", (-1.2, 1.2), (-1.2, 1.2),
+             text("Crosses: fitted poles with Im z ≥ 0. The true ones of a measured record are not known."))
+    x_range, y_range = _around(np.array([(p.x, p.y) for p in points] + [each for curve in curves[1:] for each in zip(curve.xs, curve.y, strict=True)]))
+    return PlaneFigure("poles", text("poles of the sampled model"), tuple(curves), tuple(points), "Re z", "Im z", x_range, y_range,
                        equal=True, caption=words, tab=ORDER_TAB)
+
+
+def _around(places: np.ndarray) -> tuple[tuple[float, float], tuple[float, float]]:
+    """The ranges of a square around places (k, 2), no larger than one around the unit circle."""
+    low, high = places.min(axis=0), places.max(axis=0)
+    half, (x, y) = 0.7 * float(max(*(high - low), 0.05)), 0.5 * (low + high)
+    return ((x - half, x + half), (y - half, y + half)) if half < WHOLE_CIRCLE else ((-WHOLE_CIRCLE, WHOLE_CIRCLE),) * 2
 
 
 def _innovations(study: Study) -> LineFigure:
