@@ -18,8 +18,7 @@ from ..systems.records import record
 from ..systems.stability import all_stable
 from .gain_record import ActsAsGain
 from .riccati import solve_continuous, solve_discrete
-from .riccati_problem import RiccatiProblem, in_balanced_units
-from .riccati_residual import Equation
+from .riccati_problem import Equation, RiccatiProblem, in_balanced_units
 from .singular_weight import solve_singular
 
 __all__ = ["DiscreteFilter", "Optimal", "dlqe", "dlqr", "lqe", "lqr"]

@@ -3,8 +3,7 @@
 from ..systems.gates.room_gates import with_gates
 from .compensator import ClosedLoop, TransferFunction, closed_loop, compensator, to_tf
 from .loop_spectrum import NoisyLoop, noisy_loop
-from .lqg import Lqg, lqg
-from .ltr import Recovered, recover, recover_at_output
+from .lqg import Lqg, Recovered, lqg, recover, recover_at_output
 from .margins import ChannelMargins, DiskMargin, LoopMargins, MultiMargins, loop_margins, state_feedback_margins
 from .reference import IntegralAction, integral_action, reference_gain
 from .sensitivity import Sensitivity, sensitivity

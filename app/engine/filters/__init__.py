@@ -7,22 +7,19 @@ from .consistency.squared_error import SquaredError, chi2_band, independent_erro
 from .linear.adc import AdcNoise, with_coloured_noise
 from .linear.filter_trial import FilterTrial, simulate_filter
 from .linear.h_infinity import RobustGain, h_infinity
-from .linear.kalman import KalmanFilter, correct, joseph, predict, short_form
+from .linear.kalman import KalmanFilter, correct, joseph, posterior_covariances, predict, short_form
 from .linear.linear_filter import LinearFilter
 from .linear.square_root import SquareRootFilter
 from .linear.trade_off import ErrorParts, Ladder, error_parts, growing_error, noise_ladder
-from .linear.two_forms import posterior_covariances
 from .multiple_models import ModelTrack, MultipleModelFilter
 from .nonlinear.bound import posterior_bound
 from .nonlinear.differences import angles
 from .nonlinear.experiment import Experiment, Sample, Steering
-from .nonlinear.extended import ExtendedKalmanFilter, LinearisedFilter
+from .nonlinear.extended import ExtendedKalmanFilter, LinearisedFilter, slopes_along
 from .nonlinear.many_runs import errors_squared, simulate_filters
 from .nonlinear.nonlinear_filter import NonlinearFilter
 from .nonlinear.particle import ParticleFilter, ParticleTrack
-from .nonlinear.sigma_points import sigma_weights
-from .nonlinear.slopes import slopes_along
-from .nonlinear.unscented import PrintedUnscentedFilter, UnscentedKalmanFilter
+from .nonlinear.unscented import PrintedUnscentedFilter, UnscentedKalmanFilter, sigma_weights
 from .smoothing.moving_horizon import HorizonTrack, moving_horizon
 from .smoothing.rts import Smoothed, smooth
 from .track import Schedule, Track, as_record, means_along

@@ -6,10 +6,9 @@ from typing import Self
 
 import numpy as np
 
-from ..systems.arrays import as_covariance, as_numbers, frozen
+from ..systems.arrays import as_covariance, as_numbers, described, frozen
 from ..systems.errors import EngineError, ShapeError, phrase
 from ..systems.gates.argument_checks import Gate, count, vector
-from ..systems.gates.given import described
 from ..systems.records import record
 
 __all__ = ["BELIEF", "Belief", "Beliefs", "Correction", "Corrections", "RootBelief"]

@@ -9,8 +9,8 @@ import numpy as np
 from ..systems.errors import EngineError, phrase
 from ..systems.gates.argument_checks import choice, instance, number, optional, takes
 from ..systems.plant import Plant
+from .evidence import padded, whitened
 from .identified import FilteredRecord, FittedFilter, RecordFit, SensorBias, filter_record
-from .readings import padded, whitened
 
 __all__ = ["KINDS", "sensor_bias"]
 

@@ -4,17 +4,29 @@ from __future__ import annotations
 
 import numpy as np
 from scipy.linalg import qr
-from scipy.special import fdtrc
+from scipy.special import chdtr, chdtri, fdtrc
 
 from ..filters import KalmanFilter, Track
 from ..systems.errors import Phrase, phrase
 from ..systems.records import record as a_record
 from ..systems.recursions import affine_scan
 from .predictor import responses
-from .readings import padded
 from .records import Record
 
-__all__ = ["FEEDBACK", "INPUT", "LEAST_FIT", "MOST_FREE", "SAME_ROW", "WHITE", "Evidence", "evidence_of"]
+__all__ = [
+    "FEEDBACK",
+    "INPUT",
+    "LEAST_FIT",
+    "MOST_FREE",
+    "SAME_ROW",
+    "WHITE",
+    "Evidence",
+    "evidence_of",
+    "mean_below",
+    "padded",
+    "partly_seen",
+    "whitened",
+]
 
 MAX_LAGS = 20
 ROWS_PER_COLUMN = 8  # rows that pay for one column of a regression
@@ -241,3 +253,27 @@ def _free_run(kf: KalmanFilter, track: Track, record: Record, first: int) -> tup
         shares.append(1 - error / max(away, 1e-300))
         sizes.append(error / max(float(np.sqrt(expected[seen, j].sum())), 1e-300))
     return min(shares), max(sizes)
+
+
+def partly_seen(seen: np.ndarray) -> bool:
+    """Whether some row of seen (N, p) has a part of its outputs."""
+    return bool((seen.any(axis=1) & ~seen.all(axis=1)).any())
+
+
+def padded(S: np.ndarray, seen: np.ndarray) -> np.ndarray:
+    """S (N, p, p) with the rows and columns of I for readings that did not come: neither S⁻¹ e nor det S counts them."""
+    both = seen[:, :, None] & seen[:, None, :]
+    return np.where(both, S, np.eye(S.shape[-1]))
+
+
+def whitened(nu: np.ndarray, S: np.ndarray) -> np.ndarray:
+    """S^{-½} ν (N, p) of the readings that came; NaN for the others."""
+    seen = np.isfinite(nu)
+    roots = np.linalg.cholesky(padded(S, seen))
+    return np.where(seen, np.linalg.solve(roots, np.where(seen, nu, 0.0)[:, :, None])[:, :, 0], np.nan)
+
+
+def mean_below(counts: np.ndarray, share: float) -> float:
+    """Mean of χ² below its quantile `share`, over its mean without a limit, for rows of so many readings each."""
+    own = np.maximum(counts, 1)
+    return float(np.sum(counts * chdtr(own + 2, chdtri(own, 1 - share))) / share / max(float(np.sum(counts)), 1.0))

@@ -9,13 +9,12 @@ import numpy as np
 
 from ..filters import Belief, KalmanFilter
 from ..systems.errors import EngineError
-from .noise_fit import NoiseFit, fit_noise_to
+from .noise_fit import NoiseFit, Tell, fit_noise_to, part_of, silent
 from .predictor import MAX_GAPPED_ROWS, Pieces, gapped_pieces, pieces_of
 from .probe import filled
 from .smoother import smooth
 from .spread import simulated_spread
 from .subspace import Subspace, subspace
-from .told import Tell, part_of, silent
 from .windows import segments_of
 
 __all__ = ["fit_states", "in_long_stretches", "started"]

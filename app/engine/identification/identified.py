@@ -16,17 +16,15 @@ from ..systems.plant import Plant
 from ..systems.records import record as a_record
 from ..systems.sampling import discretise
 from .conditioning import delayed, slow_outputs, without_outliers
-from .evidence import Evidence, evidence_of
+from .evidence import Evidence, evidence_of, mean_below, partly_seen, whitened
 from .gapped import fit_states, in_long_stretches, started
-from .noise_fit import NoiseFit, fit_noise_to
+from .noise_fit import NoiseFit, fit_noise_to, part_of, silent
 from .predictor import gapped_pieces, pieces_of
 from .probe import drifts, outliers
-from .readings import mean_below, partly_seen, whitened
 from .records import MAX_ROWS, Record
 from .regular import Trend, detrend, resample, split_record, trend_of
 from .smoother import Smoothed, smooth
 from .subspace import MAX_ORDER, Subspace
-from .told import part_of, silent
 
 __all__ = ["FilteredRecord", "FittedFilter", "RecordFit", "SensorBias", "filter_record", "fit_noise", "identify"]
 

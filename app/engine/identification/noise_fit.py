@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from itertools import count as counted
 
@@ -12,9 +13,8 @@ from ..systems.arrays import symmetric
 from ..systems.errors import EngineError
 from ..systems.recursions import affine_scan
 from .predictor import Pieces, fitted_inputs, prediction_errors
-from .told import Tell, part_of, silent
 
-__all__ = ["NoiseFit", "fit_noise_to", "steady_gain"]
+__all__ = ["NoiseFit", "Tell", "fit_noise_to", "part_of", "silent", "steady_gain"]
 
 FIRST = (1e-5, 1e-3, 1e-1, 10.0)  # of Q, in units of the output's variance: where the search starts
 FLOOR = 1e-9  # of Q in the same units: no state is known exactly
@@ -22,6 +22,16 @@ WORST = 1e12
 SEARCH = 10  # most steps of one search
 BEGUN = 0.3  # of the work, before the searches
 DOUBLINGS = 60
+Tell = Callable[[float], object]
+
+
+def silent(share: float) -> None:
+    """Nobody asks."""
+
+
+def part_of(tell: Tell, first: float, last: float) -> Tell:
+    """What a part tells of itself, from 0 to 1, as what the whole is: from `first` to `last`."""
+    return lambda share: tell(first + (last - first) * min(share, 1.0))
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,10 +7,9 @@ from scipy.optimize import linear_sum_assignment
 from scipy.special import chdtri, ndtr, ndtri
 
 from ..systems.recursions import affine_scan
-from .noise_fit import NoiseFit, steady_gain
+from .noise_fit import NoiseFit, Tell, silent, steady_gain
 from .predictor import Pieces
 from .subspace import Subspace
-from .told import Tell, silent
 
 __all__ = ["matched", "models_of", "simulated_spread", "window_grams"]
 

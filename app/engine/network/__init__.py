@@ -3,6 +3,7 @@
 from ..systems.gates.room_gates import with_gates
 from .intermittent import (
     CriticalLoss,
+    corrected_covariance,
     critical_loss,
     intermittent_covariances,
     intermittent_steps,
@@ -10,9 +11,9 @@ from .intermittent import (
     mare,
     mean_bounds,
     mean_lower_limit,
+    riccati_step,
     spectral_radius,
 )
-from .lossy_steps import corrected_covariance, riccati_step
 from .network_loop import delayed_loop, mean_square_growth
 from .network_simulation import NetworkRun, NetworkScenario, network_meter, promised_error, simulate_network
 from .packets import Link, newest_packet_age

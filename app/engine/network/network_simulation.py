@@ -17,7 +17,7 @@ from ..systems.gates.plant_gate import PLANT
 from ..systems.noise import root
 from ..systems.plant import Plant, as_matrix
 from ..systems.records import record
-from .lossy_steps import corrected_covariance, riccati_path
+from .intermittent import corrected_covariance, riccati_path
 from .packets import LOST_PACKET, Link, newest_packet_age
 
 __all__ = ["NetworkRun", "NetworkScenario", "network_meter", "promised_error", "simulate_network"]

@@ -3,28 +3,31 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from ..systems.errors import EngineError, Phrase
+from ..structure.decomposition import kalman_decomposition
+from ..systems.errors import EngineError, Phrase, ShapeError
+from ..systems.fractions import Fraction, realised_by_entries
 from ..systems.plant import Plant
 from ..systems.records import record
+from ..systems.spectrum import frequency_response
 from .delays import with_delays
-from .descriptor import solved
 from .found import Found
 from .fractions_given import fractions
 from .input_gate import MAX_STATES, matrix
 from .labels import labels_of
 from .notes import decoded, note
-from .transfer import realised
 
-__all__ = ["MAX_SIGNALS", "Content", "bounded", "built"]
+__all__ = ["MAX_SIGNALS", "Content", "bounded", "built", "realised", "solved"]
 
 MAX_SIGNALS = 16
 _MOST_NAMED = 6
 _FORMAT = "observer-lab plant"
+WORST_CONDITION = 1e12  # of E, beyond which E⁻¹ is rounding
+SAME = 1e-7  # how well the smaller realisation must give the same frequency response, relative to its size
 
 
 @record()
@@ -126,3 +129,58 @@ def _of_fractions(found: Found, period: float) -> tuple[Plant, tuple[Phrase, ...
     return replace(plant, state_names=states or plant.state_names, input_names=inputs or plant.input_names,
                    output_names=outputs or plant.output_names, units=units, name=name), said
 
+
+def solved(E: np.ndarray, A: np.ndarray, others: list[np.ndarray], key: str) -> tuple[np.ndarray, list[np.ndarray], tuple[Phrase, ...]]:
+    """E⁻¹A, E⁻¹M for each other M, and the note that says so; no note where E = I.
+
+    E and A n×n. Raises EngineError where E is singular or too near to it, ShapeError where it does not fit A.
+    """
+    if E.shape != A.shape:
+        raise ShapeError("{name} must be {n}×{n}, as A is; it is {rows}×{columns}.", name=key, n=len(A), rows=E.shape[0],
+                         columns=E.shape[1])
+    if not np.isfinite(E).all():
+        raise EngineError("{name} must hold finite numbers only.", name=key)
+    if np.array_equal(E, np.eye(len(E))):
+        return A, others, ()
+    rows = np.abs(E).max(axis=1, initial=0.0)
+    scaled = E / np.where(rows > 0, rows, 1.0)[:, None]  # the unit of an equation decides nothing
+    columns = np.abs(scaled).max(axis=0, initial=0.0)
+    condition = float(np.linalg.cond(scaled / np.where(columns > 0, columns, 1.0)))
+    if not condition < WORST_CONDITION:
+        raise EngineError("{name} is singular: some equations of this plant have no derivative; eliminate them and leave out {name}.",
+                          name=key)
+    return np.linalg.solve(E, A), [np.linalg.solve(E, M) for M in others], (note("descriptor", condition=condition),)
+
+
+def realised(entries: Sequence[Sequence[Fraction]], dt: float) -> tuple[Plant, tuple[Phrase, ...]]:
+    """The plant of a p×m matrix of fractions, and the note that says whether it is minimal.
+
+    Raises EngineError for an improper or empty fraction, and for one without finite coefficients.
+    """
+    plant = realised_by_entries(entries, dt)
+    if not plant.n:
+        raise EngineError("The transfer function is a plain gain without states; there is nothing to observe.")
+    return _least(plant)
+
+
+def _least(plant: Plant) -> tuple[Plant, tuple[Phrase, ...]]:
+    """The part that is reached and seen, where it gives the same frequency response; else the plant as it is."""
+    try:
+        found = kalman_decomposition(plant)
+        small, hidden = found.minimal, plant.n - found.sizes[0]
+    except EngineError:
+        return plant, (note("not_minimal", after=plant.n),)
+    if not hidden:
+        return plant, (note("realised", after=plant.n),)
+    if not small.n or not _same(plant, small):
+        return plant, (note("not_minimal", after=plant.n),)
+    made = Plant(small.A, small.B, small.C, small.D, plant.dt)
+    return made, (note("minimal", after=made.n, gone=hidden),)
+
+
+def _same(plant: Plant, small: Plant) -> bool:
+    size = max(float(np.abs(plant.poles).max(initial=0.0)), 1e-300)
+    grid = np.linspace(0.05, 3.0, 17) / plant.dt if plant.dt else size * np.geomspace(1e-4, 1e2, 25)
+    with np.errstate(all="ignore"):
+        one, two = (frequency_response(part.A, part.B, part.C, part.D, grid, dt=plant.dt) for part in (plant, small))
+    return bool(np.isfinite(two).all() and np.abs(one - two).max() <= SAME * max(np.abs(one).max(), 1e-300))

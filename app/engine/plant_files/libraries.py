@@ -13,8 +13,7 @@ from ..systems.gates.argument_checks import takes
 from ..systems.gates.plant_gate import PLANT
 from ..systems.libraries import fractions_of, period_of
 from ..systems.plant import Plant
-from .build import bounded
-from .transfer import realised
+from .build import bounded, realised
 
 if TYPE_CHECKING:
     import control  # imported where it is used: it takes a second to load

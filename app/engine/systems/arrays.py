@@ -11,23 +11,10 @@ from typing import Any, cast
 import numpy as np
 from scipy.linalg.lapack import dpotrf  # pyright: ignore[reportAttributeAccessIssue]
 
-from .errors import EngineError, ShapeError
-from .gates.given import described
+from .errors import EngineError, ShapeError, phrase
 
-__all__ = [
-    "all_finite",
-    "as_checked",
-    "as_covariance",
-    "as_definite",
-    "as_matrix",
-    "as_numbers",
-    "as_weight",
-    "correlations",
-    "frozen",
-    "is_definite",
-    "solve_scaled",
-    "symmetric",
-]
+__all__ = ["all_finite", "as_checked", "as_covariance", "as_definite", "as_matrix", "as_numbers", "as_weight", "correlations", "described",
+           "frozen", "is_definite", "solve_scaled", "symmetric"]
 
 ASYMMETRY = 1e-9  # beside the roots of the diagonal entries; below EIGENVALUE_ROUNDING of the largest entry nothing is said of it
 EIGENVALUE_ROUNDING = 1e-15
@@ -239,3 +226,18 @@ def _definite(entries: bytes, size: int) -> bool:
 
 
 _kept_symmetry, _kept_sign, _kept_definite = (lru_cache(maxsize=256)(judge) for judge in (_symmetry, _sign, _definite))
+
+
+def described(value: object) -> str:
+    """A value in three or four words: "an array of shape (2,)", "a list of 3 entries", "text", "None", else its kind."""
+    if value is None:
+        return "None"
+    if isinstance(value, np.ndarray):
+        return phrase("an array of shape {shape}", shape=str(value.shape))
+    if isinstance(value, list | tuple | set | dict):
+        return phrase("a {kind} of {count} entries", kind=type(value).__name__, count=len(value))
+    if isinstance(value, str | bytes):
+        return phrase("text")
+    if isinstance(value, bool | int | float | complex | np.number):
+        return phrase("the number {value}", value=str(value)[:20])
+    return phrase("a {kind}", kind=type(value).__name__[:40])

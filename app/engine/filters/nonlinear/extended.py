@@ -10,8 +10,8 @@ import numpy as np
 
 from ...systems.arrays import symmetric
 from ...systems.errors import EngineError, ShapeError
-from ...systems.flow import Flow
-from ...systems.gates.argument_checks import FUNCTION, count, matrix, optional, passed, vector
+from ...systems.flow import Flow, NonlinearPlant
+from ...systems.gates.argument_checks import FUNCTION, SECONDS, array, count, instance, matrix, optional, passed, takes, vector
 from ...systems.gates.map_roles import InTime, roles_of
 from ...systems.jacobian import Map, central_slopes, complex_step_fits, slopes, slopes_known
 from ...systems.records import record
@@ -21,7 +21,7 @@ from .differences import Combine as Combine  # as Map: the inherited fields name
 from .differences import minus, plus
 from .nonlinear_filter import Expected, NonlinearFilter, answered, moved_by
 
-__all__ = ["ExtendedKalmanFilter", "LinearisedFilter"]
+__all__ = ["ExtendedKalmanFilter", "LinearisedFilter", "slopes_along"]
 
 SETTLED = 1e-13  # of the mean: a further expansion changes it by less
 Expansion = Callable[[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]
@@ -188,3 +188,15 @@ def _expected(mean: np.ndarray, H: np.ndarray, R: np.ndarray, P: np.ndarray) -> 
         across = P @ H.swapaxes(-1, -2)
         S = H @ across
     return Expected(mean, (symmetric(S) if S.shape[-1] > 1 else S) + R, across, lambda M: joseph(P, H, R, M), H)
+
+
+@takes(plant=instance(NonlinearPlant), step=SECONDS, x=array("n k"), u=array("m l"), parts=count(1, 100_000))
+def slopes_along(plant: NonlinearPlant, step: float, x: np.ndarray, u: np.ndarray, *, parts: int = 1) -> tuple[np.ndarray, np.ndarray]:
+    """∂f/∂x (k, n, n) of a plant's flow over `step` s in so many parts, and ∂y/∂x (k, p, n), at states (n, k) and inputs (m, k).
+
+    x[k+1] = f(x[k], u[k]); the derivative of the discrete map itself. u may have one column for all. Raises ShapeError.
+    """
+    if len(x) != plant.n or len(u) != plant.m or u.shape[1] not in (1, x.shape[1]):
+        raise ShapeError("The plant has {n} states and {m} inputs: x needs {n} rows, u {m}, and a column for each state or one for all.",
+                         n=plant.n, m=plant.m)
+    return plant.flow(step, parts=parts).expand(x, u)[1], plant.output_slope(x, u)

@@ -8,18 +8,20 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...systems.errors import EngineError, Phrase, phrase
-from ..records import Record
+from ..records import REGULAR, Record
 from .columns import chosen
 from .doubtful_values import refuse_marks, stuck_runs
 from .moments import dated, is_moment, scaled
 from .numerals import MISSING
-from .rounded_times import unrounded
 from .tables import Choice, Heading, Table
 
-__all__ = ["Asked", "record_in"]
+__all__ = ["Asked", "record_in", "unrounded"]
 
 STUCK, NONE = "stuck", "none"
 MANY_NAMES = 120
+DECIMALS = 6  # of the finest times that are looked at
+COARSEST = 0.5  # of a step: what the last decimal may be worth, so that a missing row never looks like rounding
+SLACK = 1e-6
 
 
 @dataclass(frozen=True)
@@ -146,3 +148,21 @@ def _fill_inputs(u: np.ndarray, names: Sequence[str], lines: np.ndarray, hold: b
         last = np.maximum.accumulate(np.where(gone, 0, np.arange(len(column))))
         column[:] = column[last]
         notes.append(phrase("{name} was held at its last value in {count} rows.", name=name, count=int(gone.sum())))
+
+
+def unrounded(t: np.ndarray) -> tuple[np.ndarray, tuple[Phrase, ...]]:
+    """Times at a regular step, with a note, where those given in s differ from them by the rounding of their last decimal alone."""
+    count = len(t) - 1
+    step = float(t[-1] - t[0]) / count if count > 1 else 0.0
+    if not step > 0 or np.abs(np.diff(t) - step).max() <= REGULAR * step:
+        return t, ()
+    last = next((10.0**-k for k in range(DECIMALS + 1) if np.abs(np.round(t * 10**k) - t * 10**k).max() <= 1e-4), 0.0)
+    if not 0 < last <= COARSEST * step:
+        return t, ()
+    rows = np.arange(count + 1)
+    rate = round(1 / step)
+    for regular in ((1 / rate, step) if rate else (step,)):
+        if np.ptp(t - regular * rows) <= last * (1 + SLACK):
+            return t[0] + regular * rows, (phrase(
+                "The times are rounded to {last:g} s; the rows were read at a regular step of {step:.4g} s.", last=last, step=regular),)
+    return t, ()

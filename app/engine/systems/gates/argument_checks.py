@@ -13,11 +13,10 @@ from typing import Any
 
 import numpy as np
 
-from ..arrays import MAX_ENTRIES
+from ..arrays import MAX_ENTRIES, described
 from ..errors import EngineError
 from .array_checks import POLES, RECORD, SERIES, WHOLE, array, covariance, matrix, vector
 from .checked_calls import Gate, Sizes, gated, gated_runs, passed, takes, takes_runs
-from .given import described
 
 __all__ = [
     "BOOLEAN",

@@ -7,13 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arrays import as_matrix
+from ..arrays import as_matrix, described
 from ..errors import EngineError
 from ..libraries import plant_like
 from ..plant import Plant
 from .array_checks import matrix
 from .checked_calls import Gate, Sizes
-from .given import described
 
 __all__ = ["CONTROLLER", "DRIVEN", "PLANT", "SEEN", "PlantGate"]
 
