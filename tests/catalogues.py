@@ -39,7 +39,7 @@ def said() -> dict[Message, str]:
 
 
 WRITERS = [ROOT / "app" / "export" / "scripts" / f"{name}.py"
-           for name in ("gains", "matlab", "matlab_code_record", "script", "code_record_script")]
+           for name in ("gains", "matlab", "script", "code_record_script")]
 NOTED = {"GivenValue": 2, "array_text": 2, "array": 2, "Code": 3}  # calls, and which of their arguments is a comment
 NAMED = re.compile(r"[A-Za-z]{2}")  # a comment without a word reads the same in every language
 

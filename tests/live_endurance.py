@@ -22,9 +22,8 @@ from device_bodies import STRICT, write_files
 
 from observer_lab.devices import Routine, watching
 from observer_lab.engine.systems import discretise
-from observer_lab.export.devices.c_project import lab_c, lab_h
+from observer_lab.export.devices.c_project import lab_c, lab_h, simulator_files
 from observer_lab.export.devices.folders import device_design
-from observer_lab.export.devices.simulator import simulator_files
 from observer_lab.lessons import LESSONS
 from observer_lab.live.simulated import simulated
 

@@ -8,7 +8,7 @@ import pytest
 from device_bodies import SANITIZERS, STRICT, fmu_differences, run_c, run_python, run_wasm, st_differences, write_files
 
 from observer_lab.export.devices.folders import BODIES, device_design, device_files
-from observer_lab.export.devices.live_line import header_line
+from observer_lab.export.devices.words import header_line
 from observer_lab.lessons import LESSONS
 
 SAME = "every bit as in the lab's Python."

@@ -14,7 +14,7 @@ from course_makers import COURSE, EXAM, TASK, course_of, right_answer, token
 from observer_lab.cli.courses import course_in
 from observer_lab.cli.entry import main
 from observer_lab.course.handin import course_file
-from observer_lab.course.handin.gradebooks import canvas_table, moodle_table
+from observer_lab.course.handin.grading import canvas_table, moodle_table
 from observer_lab.course.handin.hand_in import HandIn, write_hand_in
 from observer_lab.course.handin.served_course import student_item
 from observer_lab.lessons import LESSONS

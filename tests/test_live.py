@@ -15,8 +15,8 @@ from laws import each
 from observer_lab.cli import main
 from observer_lab.devices import Device, DeviceError, watching
 from observer_lab.engine.systems import discretise
+from observer_lab.export.devices.c_project import simulator_files
 from observer_lab.export.devices.folders import device_design
-from observer_lab.export.devices.simulator import simulator_files
 from observer_lab.lessons import LESSONS
 from observer_lab.live.lines import LONGEST_LINE, LineError, LineReader, with_checksum
 from observer_lab.live.observer import MOST_BRIDGED, LiveObserver

@@ -15,8 +15,8 @@ import pytest
 from live_endurance import LIVE, endure
 
 from observer_lab.engine.systems import discretise
+from observer_lab.export.devices.c_project import simulator_files
 from observer_lab.export.devices.folders import device_design
-from observer_lab.export.devices.simulator import simulator_files
 from observer_lab.lessons import LESSONS
 from observer_lab.live.lines import LineReader
 from observer_lab.live.observer import LiveObserver

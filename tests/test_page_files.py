@@ -15,8 +15,7 @@ from hypothesis import strategies as st
 from observer_lab.colours import COLOURS
 from observer_lab.page import web
 from observer_lab.page.charts.style_sheet import sheet
-from observer_lab.page.record.published_page import published_page
-from observer_lab.page.record.questions_page import questions_page
+from observer_lab.page.record.published_page import published_page, questions_page
 from observer_lab.page.replay import replay
 from observer_lab.page.screen.page_setup import PAGE_SCRIPTS
 from observer_lab.page.votes.lecture_sheet import sheet_html

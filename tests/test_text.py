@@ -27,7 +27,7 @@ from observer_lab.text import (
     text_in,
 )
 from observer_lab.text.languages import catalogue, decimal_sign
-from observer_lab.text.plurals import COUNTED, IRREGULAR, NOUNS
+from observer_lab.text.message import COUNTED, IRREGULAR, NOUNS
 
 OTHERS = [code for code in languages() if code != "en"]
 HAN = re.compile(r"[\u4e00-\u9fff]")
@@ -89,7 +89,7 @@ def test_no_plural_verb_stands_behind_a_count_that_may_be_one() -> None:
 
 
 def test_a_noun_behind_a_number_is_known_so_that_one_of_it_is_singular() -> None:
-    """`{n} samples` says "1 sample" where n is 1; a new noun wants its place in app/text/plurals.py."""
+    """`{n} samples` says "1 sample" where n is 1; a new noun wants its place in app/text/message.py."""
     behind = {found["noun"]: english for _, english in said() for found in COUNTED.finditer(english)}
     assert {noun: english for noun, english in behind.items() if noun not in NOUNS | IRREGULAR.keys() | VERBS} == {}
     late = text("arrive {late} samples late", late=1)

@@ -11,9 +11,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from .pole_grid import PoleGrid
-from .round_steps import round_step
-from .sketch_grid import SketchGrid
+from .answer_grids import PoleGrid, SketchGrid, round_step
 
 DISCUSS_S = 120.0  # s of a discussion between two votes
 HIDDEN_BELOW = 5  # votes, below which counts would tell who has chosen what

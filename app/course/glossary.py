@@ -21,7 +21,6 @@ from functools import cached_property, lru_cache
 from pathlib import Path
 
 from ..text.languages import folder_of, languages
-from .prose_error import ProseError
 
 FILE = "glossary.md"
 
@@ -208,3 +207,7 @@ def _marked(text: str, glossary: Glossary, known: set[str]) -> str:
 def as_attribute(words: str) -> str:
     """Words as the value of an attribute, also where a page reads braces as code."""
     return html.escape(words).replace("{", "&#123;").replace("}", "&#125;")
+
+
+class ProseError(ValueError):
+    """A lesson's text file, or the glossary, that does not have the agreed form."""

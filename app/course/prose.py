@@ -49,7 +49,7 @@ from typing import Literal, assert_never, get_args
 from ..text.languages import folder_of, languages
 from .exercises.derivation import DerivationStep, derived_step
 from .glossary import Glossary, glossaries_in
-from .prose_error import ProseError as ProseError
+from .glossary import ProseError as ProseError
 from .scenes import SceneWords
 
 SectionKind = Literal["predict", "again", "step", "derive", "task", "exam", "scene", "source"]

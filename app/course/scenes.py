@@ -88,7 +88,7 @@ class Scene:
 
     `set` holds knob values on entering. `play` holds the values to which the page moves knobs, visibly, before it gives its verdict;
     `runs` says that the run then plays from its start. `figures` and `boards` are ids; `formulas` the ids of live equations; `lines`
-    are lines of algebra in LaTeX that come one after another, see `guide/moving_lines.py`. `minutes` is the planned time, `core`
+    are lines of algebra in LaTeX that come one after another, see `guide/scene_card.py`. `minutes` is the planned time, `core`
     whether the scene belongs to the path of 15 minutes. `moment` is the share of the run at which it rests, None where plant and
     estimate differ most; `told` is another such share once its question has been answered.
     """

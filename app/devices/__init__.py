@@ -1,8 +1,7 @@
 """Describe what a device computes at each sample, once, and run it in Python."""
 
 from .bank import bank_routine
-from .controller import design_of_controller
-from .design import DeviceDesign, design_of_filter, design_of_run
+from .design import DeviceDesign, design_of_controller, design_of_filter, design_of_run, watching
 from .device import Device
 from .extended import Equations, extended_routine
 from .kalman import kalman_routine
@@ -11,7 +10,6 @@ from .linear import HELD_READINGS, linear_routine, sampled_observer
 from .observer import observer_routine
 from .routine import Routine, Table
 from .sampling import DeviceError, SampledDesign, sample_design
-from .watching import watching
 
 __all__ = [
     "HELD_READINGS",

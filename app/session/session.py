@@ -32,10 +32,9 @@ from .handlers.presenter import Presenter
 from .handlers.reload import RECALL_TIMEOUT_S, MemoryRequest, restore_memory
 from .handlers.table import run_command
 from .runtime.background_jobs import BackgroundJobs
-from .runtime.mailbox import Mailbox, grouped
 from .runtime.scheduler import Scheduler
 from .runtime.watchdog import TAB_ENDED, Watchdog
-from .runtime.worker import start_worker
+from .runtime.worker import Mailbox, grouped, start_worker
 from .state.own_lessons import OwnLessons, ReadLessons
 from .state.view import Picture, State, View
 

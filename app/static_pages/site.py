@@ -13,9 +13,7 @@ from typing import Any
 from ..course.lectures import Lecture
 from ..course.lesson import Lesson
 from ..engine.kernels import prepare_kernels
-from ..page.record.lecture_page import lecture_page
-from ..page.record.published_page import published_page
-from ..page.record.questions_page import questions_page
+from ..page.record.published_page import lecture_page, published_page, questions_page
 from ..page.record.recorded_screen import Look
 from ..session.commands.commands import (
     ChangeSpeed,

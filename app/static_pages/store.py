@@ -14,7 +14,7 @@ from ..course.lesson import Lesson
 from ..engine.kernels import kernels_off
 
 MOST_KEPT = 4  # recordings of one lesson that are kept, the last used ones
-UNSHOWN = ("cli", "live", "notebook", "page/record/lecture_page.py", "page/record/published_page.py", "page/record/questions_page.py",
+UNSHOWN = ("cli", "live", "notebook", "page/record/published_page.py", "page/record/published_page.py", "page/record/published_page.py",
            "page/web/styles/published.css", "page/web/viser_page/published.js", "published", "static_pages/store.py",
            "study")  # parts of the package on which no recorded state depends
 SHARED_BY_LESSONS = ("toolkit", "from_files")  # folders beside those of the lessons

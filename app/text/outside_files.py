@@ -5,6 +5,7 @@ A text is measured before it is parsed: tomllib builds a table for every part of
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import stat
@@ -18,6 +19,9 @@ STRING = re.compile(r'"""(?:\\.|[^\\])*?"""|\'\'\'.*?\'\'\'|"(?:\\.|[^"\\\n])*"|
 LONG_KEY = re.compile(rf"(?<![\w-])(?:[\w-]+[ \t]*\.[ \t]*){{{MAX_PARTS}}}")
 LONG_NUMBER = re.compile(rf"(?<!\w)[0-9A-Fa-fxob_]{{{MAX_DIGITS},}}")
 TOO_LONG = ((LONG_KEY, f"A key has more than {MAX_PARTS} parts"), (LONG_NUMBER, f"A number has more than {MAX_DIGITS} digits"))
+LONE_SURROGATE = re.compile("[\ud800-\udfff]")
+ESCAPED_SURROGATE = re.compile(r"\\u[dD][89a-fA-F]")
+REPLACEMENT = "\ufffd"
 
 
 class OutsideFileError(ValueError):
@@ -62,3 +66,30 @@ def read_outside_toml(words: str) -> dict[str, object]:
 def _refused(words: str, place: int, why: str) -> tomllib.TOMLDecodeError:
     line = words.count("\n", 0, place) + 1
     return tomllib.TOMLDecodeError(f"{why} (at line {line}, column {place - words.rfind(chr(10), 0, place)})")
+
+
+def replace_surrogates(words: str) -> str:
+    """The words with U+FFFD in the place of each character that UTF-8 cannot hold."""
+    return LONE_SURROGATE.sub(REPLACEMENT, words)
+
+
+def read_outside_json(words: str) -> object:
+    """The plain data of a JSON text from a stranger; every string in it can be sent and written.
+
+    JSON may name half of a surrogate pair, which no encoder of UTF-8 accepts: an answer that repeated it would end its connection.
+    Raises ValueError for what is no JSON, nests too deep, or names a key of an object twice.
+    """
+    try:
+        data = json.loads(replace_surrogates(words), object_pairs_hook=_unique)
+        if ESCAPED_SURROGATE.search(words):
+            data = json.loads(replace_surrogates(json.dumps(data, ensure_ascii=False)))
+    except RecursionError as problem:
+        raise ValueError("the JSON nests too deep") from problem
+    return data
+
+
+def _unique(pairs: list[tuple[str, object]]) -> dict[str, object]:
+    found = dict(pairs)
+    if len(found) != len(pairs):
+        raise ValueError("a key stands twice in an object")
+    return found

@@ -12,11 +12,10 @@ from commands import refused
 from hypothesis import given
 from hypothesis import strategies as st
 
+from observer_lab.classroom.answer_grids import PoleGrid, SketchGrid
 from observer_lab.classroom.kept_room import KeptRoom
-from observer_lab.classroom.pole_grid import PoleGrid
 from observer_lab.classroom.room import UNSOLVED
 from observer_lab.classroom.room_store import RoomStore
-from observer_lab.classroom.sketch_grid import SketchGrid
 from observer_lab.classroom.votes import HIDDEN_BELOW, Asked, Vote
 from observer_lab.cli import main
 from observer_lab.lessons import LESSONS

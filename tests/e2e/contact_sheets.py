@@ -31,7 +31,7 @@ from observer_lab.course.guiding.predictions import prediction_of
 from observer_lab.course.lesson import Lesson
 from observer_lab.course.scenes import Choose, Press, Scene
 from observer_lab.lessons import LESSONS
-from observer_lab.page.guide.pointing_hand import BUTTONS
+from observer_lab.page.guide.guide_panel import BUTTONS
 from observer_lab.session.state.saved_state import SavedState
 from observer_lab.session.state.token import write_token
 

@@ -23,8 +23,8 @@ from tab import FLAGS, UNDRAWN
 from observer_lab.course.lesson import Stage
 from observer_lab.devices import Routine
 from observer_lab.engine.systems import discretise
+from observer_lab.export.devices.c_project import simulator_files
 from observer_lab.export.devices.folders import device_design
-from observer_lab.export.devices.simulator import simulator_files
 from observer_lab.lessons import LESSONS
 from observer_lab.live.lines import LineReader
 from observer_lab.live.observer import LiveObserver

@@ -35,9 +35,8 @@ from observer_lab.course.scenes import (
 )
 from observer_lab.lessons import LESSONS
 from observer_lab.page.column.knob_widgets import typed_decimals
-from observer_lab.page.guide.moving_lines import MARKS, moving_lines
-from observer_lab.page.guide.pointing_hand import BUTTONS
-from observer_lab.page.guide.scene_card import card_html, verdict_html
+from observer_lab.page.guide.guide_panel import BUTTONS
+from observer_lab.page.guide.scene_card import MARKS, card_html, moving_lines, verdict_html
 from observer_lab.page.stage.pole_boards import BOARD_HEIGHT, BOARD_WIDTH
 from observer_lab.session.commands.commands import Kick, Play, SetKnobs
 from observer_lab.session.commands.guide import ChooseOption, GoToScene, TurnScene

@@ -30,9 +30,8 @@ from observer_lab.session.commands.commands import (
     UploadPlant,
 )
 from observer_lab.session.commands.exams import AnotherVariant, AnswerExam
-from observer_lab.session.runtime.mailbox import Mailbox
 from observer_lab.session.runtime.watchdog import StepTimeout
-from observer_lab.session.runtime.worker import work
+from observer_lab.session.runtime.worker import Mailbox, work
 from observer_lab.session.state.history import MERGE_WINDOW_S
 from observer_lab.session.state.view import Picture
 from observer_lab.text import Text, text

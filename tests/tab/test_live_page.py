@@ -16,9 +16,9 @@ from observer_lab.cli import main
 from observer_lab.devices import watching
 from observer_lab.devices.sampling import DeviceError
 from observer_lab.engine.systems import discretise
+from observer_lab.export.devices.c_project import simulator_files
 from observer_lab.export.devices.folders import device_design
-from observer_lab.export.devices.live_line import column_names
-from observer_lab.export.devices.simulator import simulator_files
+from observer_lab.export.devices.words import column_names
 from observer_lab.lessons import LESSONS
 from observer_lab.live.desk import LiveDesk
 from observer_lab.live.drive import PAGE_GONE_S, Drive, feedback_of, input_line

@@ -17,8 +17,8 @@ from observer_lab.session.commands.base import Notice
 from observer_lab.session.commands.records import DropRecord, SetColumnRole, StopFit, UploadRecord, UseRecord
 from observer_lab.session.handlers.tasks import CANCELLED
 from observer_lab.session.runtime.background_jobs import BackgroundJobs
-from observer_lab.session.state import record_fitting
-from observer_lab.session.state.record_fitting import MOST_FIT_S, TOO_LONG, FitStopped, RecordFitting
+from observer_lab.session.state import record_file
+from observer_lab.session.state.record_file import MOST_FIT_S, TOO_LONG, FitStopped, RecordFitting
 
 
 class Held:
@@ -182,4 +182,4 @@ def test_a_stopped_fit_raises_at_its_next_word() -> None:
     with pytest.raises(FitStopped):
         fitting.hear(0.6)
     assert fitting.share == 0.5 and not issubclass(FitStopped, KnobError | EngineError)
-    assert record_fitting.SAID_EVERY_S < 1
+    assert record_file.SAID_EVERY_S < 1

@@ -35,8 +35,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(options: argparse.Namespace) -> int:
     """Judge every hand-in, name those that do not count, write the tables. Raises CommandError."""
-    from ...course.handin.gradebooks import canvas_table, moodle_table
-    from ...course.handin.grading import best_points, grade, sources_of_students
+    from ...course.handin.grading import best_points, canvas_table, grade, moodle_table, sources_of_students
     from ..courses import course_in, tokens_in
     from ..hand_in_places import HandInPlaces
     from ..lesson_folder import lessons_of

@@ -72,7 +72,7 @@ def execute(options: argparse.Namespace) -> int:
     from ...devices import DeviceError
     from ...engine import EngineError
     from ...export.devices.folders import device_design
-    from ...export.devices.live_line import column_names
+    from ...export.devices.words import column_names
     from ...live.lines import LineReader
     from ...live.observer import LiveObserver
     from ...live.sources import SourceError
@@ -141,8 +141,8 @@ def _source(options: argparse.Namespace, lesson: Lesson, outcome: Outcome) -> Ab
 
 def _simulated(options: argparse.Namespace, lesson: Lesson, outcome: Outcome) -> AbstractContextManager[Port]:
     from ...engine.systems import discretise
+    from ...export.devices.c_project import simulator_files
     from ...export.devices.folders import device_design
-    from ...export.devices.simulator import simulator_files
     from ...live.simulated import simulated
 
     if outcome.run is None:

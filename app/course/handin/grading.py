@@ -1,7 +1,9 @@
-"""Grade hand-ins: verify each, judge its answer, and name those that do not count."""
+"""Grade hand-ins: verify each, judge its answer, and write tables for Moodle and Canvas."""
 
 from __future__ import annotations
 
+import csv
+import io
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -12,6 +14,8 @@ from ..lesson import Lesson
 from .course_file import Course, CourseItem
 from .hand_in import SOLVED, HandIn, HandInError, Refusal, read_hand_in
 from .served_course import student_item
+
+Points = Mapping[str, Mapping[str, float]]  # student → item → points
 
 
 @dataclass(frozen=True)
@@ -102,3 +106,36 @@ def _right(course: Course, lesson: Lesson, item: CourseItem, hand_in: HandIn) ->
     except UnreadableInput:
         return False
     return exam.digits.accepts(student_item(course, hand_in.student, lesson.id, exam).answer, said)
+
+
+def moodle_table(course: Course, points: Points) -> str:
+    """The points as CSV for "Import CSV" of Moodle's gradebook; map "ID number" to the field that holds the students' keys.
+
+    An item that was not handed in is "-", as Moodle writes no grade.
+    """
+    names = _asked(course)
+    rows = [[student, *(f"{row[name]:g}" if name in row else "-" for name in names)] for student, row in points.items()]
+    return _csv([["ID number", *names], *rows])
+
+
+def canvas_table(course: Course, points: Points) -> str:
+    """The points as CSV for "Import" of Canvas' gradebook, with the row of points possible.
+
+    Canvas finds a student by SIS User ID or SIS Login ID; the key stands in both. What was not handed in stays blank.
+    """
+    names = _asked(course)
+    head = ["Student", "ID", "SIS User ID", "SIS Login ID", "Section", *names]
+    possible = ["Points Possible", "", "", "", "", *(f"{course.items[name].points:g}" for name in names)]
+    rows = [[student, "", student, student, "", *(f"{row[name]:g}" if name in row else "" for name in names)]
+            for student, row in points.items()]
+    return _csv([head, possible, *rows])
+
+
+def _asked(course: Course) -> list[str]:
+    return [name for name, item in course.items.items() if not item.practice]
+
+
+def _csv(rows: Iterable[list[str]]) -> str:
+    out = io.StringIO()
+    csv.writer(out).writerows(rows)
+    return out.getvalue()

@@ -19,7 +19,7 @@ from functools import lru_cache
 from pathlib import Path
 
 from ...text.languages import folder_of, languages
-from ..prose_error import ProseError
+from ..glossary import ProseError
 
 FILE = "questions.md"
 PART = re.compile(r"(?P<id>[a-z-]+): (?P<title>[^\n]+)\n- (?P<phrases>[^\n]+)\n"

@@ -1,4 +1,4 @@
-"""Write a design as a folder of C99 with a test, a Makefile and a README."""
+"""Write a design in C: a project, an Arduino sketch, a process that speaks like a device."""
 
 from __future__ import annotations
 
@@ -8,13 +8,16 @@ from collections.abc import Mapping
 import numpy as np
 
 from ...devices import DeviceDesign, Routine
+from ...devices.routine import table
+from ...engine import Plant
 from .c_form import c_block, c_functions, c_number, c_tables
 from .readme import readme_text
-from .words import comment_word, template
+from .words import comment_word, header_line, template
 
-__all__ = ["MOST_TESTED", "c_project", "lab_c", "lab_h"]
+__all__ = ["MOST_TESTED", "arduino_sketch", "c_project", "lab_c", "lab_h", "simulator_files"]
 
 MOST_TESTED = 400  # samples that the test replays: its constants take 25 bytes of text each
+PUT_BACK, FARTHEST = 200.0, 1e6  # times its largest first state, at which a driven or knocked plant is put back; without any, at this
 
 
 def c_project(design: DeviceDesign, source: str, single: bool = False) -> Mapping[str, str]:
@@ -88,3 +91,31 @@ def _rows(name: str, values: np.ndarray, single: bool) -> str:
     numbers = [c_number(v, single) for v in values.ravel()]
     lines = ",\n    ".join(", ".join(numbers[k:k + 4]) for k in range(0, len(numbers), 4))
     return f"static const lab_real {name}[{len(numbers)}] = {{\n    {lines}\n}};"
+
+
+def arduino_sketch(design: DeviceDesign, source: str, single: bool = True) -> Mapping[str, str]:
+    """The files of the sketch folder `lab`, whatever `single` says in float: an AVR's double has four bytes too."""
+    routine = design.routine
+    p, m = len(routine.y_names), len(routine.u_names)
+    sketch = template("lab.ino", "arduino").format(
+        header=header_line(routine), p=p, m=m, micros=round(routine.period * 1e6), pins=", ".join(f"A{k}" for k in range(p)),
+        scales=", ".join(["1.0F"] * p), zeros=", ".join(["0.0F"] * p), outputs=", ".join(str(pin) for pin in (9, 10, 3, 5, 6, 11)[:m]),
+        drives=int(routine.drives))
+    return {"lab/lab.ino": sketch, "lab/lab.h": lab_h(routine, True), "lab/lab.c": lab_c(routine, True),
+            "README.md": readme_text(design, source, True, ARDUINO_USE)}
+
+
+ARDUINO_USE = ("open lab/lab.ino, set pins, scales and offsets at its head, and upload it; `observer-lab live --serial PORT` reads its "
+               "lines. The sketch is in float; `--to c --float` has the test with the same bits.")
+
+
+def simulator_files(design: DeviceDesign, plant: Plant, x0: np.ndarray) -> Mapping[str, str]:
+    """lab.h, lab.c and plant.c; `plant` is sampled with the design's period."""
+    routine = design.routine
+    tables = [table("A", plant.A), table("B", plant.B), table("C", plant.C), table("x0", x0)]
+    far = PUT_BACK * float(np.abs(x0).max(initial=0.0)) or FARTHEST
+    main = template("plant.c", "simulator").format(n=plant.n, far=far, tables=c_tables(tables, False, "static const double", "plant_"),
+                                                   header=header_line(routine))
+    if not routine.drives:
+        main = main.replace("lab_step(readings, u);", "lab_step(readings, u); /* u stays as it is: nothing is fed back */")
+    return {"lab.h": lab_h(routine, False), "lab.c": lab_c(routine, False), "plant.c": main}

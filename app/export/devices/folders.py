@@ -10,8 +10,7 @@ from types import MappingProxyType
 from ...course.lesson import Lesson, Outcome
 from ...devices import DeviceDesign, DeviceError, design_of_run
 from ...text import text
-from .arduino import arduino_sketch
-from .c_project import c_project
+from .c_project import arduino_sketch, c_project
 from .fmu import fmu_folder
 from .python_form import micropython_folder
 from .simulink import simulink_folder

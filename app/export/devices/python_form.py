@@ -9,9 +9,8 @@ from collections.abc import Mapping
 import numpy as np
 
 from ...devices import DeviceDesign, Routine, Table
-from .live_line import header_line
 from .readme import readme_text
-from .words import template
+from .words import header_line, template
 
 __all__ = ["micropython_folder", "python_module"]
 

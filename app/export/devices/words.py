@@ -1,11 +1,13 @@
-"""Read templates and make names safe for comments of generated code."""
+"""Write the words of generated code: templates, names safe in comments, the header of its lines."""
 
 from __future__ import annotations
 
 import re
 from pathlib import Path
 
-__all__ = ["comment_word", "identifier", "template"]
+from ...devices import Routine
+
+__all__ = ["column_names", "comment_word", "header_line", "identifier", "template"]
 
 TEMPLATES = Path(__file__).parents[1] / "templates" / "devices"
 LONGEST_WORD = 60  # characters of a name in a comment
@@ -31,3 +33,15 @@ def identifier(word: str, taken: set[str]) -> str:
         name = f"{plain}_{count}"
     taken.add(name.lower())
     return name
+
+
+def column_names(routine: Routine) -> list[str]:
+    """The columns of a line: the time, every input, every reading."""
+    taken: set[str] = set()
+    inputs, readings = ([identifier(name, taken) for name in names] for names in (routine.u_names, routine.y_names))
+    return ["t", *(f"u:{name}" for name in inputs), *(f"y:{name}" for name in readings)]
+
+
+def header_line(routine: Routine) -> str:
+    """The comment line that names the columns, as in `# t,u:force,y:angle`."""
+    return "# " + ",".join(column_names(routine))

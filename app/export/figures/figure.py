@@ -12,16 +12,30 @@ from typing import Any, assert_never
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure as Page
+from matplotlib.patches import Circle, Rectangle
 
+from ...colours import COLOURS
 from ...course.figures.diagram import SIZE
 from ...course.figures.records import DiagramFigure, Figure, GaugeFigure, LineFigure, MapFigure, MatrixFigure, PlaneFigure, TableFigure
-from .diagram_plot import draw_diagram
+from ...text import label_in_language
 from .line_breaks import wrap
 from .matrix_plots import draw_matrix, draw_table
 from .panels import draw_gauges, draw_lines, draw_map, draw_plane
 from .style import INK_COLOUR, SMALL_PT, TITLE_PT, escape_mathtext, export_style
 
-__all__ = ["SUFFIXES", "Cell", "ExportError", "cell_of", "draw_page", "figures_as", "letter_of", "place", "place_axes", "save_figures"]
+__all__ = [
+    "SUFFIXES",
+    "Cell",
+    "ExportError",
+    "cell_of",
+    "draw_diagram",
+    "draw_page",
+    "figures_as",
+    "letter_of",
+    "place",
+    "place_axes",
+    "save_figures",
+]
 
 # What would differ from one run to the next is left out of each kind of file.
 SUFFIXES: Mapping[str, dict[str, Any]] = MappingProxyType({
@@ -35,6 +49,7 @@ CELL, MARGIN = 3.55, 0.12  # width of a figure with its words, edge of the page,
 LEFT_IN, RIGHT_IN, TOP_IN, BOTTOM_IN = 0.58, 0.14, 0.26, 0.36  # room for numbers and words around the axes, in inches
 CURVES_HEIGHT_IN, LINE_HEIGHT_IN, ROW_HEIGHT_IN = 1.72, 0.125, 0.165  # height of axes, of a caption's line, of a table's row, in inches
 COLUMN_NAMES, KEY_IN, GAUGE_HEIGHT_IN = 0.34, 0.2, 0.42  # inches over a matrix for its columns' names, below it for its key; of a gauge
+THIN, THICK, RADIUS = 0.6, 1.8, 9.0  # pt of a wire without signal and more of the largest one; units of the circle of a sum
 
 
 class ExportError(ValueError):
@@ -176,3 +191,27 @@ def _draw_kind(axes: Axes, figure: Figure, language: str) -> None:
 def letter_of(index: int) -> str:
     """a … z, then aa, ab …"""
     return (letter_of(index // 26 - 1) if index >= 26 else "") + chr(ord("a") + index % 26)
+
+
+def draw_diagram(axes: Axes, figure: DiagramFigure, language: str) -> None:
+    """Blocks, wires as thick as their signals are at the start, and the names of both."""
+    axes.set_xlim(0.0, SIZE[0])
+    axes.set_ylim(SIZE[1], 0.0)
+    axes.axis("off")
+    for wire in figure.wires:
+        wide, colour = THIN + THICK * float(wire.shares[0]), COLOURS[wire.role]
+        for way in wire.ways:
+            axes.plot(*zip(*way[:-1], strict=True), color=colour, linewidth=wide, solid_joinstyle="miter")
+            look = {"arrowstyle": "-|>", "color": colour, "linewidth": wide, "shrinkA": 0, "shrinkB": 0}
+            axes.annotate("", way[-1], way[-2], arrowprops=look)
+        axes.text(*wire.at, escape_mathtext(wire.said[0]), fontsize=SMALL_PT, color=INK_COLOUR)
+    for block in figure.blocks:
+        left, top, wide, high = block.box
+        axes.add_patch(Rectangle((left, top), wide, high, facecolor="white", edgecolor=INK_COLOUR, linewidth=0.8,
+                                 linestyle="--" if block.off else "-"))
+        axes.text(left + wide / 2, top + high / 2, escape_mathtext(label_in_language(block.name, language)), fontsize=SMALL_PT, ha="center",
+                  va="center", color=INK_COLOUR)
+    for x, y in figure.sums:
+        axes.add_patch(Circle((x, y), RADIUS, facecolor="white", edgecolor=INK_COLOUR, linewidth=0.8))
+    for sign, (x, y) in figure.marks:
+        axes.text(x, y, sign, fontsize=SMALL_PT, ha="center", va="center", color=INK_COLOUR)

@@ -12,21 +12,23 @@ from types import MappingProxyType
 import numpy as np
 
 from ...course.lesson import Lesson, Outcome
+from ...course.script_record import Code, GivenValue, ShownValue
 from ...engine.simulation import Run, Scenario, disturbances_of
 from ...text import text_in
+from .code_record_script import check_of
 from .comment_translation import script_header, translate_comments
 from .gains import directions_of, placed_gain
-from .matlab_code_record import code_record_lines
-from .matlab_literals import array, body_of, complex_row, functions_for, number
+from .matlab_literals import array, body_of, complex_row, formula, functions_for, number
 from .script import AGREED, INSTANTS, NO_SCRIPT, ScriptError, poles_of_the_page
 
-__all__ = ["function_name", "matlab_script"]
+__all__ = ["code_record_lines", "function_name", "matlab_script"]
 
 POLE_MATRICES: Mapping[str, str] = MappingProxyType({
     "A - B K": "Am - Bm * K", "A - L C": "Am - L * Cm", "the loop": "loop_matrix", "the compensator": "Am - Bm * K - L * (Cm - Dm * K)",
     "A": "A", "the model's A": "Am"})
 QUIET_COMMENT = text_in("script", "{function}(false) checks and draws nothing.")
 MAX_JUMP_ROWS = 12  # rows that jump, up to which each has a line of its own
+CURVES_MARKER = "%% The curves\n"
 
 
 def function_name(lesson: Lesson) -> str:
@@ -133,3 +135,55 @@ def _asserted(s: Scenario, run: Run, outcome: Outcome) -> Iterator[str]:
         else:
             yield f"same_poles('{name}', eig({POLE_MATRICES[match]}), {complex_row(poles)});"
     yield f"disp('Observer Lab: the run, its largest values, gains and poles agree to {AGREED:g}.');"
+
+
+def code_record_lines(code: Code) -> Iterator[str]:
+    """The body of the function behind its head, its `end`, and the functions that it calls."""
+    bodies = [body_of(name) for name in code.parts]
+    equations, _, curves = "\n\n".join(body for body, _ in bodies).partition(CURVES_MARKER)
+    yield "%% What is given"
+    yield from map(_given_record, code.given)
+    if code.drawn:
+        yield "\n"
+        yield "%% Noise as Python drew it; the generator of this language gives other numbers from the same seed"
+        yield from map(_given_record, code.drawn)
+    shown = list(_asserted_record(code))
+    yield "\n" + equations.rstrip() + "\n"
+    yield "%% What the page shows"
+    yield from shown
+    yield "\n" + CURVES_MARKER + curves + "\nend\n"
+    local = "\n\n".join(text for _, text in bodies if text)
+    yield "\n\n".join(text for text in (local, functions_for("\n".join([equations, local, *shown]))) if text)
+
+
+def _given_record(given: GivenValue) -> str:
+    value, note = given.value, f"  % {given.note}" if given.note else ""
+    if isinstance(value, bool):
+        return f"{given.name} = {str(value).lower()};{note}"
+    if isinstance(value, (int, str)):
+        return f"{given.name} = {value!r};{note}"
+    if isinstance(value, float):
+        return f"{given.name} = {number(value)};{note}"
+    return array(given.name, value, given.note)
+
+
+def _asserted_record(code: Code) -> Iterator[str]:
+    if code.unsaid:
+        yield f"% {code.unsaid}: the page shows them too, and they are not computed here."
+    for shown in code.shown:
+        yield _assertion(shown)
+    yield f"disp('Observer Lab: {len(code.shown)} results of the page, its run among them, agree to 1e-06.');"
+
+
+def _assertion(shown: ShownValue) -> str:
+    name = formula(shown.name)
+    if shown.poles:
+        return f"same_poles('{name}', {name}, {complex_row(np.asarray(shown.value).ravel())});"
+    check = check_of(shown)
+    size = number(check.size)
+    if check.values.ndim == 0:
+        return f"agree('{name}', {name}, {number(float(check.values))}, {size});"
+    if check.at is None:
+        return f"{array('page', check.values)}\nagree('{name}', {name}, page, {size});"
+    places = " ".join(str(k + 1) for k in check.at)
+    return f"{array('page', check.values)}\nagree_at('{name}', {name}, {check.length}, [{places}], page, {number(check.largest)}, {size});"

@@ -1,17 +1,21 @@
-"""Find the port and address of the server, and whether other machines can reach it."""
+"""Listen at a port and address, with a file in reserve, and say who can reach the server."""
 
 from __future__ import annotations
 
 import errno
 import ipaddress
+import logging
+import os
 import socket
+from typing import Any
 from urllib.parse import urlsplit
-
-from .patient_listener import PatientListener
 
 HIGHEST = 65535
 TRIES = 1000  # ports that are tried, the one asked for first
 EVERYWHERE = ("0.0.0.0", "::")
+OUT_OF_FILES = frozenset({errno.EMFILE, errno.ENFILE, errno.ENOBUFS, errno.ENOMEM})
+
+log = logging.getLogger(__name__)
 
 
 def listen(host: str, port: int, exact: bool = False) -> socket.socket:
@@ -58,3 +62,42 @@ def _resolved(host: str) -> tuple[socket.AddressFamily, str]:
         raise OSError(f"{host[:80]} is not a name") from problem
     return family, str(address[0])
 
+
+class PatientListener(socket.socket):
+    """A listener that keeps one file in reserve. When no other is left, it accepts with that one, and closes the connection.
+
+    asyncio itself reports an error for every place of the queue of a listener that cannot accept, a hundred at a time.
+    """
+
+    def __init__(self, fileno: int) -> None:
+        super().__init__(fileno=fileno)
+        self._reserve: int | None = os.open(os.devnull, os.O_RDONLY)
+
+    def accept(self) -> tuple[socket.socket, Any]:
+        """The next connection and who it is from. Raises ConnectionAbortedError where one was turned away."""
+        try:
+            return super().accept()
+        except OSError as problem:
+            if problem.errno not in OUT_OF_FILES:
+                raise
+            if self._reserve is None:
+                raise
+            self._turn_away(self._reserve)
+            raise ConnectionAbortedError from problem
+
+    def close(self) -> None:
+        """Close it, and the file in reserve."""
+        super().close()
+        reserve, self._reserve = self._reserve, None
+        if reserve is not None:
+            os.close(reserve)
+
+    def _turn_away(self, reserve: int) -> None:
+        log.warning("a connection was turned away: too many files are open")
+        os.close(reserve)
+        self._reserve = None
+        try:
+            super().accept()[0].close()
+            self._reserve = os.open(os.devnull, os.O_RDONLY)
+        except OSError:  # another thread took the file; the connection waits
+            return

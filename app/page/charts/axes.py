@@ -9,7 +9,6 @@ from itertools import pairwise
 
 from ...colours import COLOURS
 from ...course.figures.decade_axes import decades
-from .axis_ticks import ticks
 from .text_layout import LARGE_PRINT_PX, Box, fold_lines, text_width
 
 W, H = 360, 254
@@ -153,3 +152,14 @@ def _numbers(low: float, high: float, most: int, powers: bool) -> list[tuple[flo
     if powers:
         return [(math.log10(value), name) for value, name in zip(*decades(10.0**low, 10.0**high, most), strict=True)]
     return [(v, f"{v:.6g}".replace("-", "−")) for v in ticks(low, high, most)]
+
+
+def ticks(low: float, high: float, count: int = 6) -> list[float]:
+    """Round numbers within [low, high], about `count` of them."""
+    raw = (high - low) / count
+    if not raw > 0 or not math.isfinite(raw):
+        return [low]
+    decade = 10.0 ** math.floor(math.log10(raw))
+    step = next(s * decade for s in (1, 2, 5, 10) if s * decade >= raw * (1 - 1e-9))
+    first, last = math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9)
+    return [round(i * step, 12 - math.floor(math.log10(raw))) + 0.0 for i in range(first, last + 1)]

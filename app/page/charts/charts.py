@@ -21,7 +21,7 @@ from ...text import label_in_language, superscript
 from ..viser_private import viser_internals
 from ..viser_private.hidden_input import hidden_input
 from ..words.prose import with_minus
-from .axis_ticks import ticks
+from .axes import ticks
 from .print_sizes import FRAME_PX, Sizes
 from .style_sheet import figure_class
 from .svg import draw

@@ -20,8 +20,7 @@ from ..viser_private.hidden_input import hidden_input
 from ..viser_private.widget_values import ReadBack
 from ..votes.room_panel import RoomPanel, room_command
 from ..words import phrases
-from ..words.menu import menu_edit, menu_html
-from ..words.mode_switch import mode_switch
+from ..words.menu import menu_edit, menu_html, mode_switch
 from ..words.prose import explained_html, formula_html, judged_html, render_markdown, with_minus
 from .compare_panel import ComparePanel
 from .course_page import CourseGuide

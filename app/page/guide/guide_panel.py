@@ -3,18 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from types import MappingProxyType
 
 import viser
 
 from ...course.knobs import Knob
-from ...course.scenes import knobs_of, minutes_of
-from ...session.commands.commands import (
-    DrawByHand,
-    Edit,
-    OpenLesson,
-    SetKnobs,
-    ToggleCourse,
-)
+from ...course.scenes import Move, Press, Scene, Solve, knobs_of, minutes_of
+from ...session.commands.commands import DrawByHand, Edit, OpenLesson, SetKnobs, ToggleCourse
 from ...session.commands.guide import (
     AnswerByHand,
     ChooseOption,
@@ -42,10 +37,11 @@ from ..votes.room_panel import RoomPanel, room_command
 from ..words import phrases
 from ..words.menu import menu_edit
 from .figure_room import room_for_drawing
-from .pointing_hand import hand_target
 from .scene_card import card_html, formulas_html, mode_row, question_html, verdict_html
 
 Post = Callable[[Edit], int]
+NOWHERE = MappingProxyType({"scene": "", "node": "", "widget": "", "button": ""})
+BUTTONS = MappingProxyType({"kick": phrases.KICK, "play": phrases.PLAY})
 
 
 class GuidePanel:
@@ -150,3 +146,37 @@ class GuidePanel:
 
 def _whole(value: str) -> int:
     return int(value) if value.lstrip("-").isdigit() and len(value) < 6 else -1
+
+
+def hand_target(picture: Picture, widgets: Mapping[str, Widget]) -> Mapping[str, str]:
+    """The scene by its lesson and id, and what of the page its action needs; all is "" where nothing is to be shown."""
+    scene = picture.scene
+    if scene is None or scene.id in picture.state.done or picture.state.performance is not None or not picture.resting:
+        return NOWHERE
+    said = {**NOWHERE, "scene": f"{picture.lesson.id}/{scene.id}"}
+    if isinstance(scene.do, Press) and scene.do.button == "pull":
+        return {**said, "node": _grip(picture)} if _grip(picture) else NOWHERE
+    if isinstance(scene.do, Press):
+        return {**said, "button": BUTTONS[scene.do.button](picture.state.language)}
+    knobs = scene.do.knobs if isinstance(scene.do, Move) else scene.knobs if isinstance(scene.do, Solve) else ()
+    for knob in knobs:
+        if node := _cross(picture, scene, knob):
+            return {**said, "node": node}
+        if knob in widgets and knob in scene.knobs:
+            return {**said, "widget": widgets[knob].node}
+    return NOWHERE
+
+
+def _grip(picture: Picture) -> str:
+    """The part of the plant that can be taken hold of first, by the name of its node; "" where there is none."""
+    stage = picture.outcome.stage
+    return f"/plant/{stage.held[0][0].parts[0]}" if stage is not None and stage.held else ""
+
+
+def _cross(picture: Picture, scene: Scene, knob: str) -> str:
+    """The slowest pole that a hand moves on a board of the scene, by the name of its node; "" where there is none."""
+    board = next((each for each in picture.boards if each.knob == knob and each.id in scene.boards and each.poles), None)
+    if board is None:
+        return ""
+    slowest = max(range(len(board.poles)), key=lambda k: board.poles[k].real)
+    return f"/board/{board.id}/pole{slowest}"

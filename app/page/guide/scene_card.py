@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import html
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -22,12 +22,12 @@ from ..charts.sketch_frame import sketch_frame
 from ..charts.svg import draw
 from ..votes.class_drawings import drawings_html
 from ..words import phrases, prediction
-from ..words.menu import menu_html
-from ..words.mode_switch import mode_switch
+from ..words.menu import menu_html, mode_switch
 from ..words.prediction import options_html
-from ..words.prose import explained_html, formula_html, render_markdown, with_minus
+from ..words.prose import explained_html, formula_html, mathml, render_markdown, with_minus
 from .figure_room import room_for_question
-from .moving_lines import moving_lines
+
+MARKS = ("gone", "lit", "gather", "turn")
 
 
 def live_numbers(picture: Picture, words: str, outcome: Outcome | None = None) -> str:
@@ -212,3 +212,22 @@ def formulas_html(picture: Picture) -> str:
     shown = [f for f in picture.outcome.formulas if f.id in scene.formulas] if scene.formulas else []
     lines = [live_numbers(picture, line) for line in scene.lines]
     return moving_lines(lines) + "".join(formula_html(f.latex) for f in shown)
+
+
+# In a line `\color{gone}{…}` is struck out once all lines that hold such a term have come, and `\color{lit}{…}` lights up. A bracket
+# grows under `\color{gather}{…}`: under terms that share a factor, then under what they become. `\color{turn}{…}` turns over its
+# diagonal, as a transpose does. Where motion is unwanted the style sheet shows the last picture.
+def moving_lines(lines: Sequence[str]) -> str:
+    """The lines as HTML, each with its place in the order; nothing for none."""
+    if not lines:
+        return ""
+    cut = max((k + 1 for k, line in enumerate(lines) if "{gone}" in line), default=0)
+    return f'<div class="ol-formula ol-moving" style="--cut:{cut}">' + "".join(
+        f'<div style="--at:{k}">{_marked(mathml(line, True))}</div>' for k, line in enumerate(lines)) + "</div>"
+
+
+def _marked(markup: str) -> str:
+    """MathML whose marks have become classes of the style sheet."""
+    for mark in MARKS:
+        markup = markup.replace(f'mathcolor="{mark}"', f'class="ol-{mark}"')
+    return markup

@@ -9,7 +9,7 @@ from typing import Protocol
 
 import viser
 
-from ...classroom.sketch_grid import LONGEST_SKETCH
+from ...classroom.answer_grids import LONGEST_SKETCH
 from ...classroom.votes import MAX_OPTIONS, Answer, Kind, is_ballot
 from ...session.handlers.room import PAUSED
 from ...text import languages

@@ -11,7 +11,7 @@ from PIL import Image, ImageDraw
 
 from ...colours import palette, rgb
 from ...course.lesson import Board
-from ..charts.axis_ticks import ticks
+from ..charts.axes import ticks
 
 PANE_SIZE_PX = (1100, 860)  # pixels of the s-plane across and up
 FINER = 2  # drawn this much larger first, so that edges come out smooth

@@ -13,7 +13,7 @@ from ...colours import COLOURS, palette, rgb
 from ...course.figures.records import MapFigure
 from ...session.state.view import Picture
 from ...text import label_in_language
-from ..charts.axis_ticks import ticks
+from ..charts.axes import ticks
 from ..charts.text_layout import fold_lines
 from ..words import phrases
 from .scene_labels import SceneLabels

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import viser
 
-from ...classroom.pole_grid import with_conjugate
+from ...classroom.answer_grids import with_conjugate
 from ...course.lesson import Board
 
 FIRST_MARK_HALF_HEIGHT, MARK_GROWTH = (

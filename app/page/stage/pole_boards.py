@@ -16,7 +16,7 @@ from ...colours import COLOURS, rgb
 from ...course.lesson import Board
 from ...engine.systems import move_pole
 from ...text import Text
-from ..charts.axis_ticks import ticks
+from ..charts.axes import ticks
 from ..charts.text_layout import text_width
 from ..words import phrases
 from .board_face import board_colours, draw_board_texture

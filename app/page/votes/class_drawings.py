@@ -6,7 +6,7 @@ import html
 
 import numpy as np
 
-from ...classroom.sketch_grid import LEVELS
+from ...classroom.answer_grids import LEVELS
 from ...classroom.votes import Vote
 from ...course.figures.records import PlaneFigure
 from ...course.guiding.questions import BAR_WIDTH

@@ -6,10 +6,10 @@ import html
 import json
 import math
 
-from ...classroom.pole_grid import PoleGrid, with_conjugate
+from ...classroom.answer_grids import PoleGrid, with_conjugate
 from ...classroom.votes import Vote
 from ...text import Text, format_number
-from ..charts.axis_ticks import ticks
+from ..charts.axes import ticks
 from ..words import phrases
 
 WIDTH, HEIGHT = 320.0, 240.0  # of the plane in units of its drawing

@@ -1,23 +1,18 @@
-"""Write the menu of guide and lab as HTML: language, theme, print, search and what is rarely wanted."""
+"""Write the menu and the switch of views as HTML: language, theme, print, search; guide, lab, present."""
 
 from __future__ import annotations
 
 import html
 from collections.abc import Iterable
 
-from ...session.commands.commands import (
-    Edit,
-    LookFrom,
-    SetLanguage,
-    ToggleDownloads,
-    ToggleHelp,
-    ToggleLecture,
-    ToggleTheme,
-)
+from ...course.scenes import Mode
+from ...session.commands.commands import Edit, LookFrom, SetLanguage, ToggleDownloads, ToggleHelp, ToggleLecture, ToggleTheme
 from ...session.commands.guide import ToggleGlossary
 from ...session.state.view import Picture
 from ...text import languages, name_of
 from . import phrases
+
+MODE_WORDS = (("guide", phrases.GUIDE), ("lab", phrases.LAB), ("present", phrases.PRESENT))
 
 
 def menu_html(picture: Picture, hand: str, first: Iterable[tuple[str, str]] = (), last: Iterable[tuple[str, str]] = (),
@@ -45,3 +40,10 @@ def menu_edit(kind: str, value: str) -> Edit | None:
         return SetLanguage(value)
     asked = {"theme": ToggleTheme, "print": ToggleLecture, "take": ToggleDownloads, "terms": ToggleGlossary, "help": ToggleHelp}
     return LookFrom("all") if kind == "view" else asked[kind]() if kind in asked else None
+
+
+def mode_switch(now: Mode, language: str, hand: str) -> str:
+    """A button for each view of a lesson; each says `mode:` and its name to the hidden widget `hand`."""
+    modes = "".join(f'<button type="button" class="ol-mode" aria-pressed="{"true" if mode == now else "false"}" '
+                    f'data-to="{hand}" data-value="mode:{mode}">{html.escape(words(language))}</button>' for mode, words in MODE_WORDS)
+    return f'<span class="ol-modes" role="group">{modes}</span>'

@@ -11,8 +11,7 @@ from ...engine import EngineError
 from ...engine.identification import Record
 from ...text import text
 from ..commands.records import FitEnded, FitGoesOn
-from ..state.record_file import RecordFile, open_record, told_again, with_role
-from ..state.record_fitting import FitStopped, RecordFitting
+from ..state.record_file import FitStopped, RecordFile, RecordFitting, open_record, told_again, with_role
 from .downloads import TOO_MANY
 from .presenter import Presenter
 from .tasks import CANCELLED

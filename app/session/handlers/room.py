@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from ...classroom.pole_grid import PoleGrid
+from ...classroom.answer_grids import COLUMNS, PoleGrid, SketchGrid
 from ...classroom.room import RoomView, VoteDesk
-from ...classroom.sketch_grid import COLUMNS, SketchGrid
 from ...classroom.votes import LONGEST_QUESTION, MAX_OPTIONS, Asked, Vote, read_pole_question, read_question
 from ...course.figures.scene import Board
 from ...course.guiding.predictions import prediction_of

@@ -1,15 +1,15 @@
-"""Hold the file of a record until it is used, with what was told about it and what was read."""
+"""Hold the file of a record until it is used, what was told and read of it, and how far its fit is."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+import time
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from ...course.knobs import KnobError
 from ...text import text
-from .record_fitting import RecordFitting
 
 if TYPE_CHECKING:  # the reader is imported late: it brings scipy.optimize
     from ...engine.identification import RecordPreview
@@ -20,6 +20,9 @@ ROLES = ("t", "u", "y", "")
 TIME_UNITS = ("", "s", "ms", "us", "ns", "min", "h", "d")
 DECIMALS = ("", ".", ",")
 LONGEST_MARKS = 80
+MOST_FIT_S = 180.0  # s by the clock that a fit may take
+SAID_EVERY_S, KNOWN_AFTER_S, KNOWN_SHARE = 0.5, 1.0, 0.03  # s between two reports; s and share after which its end can be estimated
+TOO_LONG = text("This fit takes more than {seconds:.0f} s and was ended; use fewer rows or columns.", seconds=MOST_FIT_S)
 
 
 @dataclass(frozen=True)
@@ -98,3 +101,41 @@ def _checked(name: str, value: object, columns: int) -> object:
     if not allowed.get(name, False):
         raise KnobError(text("The browser sent a value that a record's file cannot have; nothing was changed."))
     return value
+
+
+class FitStopped(Exception):
+    """Raised in a fit that nobody waits for any more."""
+
+
+class RecordFitting:
+    """One fit on a thread of its own. `told` is called with it now and then, and returns whether the tab is still open."""
+
+    def __init__(self, told: Callable[[RecordFitting], bool], clock: Callable[[], float] = time.monotonic) -> None:
+        self._told, self._clock = told, clock
+        self._began = self._said = clock()
+        self._stopped = False
+        self.share = 0.0  # that is done
+
+    @property
+    def seconds_left(self) -> float | None:
+        """How long it will go on at this pace, None while that is not known."""
+        lasted = self._clock() - self._began
+        if lasted < KNOWN_AFTER_S or self.share < KNOWN_SHARE:
+            return None
+        return lasted * (1 - self.share) / self.share
+
+    def stop(self) -> None:
+        """End it at its next word; safe from any thread."""
+        self._stopped = True
+
+    def hear(self, share: float) -> None:
+        """Note the share that is done. Raises FitStopped in a fit that was ended, and KnobError in one that takes too long."""
+        now = self._clock()
+        if self._stopped:
+            raise FitStopped
+        if now - self._began > MOST_FIT_S:
+            raise KnobError(TOO_LONG)
+        self.share = max(self.share, min(share, 1.0))
+        if now - self._said >= SAID_EVERY_S:
+            self._said = now
+            self._stopped = not self._told(self)
