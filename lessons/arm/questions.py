@@ -13,7 +13,7 @@ from observer_lab.devices import design_of_run
 from observer_lab.plants.arm import ANGLE_INDEX, LOAD_INDEX
 from observer_lab.text import text
 
-from ..toolkit.on_board import board_question
+from ..toolkit.questions import board_question
 from .loop import LOAD_AT
 
 ROUNDED_TO, LATE = 1.0, 5  # degrees; periods of the device, 20 ms

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+from itertools import pairwise
+
 import numpy as np
+from scipy.optimize import linear_sum_assignment
 
 from observer_lab.course.figures.diagram import DIAGRAM
 from observer_lab.course.figures.ranges import round_up_nicely
 from observer_lab.course.figures.records import Curve, LineFigure, MatrixFigure, PlaneFigure, Point, TableFigure
 from observer_lab.course.lazy import FigureSet, tab_figures
 from observer_lab.course.lesson import Design, Outcome
+from observer_lab.engine import Plant
 from observer_lab.text import NO_WORDS, Text, format_number, joined, same, symbol, text
 
 from ..toolkit.diagram import loop
@@ -16,13 +21,15 @@ from ..toolkit.figures import ERROR_TAB, TIME_TAB, error_figure, input_figure, s
 from ..toolkit.latex import pole_words
 from .dual_quantities import Setting, Twins, weights_of
 from .finite_horizon import HORIZON_TAB, horizon_figure
-from .root_locus import LOCUS_TAB, locus_figures
 
 DUAL_TAB, ELLIPSES_TAB, TURNED_TAB = text("Dual quantities"), text("Ellipses"), text("Transposed matrix")
 DIAGONAL, ABOVE, BELOW = range(3)  # categories of the entries of a matrix
 MOST_ROWS, MOST_ENTRIES, MOST_TURNED = 12, 6, 4  # of a table, places of a figure of bars, states of a matrix beside its transpose
 BAR_PX, BAR_SHIFT = 17.0, 0.16  # px across a bar; places from the middle of two bars to each
 CIRCLE_ANGLES_RAD = np.linspace(0.0, 2 * np.pi, 121)
+LOCUS_TAB = text("Root locus")
+LOW, HIGH = 1e-6, 1e6  # the ratios of the weights
+SAMPLES, FEWEST = 1200, 97  # samples of the locus times states, so that its corners are sharp; and at least
 
 
 def figures(here: Setting, outcome: Outcome[Twins]) -> FigureSet:
@@ -162,3 +169,59 @@ def _mirrored(here: Setting, twins: Twins) -> PlaneFigure:
         said = text("The two differ from mirror images by {gap:.2g} %.", gap=100 * twins.mirror_gap)
     return PlaneFigure("mirrored", text("states reached and output energy"), tuple(curves), (), *here.axes, (-half, half), (-half, half),
                        equal=True, tab=ELLIPSES_TAB, caption=said)
+
+
+def ratios(n: int) -> np.ndarray:
+    """The ratios at which the locus of n states is drawn."""
+    return np.geomspace(LOW, HIGH, max(FEWEST, SAMPLES // n))
+
+
+def locus(A: np.ndarray, B: np.ndarray, Q: np.ndarray, R: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """The 2n roots of det(R/ρ + Bᵀ(−sI − Aᵀ)⁻¹ Q (sI − A)⁻¹B) = 0 for each ratio ρ in `at` (k,).
+
+    The result is (k, 2n), each branch in a column.
+
+    They are the eigenvalues of the Hamiltonian matrix [A, −ρ B R⁻¹Bᵀ; −Q, −Aᵀ]. With each root s, −s is one; those on the left are the
+    poles that LQR chooses for ρQ and R. Source: Kailath, Linear Systems (1980), section 3.4: the symmetric root locus.
+    """
+    push = B @ np.linalg.solve(R, B.T)
+    roots = np.array([np.linalg.eigvals(np.block([[A, -ratio * push], [-Q, -A.T]])) for ratio in at], dtype=complex)
+    for before, after in pairwise(roots):
+        after[:] = after[linear_sum_assignment(np.abs(before[:, None] - after))[1]]
+    return roots
+
+
+@lru_cache(maxsize=16)
+def _branches(here: Setting, plant: Plant, filtering: bool) -> np.ndarray:
+    given = (plant.A.T, plant.C.T, here.W, here.V) if filtering else (plant.A, plant.B, here.Q, here.R)
+    return locus(*given, ratios(plant.n))
+
+
+def locus_figures(here: Setting, design: Design) -> tuple[PlaneFigure, PlaneFigure]:
+    """The locus of the regulator over α_Q/α_R and that of the filter over α_W/α_V."""
+    q, r = design["q"], design["r"]
+    w, v = (q, r) if design["mirror"] else (design["w"], design["v"])
+    return (_figure(here, design, False, q / r, text("symmetric root locus of the LQR"),
+                    text("α_Q/α_R from 10⁻⁶ to 10⁶. Crosses: LQR poles at the present ratio {ratio:.3g}. Circles: their mirror images.",
+                         ratio=q / r)),
+            _figure(here, design, True, w / v, text("symmetric root locus of the LQE"),
+                    text("α_W/α_V from 10⁻⁶ to 10⁶. Crosses: LQE poles at the present ratio {ratio:.3g}. Circles: their mirror images.",
+                         ratio=w / v)))
+
+
+def _figure(here: Setting, design: Design, filtering: bool, ratio: float, title: Text, caption: Text) -> PlaneFigure:
+    plant, role = here.plant(design), "estimate" if filtering else "plant"
+    given = (plant.A.T, plant.C.T, here.W, here.V) if filtering else (plant.A, plant.B, here.Q, here.R)
+    wide, high = -here.window.re_low, here.window.im_high
+    curves = []
+    for branch in _branches(here, plant, filtering).T:
+        seen = branch[(np.abs(branch.real) <= wide) & (np.abs(branch.imag) <= high)]
+        if len(seen) > 1:
+            stable = float(np.median(seen.real)) < 0
+            curves.append(Curve(text("chosen") if stable else text("mirror image"), seen.imag, role if stable else "muted",
+                                "solid" if stable else "dash", 2.0, seen.real))
+    now = locus(*given, np.array([ratio]))[0]
+    points = [Point(float(s.real), float(s.imag), role if s.real < 0 else "muted", "cross" if s.real < 0 else "circle") for s in now
+              if abs(s.real) <= wide and abs(s.imag) <= high]
+    return PlaneFigure("filter-locus" if filtering else "regulator-locus", title, tuple(curves), tuple(points), "Re s", "Im s",
+                       (-wide, wide), (-high, high), tab=LOCUS_TAB, caption=caption)

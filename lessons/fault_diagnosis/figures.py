@@ -9,11 +9,10 @@ from observer_lab.course.lazy import FigureSet, tab_figures
 from observer_lab.course.lesson import Outcome
 from observer_lab.text import NO_WORDS, Text, format_number, joined, listed, same, text, text_in
 
-from .bank_figure import VERDICT_TAB, bank
+from .bank_figures import PAIR_TAB, VERDICT_TAB, bank, pair_figures, pair_reach, short
 from .cusum import cusum
 from .diagnosis import DETECTION_POWER
 from .observer_bank import COIL_IDS, DT, FAULT_PLACES, MEMBER_NAMES, PLACE_NAMES, SAMPLE_COUNT, guard
-from .pair_figures import PAIR_TAB, pair_figures, pair_reach, short
 from .results import BAND_PROBABILITY, Study, Trials
 from .run_length import duration, member_run
 from .runs import KEEP_LOOP_OPEN, NONE, SWITCH_LOOP

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterator
+from collections.abc import Hashable, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -11,10 +11,9 @@ from observer_lab.course.lesson import Design, Job, Outcome
 from observer_lab.text import text
 
 from .diagnosis import judged
-from .many_runs import residuals_of
-from .observer_bank import DT, MEMBER_NAMES, SAMPLE_COUNT
+from .observer_bank import DT, MEMBER_NAMES, SAMPLE_COUNT, gain, guard, truth
 from .results import Study, Trials, named_by
-from .runs import NO_REACTION, SWITCH_LOOP, Case, draw
+from .runs import KEEP_LOOP_OPEN, NO_REACTION, SWITCH_LOOP, Case, Noise, draw, failed, known_force, stretches
 from .study import case_of, metrics_of, test_of
 
 RUN_COUNT, BATCH_RUNS = 400, 40
@@ -78,3 +77,40 @@ def shown(outcome: Outcome[Study], found: Trials) -> Outcome[Study]:
 
 
 JOB = Job(text("Try {runs} runs", runs=RUN_COUNT), try_often, depends, shown, figure="rates", follows=True)
+
+
+def residuals_of(case: Case, noises: Sequence[Noise]) -> np.ndarray:
+    """Residuals of the bank (SAMPLE_COUNT, runs, 7, 3) in the runs of a case without a kick in which nobody notices, one for each noise."""
+    w, v = (np.stack([getattr(noise, name) for noise in noises], axis=1) for name in "wv")
+    y, asked = _loop(case, w, v, np.stack([noise.whole for noise in noises]))
+    s = guard().bank.system
+    known = np.concatenate([asked, y], axis=2)
+    states = _scan(s.A, known[:-1] @ s.B.T, np.stack([noise.bank for noise in noises]))
+    return (states @ s.C.T + known @ np.asarray(s.D).T).reshape(SAMPLE_COUNT, len(noises), len(guard().bank.members), -1)
+
+
+def _loop(case: Case, w: np.ndarray, v: np.ndarray, whole: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """What the sensors say, (SAMPLE_COUNT, runs, 4), and what is asked of the coils, (SAMPLE_COUNT, runs, 3)."""
+    o, (A, _) = guard().whole, truth(case.stiffer)
+    K = gain() if case.loop != KEEP_LOOP_OPEN else np.zeros((3, 6))
+    shape = known_force(case)[:, None]
+    z = np.empty((SAMPLE_COUNT + 1, len(whole), 12))
+    z[0], said = np.hstack([np.zeros((len(whole), 6)), whole]), np.empty((SAMPLE_COUNT, len(whole), 4))
+    for begin, end in stretches(case, 0):
+        deck = failed(case, v, z[:, :, :6], begin)
+        step = np.block([[A, -deck.B @ K], [o.K @ deck.C, o.F - o.G @ K]])
+        push = np.concatenate([shape[begin:end] @ deck.B.T + w[begin:end],
+                               shape[begin:end] @ o.G.T + deck.extra[begin:end] @ o.K.T], axis=2)
+        z[begin:end + 1] = _scan(step, push, z[begin])
+        said[begin:end] = z[begin:end, :, :6] @ deck.C.T + deck.extra[begin:end]
+    return said, shape - z[:SAMPLE_COUNT, :, 6:] @ K.T
+
+
+def _scan(step: np.ndarray, push: np.ndarray, start: np.ndarray) -> np.ndarray:
+    """z⁺ = step z + push for all runs: (steps + 1, runs, N) of push (steps, runs, N)."""
+    z = np.empty((len(push) + 1, *start.shape))
+    z[0], turned = start, np.ascontiguousarray(step.T)
+    for k in range(len(push)):
+        np.matmul(z[k], turned, out=z[k + 1])
+        z[k + 1] += push[k]
+    return z

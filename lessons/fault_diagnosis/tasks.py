@@ -11,10 +11,10 @@ from observer_lab.text import Text, text
 
 from .diagnosis import MEAN, forecast
 from .observer_bank import DT, FAULT_PLACES
-from .pair_sensitivity import least_beside
 from .results import Study
 from .run_length import duration
 from .runs import KEEP_LOOP_OPEN, SWITCH_LOOP
+from .sensitivity import least_beside
 from .study import between
 
 HOUR, SOONEST, MAX_PITCH_MRAD = 3600.0, 3.0, 1.5  # s between two false alarms, s, mrad

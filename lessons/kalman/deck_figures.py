@@ -2,31 +2,34 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
-from observer_lab.course.figures.diagram import DIAGRAM
+from observer_lab.course.figures.diagram import DIAGRAM, DiagramFigure
 from observer_lab.course.figures.ranges import round_up_nicely
-from observer_lab.course.figures.records import Curve, LineFigure, PlaneFigure, Point, over_frequency
+from observer_lab.course.figures.records import Curve, LineFigure, PlaneFigure, Point, TableFigure, over_frequency
 from observer_lab.course.lazy import TabFigures, tab_figures
 from observer_lab.course.lesson import Outcome
 from observer_lab.engine import psd
-from observer_lab.text import text, text_in
+from observer_lab.text import same, text, text_in
 
+from ..toolkit.diagram import LoopSignals, loop
 from .data_sheet import SHEET_TAB, estimators_figure, sheet_figure
 from .deck_study import LOOK, DeckStudy, formulas, live, numbers, stage, studied
 from .figure_eleven import ELEVEN_TAB, eleven_figures
 from .figures import GAIN_TAB, STEP_TAB
 from .filters import COMPARED_STEPS, UNTESTED_SAMPLES
-from .knobs import CARRIED, DT
-from .loop import loop_of
+from .knobs import CARRIED, DT, GAIN_LINE, JOSEPH, MEANS, MODEL, NEAR_R, NONE, REPORT_LINES, SHORT_FORM_LINE, WRONG_LINES
 from .noise_identification import FIT_TAB, fit_figure
 from .one_number import NUMBER_TAB, number_figure
-from .report_lines import REPORT_TAB, report_figure
 from .study import Setting
 
 SPECTRUM_TAB = text("Spectrum")
 CIRCLE_ANGLES_RAD = np.linspace(0, 2 * np.pi, 61)
 UNIT_CIRCLE = np.column_stack([np.cos(CIRCLE_ANGLES_RAD), np.sin(CIRCLE_ANGLES_RAD)])
+REPORT_TAB = text("Report")
+PRINTED_MEAN, PRINTED_SIGMA, PRINTED_SAMPLES = 5.46e-10, 1e-9, 20_000  # (61), (77), 20 s at 1 kHz as assumed here
 
 
 def further_tabs(outcome: Outcome[DeckStudy]) -> tuple[TabFigures, ...]:
@@ -136,3 +139,40 @@ def _colour(outcome: Outcome[DeckStudy]) -> LineFigure:
 
 
 DECK_SETTING = Setting(studied, stage, numbers, formulas, live, LOOK, planes, further_tabs)
+
+
+def loop_of(outcome: Outcome[DeckStudy]) -> DiagramFigure:
+    """Plant and filter; of the gain M, which has two dozen entries, stands the size alone."""
+    truth, track = outcome.study.truth, outcome.study.track
+    signals = LoopSignals(DT * np.arange(len(truth.y)), truth.u, truth.y, truth.y - track.innovations, track.means)
+    M = outcome.gains["M"]
+    drawn = loop(MODEL.plant, signals, M, gain="M", sampled=True)
+    sized = rf"M\quad ({M.shape[0]}\times {M.shape[1]})"
+    return replace(drawn, blocks=tuple(replace(block, law=sized) if block.id == "L" else block for block in drawn.blocks))
+
+
+def report_figure(outcome: Outcome[DeckStudy]) -> TableFigure:
+    """The lines one by one; the chosen one with its evidence."""
+    study, chosen = outcome.study, outcome.design["line"]
+    sigmas = PRINTED_MEAN / (PRINTED_SIGMA / np.sqrt(PRINTED_SAMPLES))
+    evidence = {
+        GAIN_LINE: lambda: text("holds: S = C P Cᵀ + R"),
+        JOSEPH: lambda: text("holds: right for every gain"),
+        SHORT_FORM_LINE: lambda: text("exact for the optimal gain only, against (59)'s advice; off by up to {short_gap:.1e} here, "
+                    "Joseph {joseph_gap:.1e}",
+                    short_gap=float(study.forms.short.max()), joseph_gap=float(study.forms.joseph.max())),
+        NEAR_R: lambda: text("slip: it is S; S/R = {s_over_r:.2f}, seen {seen_over_r:.2f}; with σ_v = 10⁻⁹ at 1 kHz, 8 million",
+                     s_over_r=study.over_R[0], seen_over_r=study.over_R[1]),
+        MEANS: lambda: text("slip: {sigmas:.0f} σ of the mean (σ_v = 10⁻⁹, 20 000 samples); HL and HR of one sign, though HR = −HL",
+                    sigmas=sigmas),
+    }
+    printed = {
+        GAIN_LINE: same("K = P Hᵀ S⁻¹"), JOSEPH: same("(I−KH) P (I−KH)ᵀ + K R Kᵀ"), SHORT_FORM_LINE: same("P = (I − K C) P"),
+        NEAR_R: same("cov ν ≈ R"), MEANS: same("5.46e-10 ≈ 0"),
+    }
+    rows = tuple((label, printed[key], evidence[key]() if key == chosen else same("—")) for key, label in REPORT_LINES if key != NONE)
+    said = (text("Choose a line with the last knob.") if chosen == NONE else
+            text("This line goes against what the report advises.") if chosen == SHORT_FORM_LINE else
+            text("This line is a slip.") if chosen in WRONG_LINES else text("This line holds."))
+    return TableFigure("report", text("lines of the report"),
+                       (text("line"), text_in("kalman", "printed"), text("this filter says")), rows, said, REPORT_TAB)

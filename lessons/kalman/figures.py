@@ -2,27 +2,32 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from observer_lab.course.figures.claims import claim
+from observer_lab.course.figures.gauges import MIDDLE, UPPER, Gauge, place_of
 from observer_lab.course.figures.records import Curve, GaugeFigure, LineFigure, PlaneFigure, TableFigure
 from observer_lab.course.lazy import FigureSet, tab_figures
 from observer_lab.course.lesson import Outcome
 from observer_lab.engine import chi2_band
+from observer_lab.engine.filters import InnovationTest, SquaredError
 from observer_lab.plants import Signal
-from observer_lab.text import Text, format_number, same, text
+from observer_lab.text import Text, format_number, same, text, text_in
 
 from ..toolkit.figures import TIME_TAB
 from ..toolkit.shares import apart
-from .gauges import HEADS, gauges_of
 from .knobs import UPDATE
-from .p_values import coloured
 from .study import Look, S, Setting, Study, bias_is_judged, holds
 
 STEP_TAB, GAIN_TAB, TEST_TAB = text("One step"), text("Gain"), text("Consistency")
 INNOVATION_TAB = text("Innovations")
 GAIN_ROLES = ("estimate", "force", "second")
 SENSOR_CURVES = (("estimate", "solid"), ("second", "solid"), ("disturbance", "dash"), ("plant", "dash"))
+LEAST_P = 0.05 / 3  # three tests of one record share five percent
+HEADS = (text_in("kalman", "test"), text("value"), text("band"), text("verdict"))
+MIN_P_VALUE = 1e-300  # below it floating point runs out
 
 
 def figures(here: Setting[S], outcome: Outcome[S]) -> FigureSet:
@@ -136,3 +141,43 @@ def _tests(look: Look, outcome: Outcome[S]) -> GaugeFigure:
     return GaugeFigure("tests", text("tests of this record from {first:.3g} s on", first=s.truth.t[s.watcher.first]),
                        gauges_of(s.test, s.settled, held, bias_is_judged(s.test), look.gauge_digits), HEADS,
                        look.verdict(outcome.design, all(held.values())), TEST_TAB)
+
+
+def gauges_of(test: InnovationTest, settled: SquaredError, held: Mapping[str, bool], bias_judged: bool,
+              digits: str = ".3g") -> tuple[Gauge, ...]:
+    """Means of NIS and NEES between the ends of their bands, and two p-values above the least; `digits` are those of NIS."""
+    return (
+        _mean(text("mean of NIS"), test.nis, held["nis"], digits),
+        _mean(text("mean of NEES"), settled, held["nees"], ".3g"),
+        _chance(text("whiteness, p"), test.whiteness.p_value, held["white"]),
+        _chance(text("bias, p"), test.bias_p_value, held["centred"] if bias_judged else None),
+    )
+
+
+def _mean(name: Text, found: SquaredError, held: bool, digits: str) -> Gauge:
+    low, high = found.mean_band
+    ends = format(low, digits), format(high, digits)
+    return Gauge(name, place_of(found.mean, low, high), MIDDLE, format_number(found.mean, digits), ends,
+                 f"{ends[0]} … {ends[1]}", _verdict(held), "right" if held else "wrong")
+
+
+def _chance(name: Text, p: float, held: bool | None) -> Gauge:
+    verdict = text("not judged: it assumes white innovations of covariance S") if held is None else _verdict(held)
+    role = "muted" if held is None else "right" if held else "wrong"
+    return Gauge(name, place_of(p, LEAST_P, 1.0, UPPER), UPPER, chance(p), ("0.017", "1"), "≥ 0.017", verdict, role)
+
+
+def _verdict(held: bool) -> Text:
+    return text("passes") if held else text("flagged")
+
+
+def chance(p: float) -> str:
+    """A p-value for a table."""
+    return "< 10⁻³⁰⁰" if p < MIN_P_VALUE else format_number(p, ".2g")
+
+
+def coloured(p: float) -> Text:
+    """What is said of innovations that are not white."""
+    if p < MIN_P_VALUE:
+        return text("Coloured: p is below 10⁻³⁰⁰; each sample foretells the next.")
+    return text("Coloured: p = {p_value:.1e}; each sample foretells the next.", p_value=p)

@@ -10,8 +10,7 @@ from observer_lab.course.guiding.questions import Asked, DrawnQuestion, question
 from observer_lab.course.lesson import Outcome
 from observer_lab.text import text
 
-from ..toolkit.on_board import board_question
-from ..toolkit.questions import question_of_decades
+from ..toolkit.questions import board_question, question_of_decades
 from .all_records import expected
 from .device import device
 from .filters import UNTESTED_SAMPLES

@@ -14,14 +14,12 @@ from observer_lab.plants.signal_names import signal_name
 from observer_lab.text import Text, format_number, same, squared_unit, text, text_in
 
 from ..toolkit.figures import TIME_TAB, axis_name, within
-from .closest_figure import CLOSEST_TAB, closest_figure
 from .loop_figure import loop_of
-from .recovery_figure import RECOVERY_TAB, UNIT_CIRCLE, both_halves, rings_figure
-from .report_rules import REPORT_TAB, rules_figure
+from .nyquist_figures import CLOSEST_TAB, RECOVERY_TAB, UNIT_CIRCLE, both_halves, closest_figure, rings_figure
 from .robustness import Robustness
 from .robustness import within as gain_within
 from .study import Study, sensor_share
-from .tuning_figures import tuning_leaves
+from .tuning_figures import REPORT_TAB, rules_figure, tuning_leaves
 
 SPECTRUM_TAB, COST_TAB = text("Spectrum"), text("Input and cost")
 ROBUST_TAB = text("Robustness")

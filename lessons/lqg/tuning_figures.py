@@ -1,4 +1,4 @@
-"""Draw the report's tuning rules 1, 2 and 4: what each says beside what happens."""
+"""Draw the report's tuning rules: each with its evidence, and three of them beside what happens."""
 
 from __future__ import annotations
 
@@ -13,7 +13,9 @@ from observer_lab.course.lesson import Outcome
 from observer_lab.plants.signal_names import signal_name
 from observer_lab.text import NO_WORDS, Text, format_number, joined, same, squared_unit, text, text_in
 
+from ..toolkit.latex import tiny
 from .cases import DOYLE, REPORT
+from .knobs import CAUTION_RULE, NONE, PROCESS_RULE, RULES, SENSOR_RULE, SPLIT_RULE, UNITS_RULE, WRONG_RULES
 from .study import Study
 from .tuning import (
     INPUT_WEIGHTS,
@@ -35,6 +37,7 @@ KEPT_DB, SAME_DB = 3.0, 1.0  # a loss that still counts as kept; a difference th
 AXIS = (1e-9, 1e12)  # the least and the largest value that is drawn
 SAME_COST_PERCENT = 0.01
 ROTATION = 1  # the channel in which the cross gains act
+REPORT_TAB = text("Report")
 
 
 def tuning_leaves(outcome: Outcome[Study]) -> Sequence[TabFigures]:
@@ -214,3 +217,26 @@ def _structure_words(cost: tuple[float, float], drops: Sequence[np.ndarray | Non
     return joined(price, claim(
         text("Rule 4 holds: without the cross gains the peak of the rotation is {gained:.3g} dB lower.", gained=gained), gained,
         above=SAME_DB, otherwise=lowered))
+
+
+def rules_figure(outcome: Outcome[Study]) -> TableFigure:
+    """The rules one by one; the chosen one with its evidence."""
+    study, chosen = outcome.study, outcome.design["rule"]
+    m = {name: value if np.isfinite(value) else np.inf for name, value in study.answers.items()}
+    evidence = {
+        SPLIT_RULE: lambda: text("holds: the loop's poles are both sets, off by {union_error}",
+                            union_error=tiny(m["union_error"])),
+        SENSOR_RULE: lambda: text("slip: input from sensor noise ×{sensor_less:.3g} at β_R/10, ×{sensor_more:.3g} at "
+                             "10 β_R",
+                             sensor_less=m["sensor_less"], sensor_more=m["sensor_more"]),
+        PROCESS_RULE: lambda: text("holds: at 10 β_Q the sum of the filter's poles ×{process_more:.3g}, input from "
+                              "sensor noise ×{process_input:.3g}",
+                              process_more=m["process_more"], process_input=m["process_input"]),
+        CAUTION_RULE: lambda: text("holds: there is no guarantee; here min |1 + ℓ| = {nearest:.3g}", nearest=study.real.margins.nearest),
+        UNITS_RULE: lambda: text("slip: R_v = σ_v² I gives 10⁻¹⁸; the figures use 10⁻⁹ and 10⁻⁶"),
+    }
+    rows = tuple((label, evidence[key]() if key == chosen else same("—")) for key, label in RULES if key != NONE)
+    said = (text("Choose a line with the last knob.") if chosen == NONE else
+            text("This line is wrong.") if chosen in WRONG_RULES else text("This line holds."))
+    return TableFigure("rules", text("lines of the report, section 5.2"),
+                       (text("line"), text("this loop says")), rows, said, REPORT_TAB)

@@ -11,7 +11,7 @@ from observer_lab.course.guiding.questions import Asked, DrawnQuestion, question
 from observer_lab.devices import design_of_run
 from observer_lab.text import text
 
-from ..toolkit.on_board import board_question
+from ..toolkit.questions import board_question
 
 ROUNDED_TO, LATE = 0.05, 20  # m; periods of the device, 0.24 s
 FASTER = 2.0  # times that the poles move to the left in the recall

@@ -8,6 +8,7 @@ from typing import TypeVar
 import numpy as np
 
 from observer_lab.course.figures.diagram import DIAGRAM
+from observer_lab.course.figures.gauges import LOWER, MIDDLE, UPPER, Gauge, GaugeFigure, place_of
 from observer_lab.course.figures.records import Curve, LineFigure, MatrixFigure, PlaneFigure, Point, TableFigure
 from observer_lab.course.lazy import FigureSet, tab_figures
 from observer_lab.course.lesson import Outcome
@@ -16,11 +17,11 @@ from observer_lab.engine.design import typical_rate
 from observer_lab.engine.simulation import Run
 from observer_lab.engine.structure import Controllability, Mode, Observability
 from observer_lab.plants import Model
-from observer_lab.text import NO_WORDS, Text, joined, same, text
+from observer_lab.text import NO_WORDS, Text, format_number, joined, same, text
 
 from ..toolkit.diagram import loop
 from ..toolkit.figures import ERROR_TAB, TIME_TAB, error_figure, input_figure, state_figures
-from ..toolkit.latex import pole_words
+from ..toolkit.latex import pole_words, tiny
 from .analyses import Refusal, Structure
 from .loop_figures import (
     LOOP_TAB,
@@ -42,8 +43,10 @@ from .loop_figures import (
     valley,
     why,
 )
-from .number_gauges import LOST, numbers
-from .study import RECOVERY_LEVELS, Study, frequencies
+from .study import LEAST_DISK, MOST_ERROR, NIS_SHARE, RECOVERY_LEVELS, Study, frequencies, times_the_least
+
+LOST = 1e-10  # of the plant's size: the staircase takes a smaller coupling for rounding
+HEADS = (text("question"), text("value"), text("band"), text("verdict"))
 
 
 def figures(model: Model, outcome: Outcome[Study]) -> FigureSet:
@@ -185,3 +188,62 @@ def hankel_plane(found: Structure) -> PlaneFigure:
 def error_figures(model: Model, run: Run, limit: float | None) -> tuple[LineFigure, ...]:
     """Error beside its promise; inputs."""
     return (error_figure(run, autonomous_error(run)), input_figure(run, model, limit))
+
+
+def numbers(study: Study) -> GaugeFigure:
+    """Distances to hidden modes, the observer's error, NIS and the disk margin, each beside what is accepted."""
+    trial, margins = study.trial, study.margins
+    return GaugeFigure("numbers", text("one number for each question"), (
+        _distance(text("distance to unobservability"), study.structure.seen),
+        _distance(text("distance to uncontrollability"), study.structure.reached),
+        _error(times_the_least(study.noise)),
+        _refused(text("NIS of the Kalman filter, on average"), trial) if isinstance(trial, Refusal) else
+        _nis(trial.expected, trial.test.dof),
+        _refused(text("disk margin α"), margins) if isinstance(margins, Refusal) else _disk(margins.together)),
+        HEADS, text("Green: the band that is accepted. A number outside it has an arrow or a needle in another colour."), VERDICT_TAB)
+
+
+def _distance(name: Text, report: Observability | Controllability | Refusal) -> Gauge:
+    if isinstance(report, Refusal):
+        return _refused(name, report)
+    weakest = report.weakest
+    hidden = any(not mode.visible for mode in report.modes)
+    if weakest is None or weakest.margin <= 0 or hidden:
+        return Gauge(name, -1.0, UPPER, "0", (tiny(LOST), "1"), f"> {tiny(LOST)}", _verdict(False), "wrong")
+    at = min(max(place_of(weakest.margin, LOST, 1.0, UPPER), UPPER[0]), 1.0)
+    return Gauge(name, at, UPPER, format_number(weakest.margin, ".2g"), (tiny(LOST), "1"), f"> {tiny(LOST)}", _verdict(True))
+
+
+def _error(ratio: float | Refusal) -> Gauge:
+    name = text("error over the Kalman filter's")
+    if isinstance(ratio, Refusal):
+        return _refused(name, ratio)
+    held = ratio < MOST_ERROR
+    return Gauge(name, place_of(max(ratio, 1.0), 1.0, MOST_ERROR, LOWER), LOWER, format_number(ratio, ".3g"), ("1", f"{MOST_ERROR:g}"),
+                 f"< {MOST_ERROR:g}", _verdict(held), _role(held))
+
+
+def _nis(expected: float, outputs: int) -> Gauge:
+    low, high = (1 - NIS_SHARE) * outputs, (1 + NIS_SHARE) * outputs
+    held = abs(expected / outputs - 1) < NIS_SHARE
+    ends = format_number(low, ".3g"), format_number(high, ".3g")
+    return Gauge(text("NIS of the Kalman filter, on average"), place_of(expected, low, high), MIDDLE, format_number(expected, ".3g"), ends,
+                 f"{ends[0]} … {ends[1]}", _verdict(held), _role(held))
+
+
+def _disk(alpha: float) -> Gauge:
+    held = alpha >= LEAST_DISK
+    return Gauge(text("disk margin α"), min(place_of(alpha, LEAST_DISK, 2.0, UPPER), 1.0), UPPER, format_number(alpha, ".3g"),
+                 (f"{LEAST_DISK:g}", "2"), f"≥ {LEAST_DISK:g}", _verdict(held), _role(held))
+
+
+def _refused(name: Text, refusal: Refusal) -> Gauge:
+    return Gauge(name, None, UPPER, "—", ("", ""), same("—"), refusal.text, "muted")
+
+
+def _verdict(held: bool) -> Text:
+    return text("passes") if held else text("flagged")
+
+
+def _role(held: bool) -> str:
+    return "right" if held else "wrong"

@@ -14,15 +14,12 @@ from observer_lab.engine.sampled import ResponseMeasures
 from observer_lab.text import Text, format_number, joined, listed, same, text, text_in
 
 from .controllers import CONTROLLER_NAMES, ORDER, SHORT_NAMES, gain_gap
-from .curve_styles import CURVE_STYLES, width
-from .effort_tables import EFFORT_TAB, equal
-from .race_tables import RACE_TAB, race_figures
+from .rankings import EFFORT_TAB, RACE_TAB, equal, race_figures
 from .report_levels import REPORT_TAB, report_tables
 from .score_tables import SCORE_TAB, TRIAL_TAB, friction, sizes, times, tried
 from .simulation import loop_of
 from .study import Study, as_predicted, rival_of
-from .suppression import suppression
-from .transmissibility import TRANSMISSIBILITY_TAB, transmissibilities
+from .suppression import CURVE_STYLES, TRANSMISSIBILITY_TAB, suppression, transmissibilities, width
 
 CHANNEL_TAB, SENSOR_TAB, INPUT_TAB = text("Channels"), text("Sensors"), text("Inputs")
 TIME_TAB, RUN_TAB = text("Test"), text("Stage")

@@ -11,8 +11,7 @@ from observer_lab.text import format_number, text
 from .controllers import DT, LQE, ORDER, SISO
 from .simulation import loop_of
 from .study import Study
-from .suppression import WANTED_SUPPRESSION_DB
-from .transmissibility import transmissibility
+from .suppression import WANTED_SUPPRESSION_DB, transmissibility
 
 BEST_SENSOR = 1e-11  # (m/s)² s: the quietest that can be bought in the first task
 MIN_LEAD_DB = 10.0  # dB by which the optimum is to be beaten

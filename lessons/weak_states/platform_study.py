@@ -14,8 +14,7 @@ from observer_lab.text import Text, text
 
 from ..toolkit.latex import number
 from .balanced_platform import MASSES_AGAINST_MODE, MASSES_TOGETHER_MODE, STATE_COUNT, Motion, Platform, closed_forms, system
-from .body import share, slower
-from .rank_columns import rank_shares
+from .body import rank_shares, share, slower
 from .reduced_regulator import Compared, compare
 from .study import RELATIVE, Study
 

@@ -12,12 +12,12 @@ from observer_lab.course.figures.ranges import axis_range
 from observer_lab.course.lesson import Outcome
 from observer_lab.engine import Plant, Scenario, frequency_response, loop_margins, simulate
 from observer_lab.engine.design import diagonal_controller
-from observer_lab.lessons.decoupling.force_lines import OFFSET_DRAWN, side_spring
 from observer_lab.lessons.decoupling.lesson import LESSON
 from observer_lab.lessons.decoupling.loops import DT, HORIZON, bare_run, channels, close, lower_of, run, shaking, three
 from observer_lab.lessons.decoupling.margins import margins
 from observer_lab.lessons.decoupling.report_levels import LEVELS, apart
 from observer_lab.lessons.decoupling.sensors import Sensors, reading_response
+from observer_lab.lessons.decoupling.study import OFFSET_DRAWN, side_spring
 from observer_lab.plants.bodies.deck_body import STAGE_SCALE
 from observer_lab.plants.platform import model
 from observer_lab.plants.platform import siso_loops as siso

@@ -9,10 +9,10 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import solve_continuous_are
 
 from observer_lab.lessons.duality.dual_quantities import filter_riccati, gap, observer_by_polynomial, output_energy, run_pair
+from observer_lab.lessons.duality.figures import locus, ratios
 from observer_lab.lessons.duality.finite_horizon import horizon_of
 from observer_lab.lessons.duality.knobs import MODEL
 from observer_lab.lessons.duality.lesson import LESSON
-from observer_lab.lessons.duality.root_locus import locus, ratios
 from observer_lab.lessons.duality.study import turned
 
 

@@ -8,8 +8,8 @@ from scipy.stats import chi2
 from observer_lab.engine import Plant, observability, residual_generator
 from observer_lab.engine.observers import FaultBank, binomial_band
 from observer_lab.lessons.fault_diagnosis.diagnosis import ALARM_HOLD_SAMPLES, ENERGY, MEAN, Rule, judge
+from observer_lab.lessons.fault_diagnosis.job import residuals_of
 from observer_lab.lessons.fault_diagnosis.lesson import LESSON
-from observer_lab.lessons.fault_diagnosis.many_runs import residuals_of
 from observer_lab.lessons.fault_diagnosis.observer_bank import DT, FAULT_PLACES, SAMPLE_COUNT, gain, guard, model, truth
 from observer_lab.lessons.fault_diagnosis.run_length import rate_for
 from observer_lab.lessons.fault_diagnosis.runs import (

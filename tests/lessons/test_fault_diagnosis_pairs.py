@@ -25,9 +25,8 @@ from observer_lab.lessons.fault_diagnosis.fault_pairs import (
 )
 from observer_lab.lessons.fault_diagnosis.lesson import LESSON
 from observer_lab.lessons.fault_diagnosis.observer_bank import DT, FAULT_PLACES, SAMPLE_COUNT, guard, model
-from observer_lab.lessons.fault_diagnosis.pair_sensitivity import least_beside
 from observer_lab.lessons.fault_diagnosis.runs import KEEP_LOOP_OPEN, Case, Fault, drawn, quiet, simulate
-from observer_lab.lessons.fault_diagnosis.sensitivity import least
+from observer_lab.lessons.fault_diagnosis.sensitivity import least, least_beside
 
 Z = 3  # a point at which directions are compared exactly: neither pole nor zero
 

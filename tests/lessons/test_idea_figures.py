@@ -14,7 +14,7 @@ from observer_lab.course.lesson import Lesson, Outcome
 from observer_lab.engine import Plant
 from observer_lab.lessons import LESSONS
 from observer_lab.lessons.bilinear_observer.problems import PROBLEMS
-from observer_lab.lessons.fault_diagnosis.bank_figure import HIGHEST
+from observer_lab.lessons.fault_diagnosis.bank_figures import HIGHEST
 from observer_lab.lessons.fault_diagnosis.figures import decisive
 from observer_lab.lessons.record.figures import TOP
 from observer_lab.lessons.robust_observer.study import EXAMPLE_CASES

@@ -11,12 +11,12 @@ from scipy.stats import binom, chi2
 
 from observer_lab.engine import chi2_band
 from observer_lab.lessons.kalman.all_records import expected
+from observer_lab.lessons.kalman.deck_figures import PRINTED_MEAN, PRINTED_SAMPLES, PRINTED_SIGMA
 from observer_lab.lessons.kalman.filters import ADC, SENSOR_SIGMA, UNTESTED_SAMPLES, compare, truth, tuned, watch, watcher
 from observer_lab.lessons.kalman.job import RUN_COUNT
 from observer_lab.lessons.kalman.knobs import DT, MODEL
 from observer_lab.lessons.kalman.lesson import LESSON
 from observer_lab.lessons.kalman.noise_identification import fitted
-from observer_lab.lessons.kalman.report_lines import PRINTED_MEAN, PRINTED_SAMPLES, PRINTED_SIGMA
 
 
 def outcome(**changes):

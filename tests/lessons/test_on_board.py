@@ -9,7 +9,7 @@ from observer_lab.devices import design_of_run
 from observer_lab.export.devices.c_project import c_project
 from observer_lab.export.devices.folders import device_design
 from observer_lab.lessons import LESSONS
-from observer_lab.lessons.toolkit.on_board import FAULTS, board_designs
+from observer_lab.lessons.toolkit.questions import FAULTS, board_designs
 
 GIVEN = {"noise": ({"speed": 1.0}, 0.05, 20), "arm": ({}, np.radians(1.0), 5), "kalman": ({}, 1e-3, 1)}
 

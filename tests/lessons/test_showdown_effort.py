@@ -10,9 +10,9 @@ from witnesses import Shown
 from witnesses_of_effort import WITNESSES, moved
 
 from observer_lab.lessons.showdown.controllers import ORDER, Player
-from observer_lab.lessons.showdown.effort_tables import equal
 from observer_lab.lessons.showdown.equal_effort import Equal, equal_effort, met, retuned
 from observer_lab.lessons.showdown.lesson import LESSON
+from observer_lab.lessons.showdown.rankings import equal
 from observer_lab.lessons.showdown.simulation import loop_of
 from observer_lab.lessons.showdown.study import Trials
 from observer_lab.lessons.showdown.suppression import best_words

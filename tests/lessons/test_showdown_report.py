@@ -14,7 +14,7 @@ from observer_lab.engine import noisy_loop
 from observer_lab.lessons.showdown.controllers import DECOUPLED, LQE, ORDER, RECURSIVE, SISO, decoupled, full, siso_pair
 from observer_lab.lessons.showdown.lesson import LESSON
 from observer_lab.lessons.showdown.report_levels import LEADS, LEVELS, above, lead, lowered, peak, said_of_figure_24
-from observer_lab.lessons.showdown.transmissibility import LAST_HZ, transmissibility
+from observer_lab.lessons.showdown.suppression import LAST_HZ, transmissibility
 from observer_lab.plants.platform import model
 from observer_lab.plants.platform.channels import T_y
 from observer_lab.plants.platform.lqg_weights import coils, ground
