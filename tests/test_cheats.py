@@ -19,7 +19,7 @@ from observer_lab.course.handin.grading import Finding, Refusal, best_points, gr
 from observer_lab.course.handin.ledger import Ledger
 from observer_lab.course.handin.served_course import ServedCourse
 from observer_lab.session.commands.exams import HandIn, SetKey, SetWord
-from observer_lab.session.handlers.hand_in import NEEDS_WORD, TRIES_USED
+from observer_lab.session.handlers.exams import NEEDS_WORD, TRIES_USED
 
 HONEST = [f"s{number}" for number in range(27)]
 MALLORY, TRUDY, OSCAR = "mallory", "trudy", "oscar"

@@ -14,7 +14,7 @@ from typing import Any, cast
 
 import pytest
 
-from observer_lab.classroom.vote_writer import VoteWriter
+from observer_lab.classroom.kept_room import VoteWriter
 from observer_lab.cli.logs import LINES_AT_ONCE, SECONDS_PER_LINE, OneLine, OneLineOfJson, RateLimit, set_up
 from observer_lab.page.room.broadcast import Broadcast
 from observer_lab.page.room.relay import Feed, Relay

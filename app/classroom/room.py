@@ -1,13 +1,15 @@
-"""Describe what a presenter sees of a room, and what a session may ask of it."""
+"""Describe what a presenter sees of a room, the runs of its class, and what a session may ask of it."""
 
 from __future__ import annotations
 
+import json
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Protocol
 
-from .class_runs import ClassRuns
+import numpy as np
+
 from .votes import Asked, Vote
 
 LECTURE = "lecture"  # the place of those who follow
@@ -87,3 +89,38 @@ class VoteDesk(Protocol):
     def show_runs(self, runs: ClassRuns | None) -> None:
         """Show each follower their own run, or take it away from all."""
         ...
+
+
+@dataclass(frozen=True)
+class OwnRun:
+    """One follower's run: the error over the times of the class, its predicted standard deviation, and whether the last error lies in
+    the ellipse of P."""
+
+    path: tuple[float, ...]
+    sigma: tuple[float, ...]
+    inside: bool
+
+
+@dataclass(frozen=True)
+class ClassRuns:
+    """The runs by the followers' numbers. `name` says by language what the error is of."""
+
+    name: Mapping[str, str]
+    times: tuple[float, ...]
+    runs: Mapping[int, OwnRun]
+
+    def write(self) -> str:
+        """As text."""
+        return json.dumps([dict(self.name), self.times, {str(seat): [run.path, run.sigma, run.inside] for seat, run in self.runs.items()}])
+
+
+def read_runs(words: str) -> ClassRuns:
+    """The runs in such a text. Raises ValueError."""
+    name, times, runs = json.loads(words)
+    return ClassRuns(name, tuple(times), {int(seat): OwnRun(tuple(path), tuple(sigma), bool(inside))
+                                          for seat, (path, sigma, inside) in runs.items()})
+
+
+def seeds_of(room: int, seats: tuple[int, ...]) -> tuple[int, ...]:
+    """The seed of each follower, drawn from the room's seed and the follower's number."""
+    return tuple(int(np.random.SeedSequence([room, seat]).generate_state(1)[0]) for seat in seats)

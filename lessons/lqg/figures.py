@@ -14,8 +14,7 @@ from observer_lab.plants.signal_names import signal_name
 from observer_lab.text import Text, format_number, same, squared_unit, text, text_in
 
 from ..toolkit.figures import TIME_TAB, axis_name, within
-from .loop_figure import loop_of
-from .nyquist_figures import CLOSEST_TAB, RECOVERY_TAB, UNIT_CIRCLE, both_halves, closest_figure, rings_figure
+from .loop_figures import CLOSEST_TAB, RECOVERY_TAB, UNIT_CIRCLE, both_halves, closest_figure, loop_of, rings_figure
 from .robustness import Robustness
 from .robustness import within as gain_within
 from .study import Study, sensor_share

@@ -12,11 +12,10 @@ import redis
 from redis_server import RedisServer, redis_serving
 
 from observer_lab.classroom import redis_connection
-from observer_lab.classroom.kept_room import open_pages, open_room
+from observer_lab.classroom.kept_room import VoteWriter, open_pages, open_room
 from observer_lab.classroom.redis_connection import RoomProblem, connect
 from observer_lab.classroom.redis_room import GONE_S, RedisRoom
 from observer_lab.classroom.room import LECTURE
-from observer_lab.classroom.vote_writer import VoteWriter
 from observer_lab.cli.commands.serve import serve
 from observer_lab.cli.lecture_room import open_room_place
 from observer_lab.cli.opening import ServeRequest

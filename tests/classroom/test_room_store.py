@@ -18,13 +18,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from observer_lab.classroom.answer_grids import ACROSS, COLUMNS, LEVELS, LONGEST_SKETCH, UP, PoleGrid, SketchGrid
-from observer_lab.classroom.class_runs import ClassRuns, OwnRun, read_runs, seeds_of
-from observer_lab.classroom.kept_room import KeptPages, KeptRoom
+from observer_lab.classroom.kept_room import KeptPages, KeptRoom, VoteWriter
 from observer_lab.classroom.page_store import KEPT_ACTS, KEPT_BATCHES, StandingPage
 from observer_lab.classroom.redis_connection import RoomProblem
-from observer_lab.classroom.room import LECTURE, MAX_PLACES, UNSOLVED, overview
+from observer_lab.classroom.room import LECTURE, MAX_PLACES, UNSOLVED, ClassRuns, OwnRun, overview, read_runs, seeds_of
 from observer_lab.classroom.room_store import FILE, STEPS, RoomStore
-from observer_lab.classroom.vote_writer import VoteWriter
 from observer_lab.classroom.votes import (
     HIDDEN_BELOW,
     MAX_BINS,

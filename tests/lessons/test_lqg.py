@@ -17,8 +17,8 @@ from observer_lab.engine.feedback import state_feedback_margins
 from observer_lab.lessons.lqg.cases import case_of
 from observer_lab.lessons.lqg.job import bench_of
 from observer_lab.lessons.lqg.lesson import LESSON
+from observer_lab.lessons.lqg.loop_figures import RING_NAME, RING_RECOVERIES
 from observer_lab.lessons.lqg.loops import setting_of, trace
-from observer_lab.lessons.lqg.nyquist_figures import RING_NAME, RING_RECOVERIES
 from observer_lab.lessons.lqg.own import adapted
 from observer_lab.lessons.toolkit.figures import within
 from observer_lab.plants import MODELS, doyle

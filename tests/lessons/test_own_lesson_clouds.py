@@ -13,7 +13,7 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import solve_discrete_lyapunov
 from scipy.signal import cont2discrete
 
-from observer_lab.classroom.class_runs import ClassRuns
+from observer_lab.classroom.room import ClassRuns
 from observer_lab.course.knobs import KnobError
 from observer_lab.course.lesson import Lesson, Outcome
 from observer_lab.course.many_seeds import CONSISTENT, OVER_CONFIDENT, UNDER_CONFIDENT, SeedErrors, verdict_words

@@ -17,8 +17,21 @@ from observer_lab.course.handin.served_course import ServedCourse
 from observer_lab.plants.examples import example
 from observer_lab.session.commands.commands import OpenState, ShowSolution
 from observer_lab.session.commands.exams import AnotherVariant, AnswerExam, HandIn, SaveHandIn, SetKey, SetWord, WithholdResults
-from observer_lab.session.handlers.exams import COURSE_DECIDES, is_withheld, last_answer, present_item, present_variant, present_verdict
-from observer_lab.session.handlers.hand_in import NEEDS_KEY, NOT_IN_COURSE, NOT_SOLVED, NOTHING_SIGNED, OWN_PLANT, SIGNED, SIGNED_LATE
+from observer_lab.session.handlers.exams import (
+    COURSE_DECIDES,
+    NEEDS_KEY,
+    NOT_IN_COURSE,
+    NOT_SOLVED,
+    NOTHING_SIGNED,
+    OWN_PLANT,
+    SIGNED,
+    SIGNED_LATE,
+    is_withheld,
+    last_answer,
+    present_item,
+    present_variant,
+    present_verdict,
+)
 from observer_lab.session.handlers.tasks import COURSE_NO_SOLUTION
 from observer_lab.session.session import Session
 from observer_lab.session.state.saved_state import SavedState

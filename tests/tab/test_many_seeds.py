@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 from fakes import Tab, toy
 
-from observer_lab.classroom.class_runs import ClassRuns, read_runs
-from observer_lab.classroom.room import RoomView
+from observer_lab.classroom.room import ClassRuns, RoomView, read_runs
 from observer_lab.course.lesson import Outcome
 from observer_lab.course.many_seeds import SEED_COUNT, SeedErrors
 from observer_lab.engine import EngineError

@@ -14,9 +14,8 @@ from .linear.trade_off import ErrorParts, Ladder, error_parts, growing_error, no
 from .multiple_models import ModelTrack, MultipleModelFilter
 from .nonlinear.bound import posterior_bound
 from .nonlinear.differences import angles
-from .nonlinear.experiment import Experiment, Sample, Steering
 from .nonlinear.extended import ExtendedKalmanFilter, LinearisedFilter, slopes_along
-from .nonlinear.many_runs import errors_squared, simulate_filters
+from .nonlinear.many_runs import Experiment, Sample, Steering, errors_squared, simulate_filters
 from .nonlinear.nonlinear_filter import NonlinearFilter
 from .nonlinear.particle import ParticleFilter, ParticleTrack
 from .nonlinear.unscented import PrintedUnscentedFilter, UnscentedKalmanFilter, sigma_weights

@@ -4,8 +4,7 @@ from ..systems.gates.room_gates import with_gates
 from .bias import sensor_bias
 from .identified import FilteredRecord, FittedFilter, RecordFit, SensorBias, filter_record, fit_noise, identify
 from .known_plant import filter_plant
-from .reading.files import load_record, read_record
-from .reading.preview import Column, RecordPreview, preview_record
+from .reading.files import Column, RecordPreview, load_record, preview_record, read_record
 from .records import Record
 from .regular import Trend, detrend, resample, split_record, trend_of
 from .smoother import Smoothed

@@ -11,8 +11,7 @@ from ...devices import DeviceDesign, Routine
 from ...devices.routine import table
 from ...engine import Plant
 from .c_form import c_block, c_functions, c_number, c_tables
-from .readme import readme_text
-from .words import comment_word, header_line, template
+from .words import comment_word, header_line, readme_text, template
 
 __all__ = ["MOST_TESTED", "arduino_sketch", "c_project", "lab_c", "lab_h", "simulator_files"]
 

@@ -16,8 +16,7 @@ from xml.sax.saxutils import quoteattr
 
 from ...devices import DeviceDesign, Routine
 from .c_project import lab_c, lab_h
-from .readme import readme_text
-from .words import identifier, template
+from .words import identifier, readme_text, template
 
 __all__ = ["fmu_folder", "fmu_variables"]
 

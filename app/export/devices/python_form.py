@@ -9,8 +9,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from ...devices import DeviceDesign, Routine, Table
-from .readme import readme_text
-from .words import header_line, template
+from .words import header_line, readme_text, template
 
 __all__ = ["micropython_folder", "python_module"]
 

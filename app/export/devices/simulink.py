@@ -6,8 +6,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 from ...devices import DeviceDesign, Table
-from .readme import readme_text
-from .words import comment_word
+from .words import comment_word, readme_text
 
 __all__ = ["simulink_folder"]
 

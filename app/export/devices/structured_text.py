@@ -8,8 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from ...devices import DeviceDesign, DeviceError, Routine, Table
 from ...devices.language import locals_of
 from ...text import text
-from .readme import readme_text
-from .words import template
+from .words import readme_text, template
 
 __all__ = ["function_block", "structured_text_folder"]
 

@@ -19,8 +19,7 @@ from ...course.figures.diagram import SIZE
 from ...course.figures.records import DiagramFigure, Figure, GaugeFigure, LineFigure, MapFigure, MatrixFigure, PlaneFigure, TableFigure
 from ...text import label_in_language
 from .line_breaks import wrap
-from .matrix_plots import draw_matrix, draw_table
-from .panels import draw_gauges, draw_lines, draw_map, draw_plane
+from .panels import draw_gauges, draw_lines, draw_map, draw_matrix, draw_plane, draw_table
 from .style import INK_COLOUR, SMALL_PT, TITLE_PT, escape_mathtext, export_style
 
 __all__ = [

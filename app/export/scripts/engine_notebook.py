@@ -13,8 +13,7 @@ from ...course.lesson import Lesson, Outcome
 from ...engine.simulation import Run, Scenario, simulate
 from ...text import Text, text
 from .literals import array_text
-from .notebook_cells import notebook_of
-from .script import AGREED, INSTANTS, ScriptError
+from .script import AGREED, INSTANTS, ScriptError, notebook_of
 
 __all__ = ["engine_notebook"]
 

@@ -6,6 +6,7 @@ stands in the file.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 from types import MappingProxyType
 
@@ -18,10 +19,10 @@ from ...text import text_in
 from .code_record_script import check_of
 from .comment_translation import script_header, translate_comments
 from .gains import directions_of, placed_gain
-from .matlab_literals import array, body_of, complex_row, formula, functions_for, number
+from .literals import template_text
 from .script import AGREED, INSTANTS, NO_SCRIPT, ScriptError, poles_of_the_page
 
-__all__ = ["code_record_lines", "function_name", "matlab_script"]
+__all__ = ["array", "body_of", "code_record_lines", "complex_row", "formula", "function_name", "functions_for", "matlab_script", "number"]
 
 POLE_MATRICES: Mapping[str, str] = MappingProxyType({
     "A - B K": "Am - Bm * K", "A - L C": "Am - L * Cm", "the loop": "loop_matrix", "the compensator": "Am - Bm * K - L * (Cm - Dm * K)",
@@ -29,6 +30,8 @@ POLE_MATRICES: Mapping[str, str] = MappingProxyType({
 QUIET_COMMENT = text_in("script", "{function}(false) checks and draws nothing.")
 MAX_JUMP_ROWS = 12  # rows that jump, up to which each has a line of its own
 CURVES_MARKER = "%% The curves\n"
+IN_MATLAB = ((r"\['(\w+)'\]", r".\1"), (r"\beigvals\(", "eig("), (r"\bnp\.roots\(", "roots("), (r"\blen\(", "numel("), (r"@", "*"))
+LOCAL = "%% Functions\n"
 
 
 def function_name(lesson: Lesson) -> str:
@@ -187,3 +190,52 @@ def _assertion(shown: ShownValue) -> str:
         return f"{array('page', check.values)}\nagree('{name}', {name}, page, {size});"
     places = " ".join(str(k + 1) for k in check.at)
     return f"{array('page', check.values)}\nagree_at('{name}', {name}, {check.length}, [{places}], page, {number(check.largest)}, {size});"
+
+
+def number(value: float) -> str:
+    """A number that reads back exactly."""
+    return repr(float(value)) if np.isfinite(value) else "NaN" if np.isnan(value) else "Inf" if value > 0 else "-Inf"
+
+
+def array(name: str, value: object, note: str = "") -> str:
+    """An assignment that reads back exactly: a list as a row, a row of a matrix a line."""
+    rows = np.asarray(value, dtype=float)
+    tail = f"  % {note}" if note else ""
+    if not rows.size:
+        return f"{name} = zeros({rows.shape[0]}, {rows.shape[-1] if rows.ndim > 1 else 1});{tail}"
+    if rows.ndim < 2:
+        return f"{name} = [{' '.join(map(number, rows.ravel().tolist()))}];{tail}"
+    lines = ("; ...\n" + " " * (len(name) + 4)).join(" ".join(map(number, row)) for row in rows.tolist())
+    return (f"% {note}\n" if note else "") + f"{name} = [{lines}];"
+
+
+def complex_row(poles: np.ndarray) -> str:
+    """A set of poles."""
+    return "[" + ", ".join(f"complex({float(p.real)!r}, {float(p.imag)!r})" for p in np.asarray(poles, dtype=complex)) + "]"
+
+
+def formula(python: str) -> str:
+    """The name of a result, or a short formula of names, from Python: eigvals(A - B @ K) is eig(A - B * K)."""
+    for pattern, instead in IN_MATLAB:
+        python = re.sub(pattern, instead, python)
+    return python
+
+
+def body_of(name: str) -> tuple[str, str]:
+    """The equations of a part, and the functions of its own that stand behind them."""
+    body, _, local = template_text(f"matlab_{name}").partition(LOCAL)
+    return body.rstrip(), local.rstrip()
+
+
+def functions_for(text: str) -> str:
+    """The functions of our library that a text calls, and those that they call, in the library's order."""
+    library = {block.split("(", 1)[0].split()[-1]: block.rstrip()
+               for part in ("proof", "library") for block in re.split(r"\n(?=function )", template_text(f"matlab_{part}"))}
+    needed: set[str] = set()
+    waiting = [text]
+    while waiting:
+        called = {name for name in library if re.search(rf"\b{name}\(", waiting[-1])} - needed
+        waiting.pop()
+        needed |= called
+        waiting += [library[name].split("\n", 1)[1] for name in called]
+    return "\n\n".join(block for name, block in library.items() if name in needed)

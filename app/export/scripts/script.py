@@ -6,7 +6,8 @@ impulses, and asserts the page's numbers. Its parts stand between `# %%` lines, 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+import json
+from collections.abc import Iterable, Iterator, Mapping
 from types import MappingProxyType
 
 import numpy as np
@@ -18,16 +19,14 @@ from .code_record_script import code_record_parts
 from .comment_translation import script_header, translate_comments
 from .gains import gain_lines
 from .literals import array_text, complex_text, template_text
-from .notebook_cells import notebook_of
 
-__all__ = ["AGREED", "INSTANTS", "ScriptError", "notebook", "parts_of", "poles_of_the_page", "python_script"]
+__all__ = ["AGREED", "INSTANTS", "ScriptError", "notebook", "notebook_of", "parts_of", "poles_of_the_page", "python_script"]
 
 INSTANTS = 6  # moments of the run that are asserted
 AGREED = 1e-6  # of the largest number: how near the script comes
 POLE_MATRICES: Mapping[str, str] = MappingProxyType({  # what a set of poles may be the eigenvalues of, under its name in the script
     "A - B K": "Am - Bm @ K", "A - L C": "Am - L @ Cm", "the loop": "loop_matrix", "the compensator": "Am - Bm @ K - L @ (Cm - Dm @ K)",
     "A": "A", "the model's A": "Am"})
-
 
 NO_SCRIPT = text("No script is written for this lesson yet: its run is of a kind of its own; take its data as JSON or CSV.")
 
@@ -168,3 +167,16 @@ def _same_poles(found: np.ndarray, poles: np.ndarray) -> bool:
     """Whether two sets have one polynomial, as the script's own `same_poles` compares them."""
     scale = max(1.0, float(np.abs(poles).max()))
     return bool(np.abs(np.poly(found / scale) - np.poly(poles / scale)).max() <= 0.1 * AGREED)
+
+
+def notebook_of(cells: Iterable[tuple[str, str]]) -> str:
+    """A notebook of ("markdown" or "code", source), nothing of it run yet."""
+    kernel = {"display_name": "Python 3", "language": "python", "name": "python3"}
+    whole = {"cells": [_cell(kind, source, number) for number, (kind, source) in enumerate(cells)],
+             "metadata": {"language_info": {"name": "python"}, "kernelspec": kernel}, "nbformat": 4, "nbformat_minor": 5}
+    return json.dumps(whole, ensure_ascii=False, indent=1)
+
+
+def _cell(kind: str, source: str, number: int) -> dict[str, object]:
+    code = {"outputs": [], "execution_count": None} if kind == "code" else {}
+    return {"cell_type": kind, "id": f"part-{number}", "metadata": {}, "source": source, **code}

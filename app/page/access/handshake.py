@@ -28,11 +28,24 @@ from .access_policy import AccessPolicy, Refusal, asks_for_websocket
 from .connection import Connection
 from .flood_guard import AddressBook
 from .metrics import KIND, metrics_text
-from .one_line_filter import OneLineFilter
 from .page_headers import PageHeaders
 from .places import PLACE_FIELD, Visitor
 from .proxies import TrustedProxies
 from .tokens import AccessToken
+
+
+class OneLineFilter(logging.Filter):
+    """What a stranger sent costs one line in the log: no traceback, and nothing for a handshake that was none."""
+
+    def filter(self, record: logging.LogRecord) -> bool:
+        """Whether the record is written down."""
+        if record.getMessage() == "opening handshake failed":
+            return False
+        if record.exc_info and record.exc_info[1] is not None:
+            record.msg, record.args = f"{record.getMessage()} ({type(record.exc_info[1]).__name__})", ()
+            record.exc_info = None
+        return True
+
 
 UPLOAD_PART_BYTES = 512 * 1024  # bytes of one part of an upload, as viser's page cuts it
 MAX_MESSAGE_BYTES = UPLOAD_PART_BYTES + 64 * 1024  # bytes of one message

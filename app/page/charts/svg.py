@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html
+import json
 import math
 import re
 from typing import assert_never
@@ -22,6 +23,7 @@ from ...course.figures.records import (
     TableFigure,
     finite,
 )
+from ...course.guiding.questions import DrawnQuestion
 from ...text import format_number, label_in_language
 from ..words.prose import with_minus
 from .axes import ROW_HEIGHT_PX, Axes, H, W, clear_of_marks
@@ -255,3 +257,16 @@ def _table(figure: TableFigure, language: str) -> str:
     body = "".join("<tr>" + "".join(cell(v, "td") for v in row) + "</tr>" for row in figure.rows)
     return (f'<div class="ol-figure" data-figure="{figure.id}"><table class="ol-table"><caption>'
             f"{html.escape(figure.title(language))}</caption><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>")
+
+
+def sketch_frame(question: DrawnQuestion, figure: PlaneFigure, drawn: str, high: float, language: str, key: str, how: str,
+                 send: str) -> str:
+    """The figure as it is `drawn`, open to a hand, with what to do and the button `send`; in this browser its name is `key`."""
+    axes = axes_of_plane(figure, language, high)
+    columns = [round(axes.at(x, 0.0)[0], 1) for x in question.columns]
+    told = {"question": key, "columns": columns, "top": axes.frame.top, "foot": axes.frame.bottom, "bars": question.bars}
+    name = html.escape(how, quote=True)
+    inside = '<path class="ol-sketched" fill="none" d=""/><circle class="ol-caret" r="5"/></svg>'
+    drawn = drawn.replace("</svg>", inside, 1).replace('role="img"', f'role="application" tabindex="0" aria-description="{name}"', 1)
+    return (f'<div class="ol-sketch" data-sketch="{html.escape(json.dumps(told), quote=True)}">{drawn}<p class="ol-number">'
+            f'<span class="ol-note">{name}</span>{send}</p></div>')

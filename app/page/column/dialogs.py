@@ -11,10 +11,9 @@ from ...course.course_map import Progress
 from ...session.commands.commands import Edit
 from ...session.commands.shortcuts import SHORTCUTS
 from ...session.state.view import Picture
-from ..web.html_page import APP_NAME
+from ..web.html_page import APP_NAME, version
 from ..words import phrases
 from ..words.prose import mathml
-from ..words.version import version
 from .course_page import CourseDialog
 from .dialog import Dialog
 from .download_dialog import DownloadDialog

@@ -18,15 +18,14 @@ from ..replay.pull_sliders import PullSliders
 from ..viser_private import viser_internals
 from ..viser_private.hidden_input import hidden_input
 from ..viser_private.widget_values import ReadBack
-from ..votes.room_panel import RoomPanel, room_command
+from ..votes.room_card import RoomPanel, room_command
 from ..words import phrases
 from ..words.menu import menu_edit, menu_html, mode_switch
 from ..words.prose import explained_html, formula_html, judged_html, render_markdown, with_minus
 from .compare_panel import ComparePanel
 from .course_page import CourseGuide
 from .derivation_panel import DerivationPanel
-from .exam_panel import ExamPanel
-from .hand_in_box import HandInBox, is_listed
+from .exam_panel import ExamPanel, HandInBox, is_listed
 from .knob_rows import KnobRows
 from .live_panel import LivePanel
 from .plant_picker import PlantRow

@@ -33,7 +33,7 @@ from ..replay.pull_sliders import PullSliders
 from ..viser_private import viser_internals
 from ..viser_private.hidden_input import hidden_input
 from ..viser_private.write_once import write_content
-from ..votes.room_panel import RoomPanel, room_command
+from ..votes.room_card import RoomPanel, room_command
 from ..words import phrases
 from ..words.menu import menu_edit
 from .figure_room import room_for_drawing

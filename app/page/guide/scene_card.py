@@ -18,8 +18,7 @@ from ...course.scenes import Choose, Move, Scene, Solve, fill_numbers
 from ...session.state.view import Picture
 from ...text import format_number
 from ..charts.print_sizes import Sizes
-from ..charts.sketch_frame import sketch_frame
-from ..charts.svg import draw
+from ..charts.svg import draw, sketch_frame
 from ..votes.class_drawings import drawings_html
 from ..words import phrases, prediction
 from ..words.menu import menu_html, mode_switch

@@ -9,8 +9,8 @@ from functools import partial
 
 import numpy as np
 
-from ...classroom.class_runs import ClassRuns, OwnRun, read_runs
 from ...classroom.kept_room import KeptRoom
+from ...classroom.room import ClassRuns, OwnRun, read_runs
 from ...course.figures.records import Curve, PlaneFigure
 from ...text import same
 from ..charts.svg import draw

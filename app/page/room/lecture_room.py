@@ -12,10 +12,8 @@ from dataclasses import replace
 
 import viser
 
-from ...classroom.class_runs import ClassRuns, seeds_of
-from ...classroom.kept_room import Place, open_pages, open_room
-from ...classroom.room import LECTURE, UNSOLVED, RoomView, overview
-from ...classroom.vote_writer import VoteWriter
+from ...classroom.kept_room import Place, VoteWriter, open_pages, open_room
+from ...classroom.room import LECTURE, UNSOLVED, ClassRuns, RoomView, overview, seeds_of
 from ...classroom.votes import Asked, Vote
 from ...session.commands.room import Freeze, RoomChanged
 from ...session.session import Session

@@ -38,9 +38,8 @@ from ..access.shared_counters import SharedCounters, WorkerSlot
 from ..access.tokens import AccessToken
 from ..column.plant_picker import MOST_BYTES
 from ..viser_private import viser_internals
-from ..web.html_page import server_full_page, token_required_page
+from ..web.html_page import server_full_page, token_required_page, version
 from ..words import phrases
-from ..words.version import version
 from .screen import Screen
 from .server_parts import LaunchDoors, Room
 from .tab_places import TabPlaces

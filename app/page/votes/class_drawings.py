@@ -12,8 +12,7 @@ from ...course.figures.records import PlaneFigure
 from ...course.guiding.questions import BAR_WIDTH
 from ...session.state.view import Picture
 from ..charts.print_sizes import Sizes
-from ..charts.sketch_frame import sketch_frame
-from ..charts.svg import axes_of_plane, draw
+from ..charts.svg import axes_of_plane, draw, sketch_frame
 from ..words import phrases
 
 FAINTEST = 0.25  # opacity of what a single hand has drawn

@@ -5,6 +5,8 @@ from __future__ import annotations
 import base64
 import html
 import re
+from functools import lru_cache
+from importlib import metadata
 from pathlib import Path
 from urllib.parse import quote
 
@@ -14,7 +16,6 @@ from ...text import Text, languages
 from .. import web
 from ..access.places import PLACE_FIELD
 from ..words import phrases
-from ..words.version import version
 
 APP_NAME = "Observer Lab"
 ADDRESS = "observer-lab-address"  # the key of the token that a tab has put into its address bar
@@ -92,3 +93,12 @@ def viser_page(title: str, head: str) -> str:
 def web_code(language: str) -> str:
     """A language's code as browsers write it."""
     return language.replace("_", "-")
+
+
+@lru_cache(maxsize=1)
+def version() -> str:
+    """The version that is installed, "source" where none is."""
+    try:
+        return metadata.version("observer-lab")
+    except metadata.PackageNotFoundError:
+        return "source"

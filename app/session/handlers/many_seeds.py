@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...classroom.class_runs import ClassRuns, OwnRun
+from ...classroom.room import ClassRuns, OwnRun
 from ...course.knobs import KnobError
 from ...course.lesson import Design
 from ...course.many_seeds import SEED_COUNT, SeedErrors

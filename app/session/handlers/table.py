@@ -13,7 +13,7 @@ import msgspec
 
 from ..commands import commands, exams, files, guide, records, room
 from ..commands.base import Command
-from . import design, downloads, hand_in, lectures, lesson_reload, page, pins, playback, saved_designs, sharing, tasks
+from . import design, downloads, lectures, lesson_reload, page, pins, playback, sharing, tasks
 from . import exams as exam
 from . import guide as path
 from . import records as record
@@ -58,8 +58,8 @@ HANDLERS: Mapping[type[Command], Callable[..., object]] = MappingProxyType({
     exams.SetKey: exam.set_key,
     exams.SetWord: exam.set_word,
     exams.WithholdResults: exam.withhold_results,
-    exams.HandIn: hand_in.hand_in,
-    exams.SaveHandIn: hand_in.save_hand_in,
+    exams.HandIn: exam.hand_in,
+    exams.SaveHandIn: exam.save_hand_in,
     exams.HandInReported: lambda show, report: show.view.say(report.words, report.bad),
     commands.OpenState: sharing.open_state,
     commands.PlaceOpened: sharing.note_place,
@@ -72,10 +72,10 @@ HANDLERS: Mapping[type[Command], Callable[..., object]] = MappingProxyType({
     files.OpenPin: pins.open_pin,
     files.ToggleGhost: pins.toggle_ghost,
     files.GoToStep: pins.go_to_step,
-    files.SaveDesign: saved_designs.save_design,
-    files.OpenSavedDesign: saved_designs.open_saved_design,
-    files.DeleteSavedDesign: saved_designs.delete_saved_design,
-    files.ClearBrowser: saved_designs.clear_browser,
+    files.SaveDesign: pins.save_design,
+    files.OpenSavedDesign: pins.open_saved_design,
+    files.DeleteSavedDesign: pins.delete_saved_design,
+    files.ClearBrowser: pins.clear_browser,
     commands.OpenLesson: page.open_lesson,
     commands.TurnPage: page.turn_page,
     files.LessonsChanged: lesson_reload.take_changed_lessons,

@@ -24,7 +24,7 @@ from ...course.scenes import MODES, Mode, entry_values
 from ...engine import EngineError
 from ...plants.own_plant import clean_plant_json
 from ...text import languages, read_outside_json, text
-from .history_codec import read_steps, write_steps
+from .history import read_steps, write_steps
 from .lesson_state import LessonState
 from .saved_state import LONGEST_NAME, MAX_OPTIONS, changed_knobs, check_state, design_as_plain_data, design_with_knobs
 from .view import MOST_ANSWERS, MOST_VARIANTS, ExamAnswer, ExamState, State, TaskState

@@ -9,8 +9,8 @@ from functools import partial
 from client import WireTab
 from lecture import PREDICT, ask, card, counts, number_of_the_vote, opened, part, say
 
-from observer_lab.classroom.class_runs import seeds_of
 from observer_lab.classroom.kept_room import KeptPages, Place, open_pages, open_room
+from observer_lab.classroom.room import seeds_of
 from observer_lab.course.scenes import entry_values
 from observer_lab.lessons import LESSONS
 from observer_lab.session.commands.guide import SetMode

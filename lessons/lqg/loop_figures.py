@@ -1,15 +1,21 @@
-"""Draw Nyquist's curves: from plain LQG to LQR, and close to the critical point."""
+"""Draw the loop of lesson 10: as a block diagram, and Nyquist's curves of its recovery."""
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
+from observer_lab.course.figures.diagram import DiagramFigure
 from observer_lab.course.figures.ranges import round_up_nicely
 from observer_lab.course.figures.records import Curve, Dash, PlaneFigure, Point, finite
 from observer_lab.course.lesson import Outcome
 from observer_lab.text import Text, format_number, same, text
 
+from ..toolkit.diagram import LoopSignals, loop
 from .cases import DOYLE
+from .knobs import RECURSIVE
+from .loops import computer, schedule
 from .robustness import real
 from .study import Study
 
@@ -21,6 +27,20 @@ UNIT_CIRCLE = Curve(text("unit circle around −1"), np.sin(CIRCLE_ANGLES_RAD), 
 CLOSEST_TAB = text("Near −1")
 TIMES = 2.5  # how many times the distance the window reaches to either side
 MOST_HALF = 1.0  # half the window's height is no more, where the curve is far away
+
+
+def loop_of(outcome: Outcome[Study]) -> DiagramFigure:
+    """Plant and filter: the steady gain L, or the gain M at which the recursive filter arrives in the run."""
+    s = outcome.study
+    run, plant = s.trace, s.case.plant
+    direct = run.u @ np.asarray(plant.D).T
+    signals = LoopSignals(run.t, run.u, run.x @ plant.C.T + s.setting.gain * direct, run.xhat @ plant.C.T + direct, run.xhat)
+    if outcome.design["filter"] != RECURSIVE:
+        return loop(plant, signals, outcome.gains["L"], outcome.gains["K"])
+    f, steps = s.setting.factors, round(s.case.horizon / s.case.dt) + 1
+    design = computer(s.case, replace(f, sensor=1.0), s.setting.recovery, s.case.dt)
+    gains = schedule(s.case, f.beta_q, f.beta_r, s.setting.recovery, steps).gains
+    return loop(plant, signals, gains[-1], design.K, gain="M", sampled=True)
 
 
 def both_halves(ell: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
