@@ -113,10 +113,10 @@ def _poles(study: Study) -> PlaneFigure:
     points = [Point(float(p.real), float(p.imag), "estimate", "cross") for p in s.poles if p.imag >= 0]
     if study.true_poles is not None:
         points += [Point(float(p.real), float(p.imag), "plant", "circle") for p in study.true_poles if p.imag >= 0]
-    words = (text("Crosses: fitted poles with Im z ≥ 0. The farthest true pole (circle) is {away:.2g} standard deviations from a fitted one.",
-                  away=study.away) if study.true_poles is not None else
+    words = (text("Crosses: fitted poles with Im z ≥ 0. The farthest true pole (circle) is {away:.2g} standard deviations from a fitted "
+                  "one.", away=study.away) if study.true_poles is not None else
              text("Crosses: fitted poles with Im z ≥ 0. The true ones of a measured record are not known."))
-    x_range, y_range = _around(np.array([(p.x, p.y) for p in points] + [each for curve in curves[1:] for each in zip(curve.xs, curve.y, strict=True)]))
+    x_range, y_range = _around(np.concatenate([[(p.x, p.y) for p in points], *(np.column_stack([c.xs, c.y]) for c in curves[1:])]))
     return PlaneFigure("poles", text("poles of the sampled model"), tuple(curves), tuple(points), "Re z", "Im z", x_range, y_range,
                        equal=True, caption=words, tab=ORDER_TAB)
 

@@ -9,7 +9,6 @@ from observer_lab.course.lesson import Outcome
 from observer_lab.text import Text, text
 
 from .criterion import criterion_4
-from .knobs import IM_HIGH
 from .study import Story
 
 REAL = np.linspace(-2.0, -0.2, 37)  # rad/s; the left end of the region never lies right of it

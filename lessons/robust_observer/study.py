@@ -17,7 +17,16 @@ from observer_lab.course.knobs import KnobError, Number
 from observer_lab.course.lazy import LazyValue
 from observer_lab.course.lesson import Board, Check, Design, Stage
 from observer_lab.engine import functional_observer
-from observer_lab.engine.observers import FunctionalObserver, Norm, Perturbations, RobustObserver, criterion, error_index, peak_gain, vertices
+from observer_lab.engine.observers import (
+    FunctionalObserver,
+    Norm,
+    Perturbations,
+    RobustObserver,
+    criterion,
+    error_index,
+    peak_gain,
+    vertices,
+)
 from observer_lab.plants import Window
 from observer_lab.plants.bodies.body import Body
 from observer_lab.plants.bodies.cause_rows import CauseRows

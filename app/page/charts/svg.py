@@ -136,7 +136,8 @@ def _plane(figure: PlaneFigure, language: str, large: bool, high: float) -> tupl
                    f'stroke-width="{curve.width}"{SVG_DASHES[curve.dash]}/>')
     out.append("</g>")
     if figure.id == "question" and figure.names and not figure.powers:
-        out += [_size_of_bar(path, float(curve.y[1])) for path, curve in zip(drawn, figure.curves, strict=True) if path[0][0] == path[-1][0]]
+        out += [_size_of_bar(path, float(curve.y[1])) for path, curve in zip(drawn, figure.curves, strict=True)
+                if path[0][0] == path[-1][0]]
     out += [_mark(*axes.held(p.x, p.y), COLOURS[p.role], p.mark) for p in figure.points]
     marks = [(*axes.held(p.x, p.y), p.name(language)) for p in figure.points if math.isfinite(p.x + p.y)]
     names, taken = _names(marks, np.array([at for path in drawn for at in path], dtype=float).reshape(-1, 2), axes.frame)

@@ -103,8 +103,10 @@ def rack_body(n: int, q: int, full: Sequence[float], rows: CauseRows, most: floa
 
     def pose(x: Sequence[float], gain: float) -> Mapping[str, Pose]:
         shown = (*x[:last], x[-1])
-        return {**fixed, **rows.moving(x[last:-1 - len(SLABS)]), **tower.moving(x[-1 - len(SLABS):-1]), **{f"{name} level": Pose((place, 0.0, level(k, shown[k], gain)))
-                                                       for k, (name, place) in enumerate(zip(names, places, strict=True))}}
+        index = len(x) - 1 - len(SLABS)
+        levels = {f"{name} level": Pose((place, 0.0, level(k, shown[k], gain)))
+                  for k, (name, place) in enumerate(zip(names, places, strict=True))}
+        return {**fixed, **rows.moving(x[last:index]), **tower.moving(x[index:-1]), **levels}
 
     def arrows(x: Sequence[float], u: Sequence[float], gain: float) -> tuple[Arrow, ...]:
         return ()
