@@ -18,13 +18,15 @@ from observer_lab.course.figures.records import MapFigure
 from observer_lab.course.lesson import Board, Lesson, Stage
 from observer_lab.course.scenes import Scene, entry_values
 from observer_lab.lessons import LESSONS
+from observer_lab.page.charts.text_layout import text_width
 from observer_lab.page.stage.body_extent import body_corners, reach
 from observer_lab.page.stage.map_board import NEARER, place, written
-from observer_lab.page.stage.part_names import PartNames
+from observer_lab.page.stage.part_names import WORDS_SIZE, PartNames, _anchor
 from observer_lab.page.stage.pole_boards import BOARD_HEIGHT, BOARD_PLACES, BOARD_WIDTH, board_contains
 from observer_lab.page.stage.stage import StageView, factors, factors_at
 from observer_lab.page.stage.viewpoint import BOARD_MARGIN, SIGHT, Viewpoint
 from observer_lab.plants import MODELS
+from observer_lab.text import Text, label_in_language, languages
 
 CANVASES = {"laptop": (929, 768), "small laptop": (870, 720), "wall": (1306, 1080), "hall": (1306, 1080)}  # px of the guide's stage
 LAB_CANVASES = ((618, 768), (579, 720), (775, 900))  # px of the stage between the lab's columns
@@ -35,7 +37,7 @@ MOMENTS = 12
 LEAST_FILLED = 0.57  # of the canvas' height or width: what stands on the stage, and the map in front of it
 ABOVE_SHEET = 0.17  # of half the canvas' height, above its middle: the upper edge of a sheet with the row of the run
 LEAST_PLANT = 0.48  # of the canvas' width, beside or below boards
-LEAST_LETTER = 0.0145  # of the canvas' height: a letter on a board, 11 px of 768
+LEAST_LETTER = 0.0168  # of the canvas' height: a letter on a board, 12.9 px of 768
 
 
 class Camera(SimpleNamespace):
@@ -63,8 +65,17 @@ def opened(id: str) -> tuple[bool, tuple[float, float]]:
     return bool(outcome.boards), reach(outcome.stage)
 
 
+class Word(NamedTuple):
+    """Words on the stage in each language, where, which side of them is there, and how much larger than usual they are."""
+
+    said: tuple[str, ...]
+    at: tuple[float, float, float]
+    anchor: str
+    size: float = 1.0
+
+
 class OnStage(NamedTuple):
-    """A scene with its boards and its map, the corners of the body in its run, and where the words about its size end."""
+    """A scene with its boards and its map, the corners of the body in its run, where the words about its size end, and all other words."""
 
     lesson: Lesson
     scene: Scene
@@ -72,6 +83,7 @@ class OnStage(NamedTuple):
     map: MapFigure | None
     body: np.ndarray
     words: np.ndarray
+    named: tuple[Word, ...]
 
 
 def looked_at(case: OnStage, canvas: str) -> Any:
@@ -107,6 +119,25 @@ def _words(stage: Stage, charted: bool) -> np.ndarray:
     return np.array([factors_at(stage, charted)] if factors(stage.body, "en") else []).reshape(-1, 3)
 
 
+def _named(stage: Stage, scene: Scene, first: bool) -> tuple[Word, ...]:
+    """The names on the stage, those of the parts in the first scene alone, at the scene's moment."""
+    k = int(np.searchsorted(stage.t, (scene.moment or 0.0) * stage.t[-1]).clip(0, len(stage.t) - 1))
+    x, body = stage.x[k].tolist(), stage.body
+    xhat = x if stage.xhat is None else stage.xhat[k].tolist()
+    poses, ghost = body.pose(x, body.gain), body.pose(xhat, body.gain)
+
+    def said(words: Text | str) -> tuple[str, ...]:
+        return tuple(label_in_language(words, code) for code in languages())
+
+    found = [Word(said(words), at, "top-center") for words, at in body.labels]
+    if stage.xhat is not None and body.marks is not None:
+        found += [Word((words,), at, anchor, WORDS_SIZE) for words, at, anchor in body.marks(x, xhat, body.gain).words if at[2] > 0]
+    for name in body.names if first else ():
+        there, away_by = (ghost if name.ghost else poses)[name.part].position, name.away
+        found.append(Word(said(name.words), (there[0] + away_by[0], there[1] + away_by[1], there[2] + away_by[2]), _anchor(away_by)))
+    return tuple(found)
+
+
 @cache
 def scenes_on_stage() -> tuple[OnStage, ...]:
     """Every scene of every path that has a stage, as it is entered."""
@@ -119,7 +150,7 @@ def scenes_on_stage() -> tuple[OnStage, ...]:
                 named = [f for f in lesson.figures(outcome) if f.id in scene.figures] if lesson.pick is not None else []
                 maps = [f for f in named if isinstance(f, MapFigure)]
                 found.append(OnStage(lesson, scene, boards, next(iter(maps), None), body_corners(outcome.stage, MOMENTS),
-                                     _words(outcome.stage, bool(maps))))
+                                     _words(outcome.stage, bool(maps)), _named(outcome.stage, scene, k == 0)))
     return tuple(found)
 
 
@@ -235,6 +266,25 @@ def test_a_ghost_has_its_name_only_where_it_stands_apart_from_the_plant() -> Non
         names.place(here, ghost, frame)
         heights = np.asarray(frame["/named/lines", "points"], dtype=float).reshape(-1, 2, 3)[: len(body.names), 0, 2]
         assert (heights > -1.0).sum() == len(body.names) - (not seen)
+
+
+def test_what_is_written_on_a_stage_is_wholly_in_sight() -> None:
+    """In the letters of the window, in each language, from where the scene looks; the row of the run hides none of it."""
+    def law(case: OnStage, canvas: str) -> None:
+        camera, view = seen_from(case, canvas)
+        em, (across, up) = view.letters(canvas == IN_LARGE_PRINT) * view.nearness(), CANVASES[canvas]
+        for word in case.named:
+            at = np.array(word.at)
+            ahead = np.array(camera.look_at) - np.array(camera.position)
+            letter = em * word.size / math.tan(SIGHT / 2) / ((at - np.array(camera.position)) @ ahead / np.linalg.norm(ahead))
+            (x, y), = seen(camera, at[None])
+            for said in word.said:
+                wide = letter * text_width(said, 1.0)
+                left = x - (wide / 2 if word.anchor.endswith("center") else 0.0 if word.anchor.endswith("left") else wide)
+                ends = left * up / 2, (left + wide) * up / 2  # px from the middle
+                assert -across / 2 <= ends[0] and ends[1] <= across / 2, f"{said}: {ends[0]:.0f} to {ends[1]:.0f} px"
+                assert -1 + 2 * RUN_BAR <= y <= 1, f"{said}: {y:.2f} up"
+    holds_for_all(itertools.product(scenes_on_stage(), CANVASES), law, name)
 
 
 def test_boards_and_their_plant_are_in_sight_above_a_sheet() -> None:

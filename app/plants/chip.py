@@ -169,7 +169,7 @@ def body(parameters: Parameters = Parameters()) -> Body:
     return Body(_parts(), pose, arrows, anchors, 1.0, text("Left column: core; right column: case, the only one "
                                                            "measured; a tick every 20 K"),
                 ((text_in("chip", "core"), (CORE, *FOOT_LABEL)), (text_in("chip", "case"), (CASE, *FOOT_LABEL))), names=(
-        PartName(text("core: no sensor"), "die", (-0.85, -0.75, 0.1)),
+        PartName(text("core: no sensor"), "die", (-0.6, -0.75, 0.16)),
         PartName(text("sensor on the case"), "sensor", (-0.2, -0.4, 0.75)),
         PartName(text("core temperature"), "core level", (0.05, -0.3, 0.45)),
         PartName(GHOST_NAME, "core level", (-0.6, -0.5, -0.3), True),

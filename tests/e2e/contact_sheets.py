@@ -39,6 +39,7 @@ PATIENCE = 60_000  # ms
 ACROSS, SHARE = 4, 0.45  # pictures in a row of a sheet; their size
 PHONE = 897  # px: narrower windows have a sheet below the stage
 LEAST = {True: 0.4, False: 0.6}  # share of the window for the stage, on a phone and elsewhere
+SHARP = "() => window.__viserMutable.scene.__r3f.root.getState().viewport.dpr >= devicePixelRatio"
 MEASURE = """() => {
   const box = name => document.querySelector(name).getBoundingClientRect(), stage = box('canvas[data-engine]');
   const column = document.querySelector('.ol-card').closest('.mantine-ScrollArea-viewport');
@@ -118,7 +119,7 @@ def window(size: str) -> ViewportSize:
 def picture(page: Page) -> Image.Image:
     """The page, its stage drawn once."""
     page.evaluate("window.observerLabDraws = true")
-    eventually(lambda: page.evaluate(DRAWN), bool, "a drawn scene")
+    eventually(lambda: page.evaluate(DRAWN) and page.evaluate(SHARP), bool, "a scene drawn with all its pixels")
     taken = page.screenshot()
     page.evaluate("window.observerLabDraws = false")
     return Image.open(BytesIO(taken))

@@ -136,8 +136,7 @@ def _plane(figure: PlaneFigure, language: str, large: bool, high: float) -> tupl
                    f'stroke-width="{curve.width}"{SVG_DASHES[curve.dash]}/>')
     out.append("</g>")
     if figure.id == "question" and figure.names and not figure.powers:
-        out += [_size_of_bar(path, float(curve.y[1])) for path, curve in zip(drawn, figure.curves, strict=True)
-                if path[0][0] == path[-1][0]]
+        out += _sizes_of_bars([(path, curve) for path, curve in zip(drawn, figure.curves, strict=True) if path[0][0] == path[-1][0]])
     out += [_mark(*axes.held(p.x, p.y), COLOURS[p.role], p.mark) for p in figure.points]
     marks = [(*axes.held(p.x, p.y), p.name(language)) for p in figure.points if math.isfinite(p.x + p.y)]
     names, taken = _names(marks, np.array([at for path in drawn for at in path], dtype=float).reshape(-1, 2), axes.frame)
@@ -160,12 +159,18 @@ def _outline(path: list[tuple[float, float]], bar: Curve) -> str:
             f'stroke="{COLOURS[bar.role]}" stroke-width="2"{SVG_DASHES[bar.dash]}/>')
 
 
-def _size_of_bar(path: list[tuple[float, float]], value: float) -> str:
-    """The number that a bar shows, above its end, below that of a negative one."""
-    (x, foot), (_, top) = path
-    y = top - 4 if top <= foot else top + 13
-    return (f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="middle" font-size="12" paint-order="stroke" stroke="{COLOURS["paper"]}" '
-            f'stroke-width="3">{html.escape(with_minus(format_number(value, ".3g")))}</text>')
+def _sizes_of_bars(bars: list[tuple[list[tuple[float, float]], Curve]]) -> list[str]:
+    """The number that each bar shows, above its end, below that of a negative one; of a guess none where it would lie on another."""
+    taken, out = list[Box](), list[str]()
+    for ((x, foot), (_, top)), bar in sorted(bars, key=lambda each: each[1].dash != "solid"):
+        said, y = with_minus(format_number(float(bar.y[1]), ".3g")), top - 4 if top <= foot else top + 13
+        half = text_width(said, WORDS_PX) / 2
+        place = Box(x - half, y - WORDS_PX, x + half, y)
+        if not any(place.meets(other) for other in taken):
+            taken.append(place)
+            out.append(f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="middle" paint-order="stroke" stroke="{COLOURS["paper"]}" '
+                       f'stroke-width="3">{html.escape(said)}</text>')
+    return out
 
 
 def _names(marks: list[tuple[float, float, str]], drawn: np.ndarray, frame: Box) -> tuple[str, list[Box]]:

@@ -31,8 +31,8 @@ LAB_FLOOR_SHARE = 0.52  # the same where the panel of the run lies over the stag
 TOP_SHARE, SIDE_SHARE = 0.945, 0.965  # of half the canvas: the titles, what is at a side
 FRONT = 1.0  # stage units from the plant to the front of its base
 LOOKS_DOWN = 0.115  # stage units that the composed view falls in each unit ahead
-LETTER_SHARES = 1 / 48, 1 / 84, 1 / 66  # of the window's height: a letter in large print, on a phone, elsewhere
-LEAST_LETTER = 0.1  # stage units: where boards are large in the window, so are their letters
+LETTER_SHARES = 1 / 48, 1 / 80, 1 / 56  # of the window's height: a letter in large print, on a phone, elsewhere
+LEAST_LETTER = 0.115  # stage units: where boards are large in the window, so are their letters
 USUAL_HALF_WIDTH, USUAL_HEIGHT = 2.6, 3.3  # stage units of a body that "plant" shows
 LEAST_BODY = 0.6  # of that: a smaller body is not looked at from nearer
 CAMERAS = MappingProxyType({
@@ -98,7 +98,7 @@ USUAL = composition(USUAL_HALF_WIDTH, USUAL_HEIGHT)  # where nothing is known of
 def letters(camera: viser.CameraHandle, lecture: bool, composed: Composition = USUAL) -> float:
     """The size of letters (stage units) at the boards that is a certain share of the window's height in the composed view.
 
-    1/48 in lecture mode, whatever the window: legible from the last row; else twelve pixels of a laptop and ten of a phone, or more
+    1/48 in lecture mode, whatever the window: legible from the last row; else fourteen pixels of a laptop and ten of a phone, or more
     where boards are large in the window.
     """
     aspect = aspect_of(camera)
