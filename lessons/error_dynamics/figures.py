@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from observer_lab.course.figures.curves import UNDER
 from observer_lab.course.figures.records import Curve, Figure, LineFigure, TableFigure
 from observer_lab.course.lesson import Outcome
 from observer_lab.engine.simulation import Run
@@ -56,7 +57,7 @@ def _size(outcome: Outcome[Study], run: Run, quiet: Run) -> LineFigure:
     calm = () if unstruck is None else (
         Curve(text("without the kick or pull"), _beside(np.linalg.norm(unstruck.e, axis=1), len(run.t)), "muted", "dot"),)
     return LineFigure("error", text("size of the error"), run.t, (
-        *calm, Curve(text("with this input"), np.linalg.norm(run.e, axis=1), "error"),
+        *calm, Curve(text("with this input"), np.linalg.norm(run.e, axis=1), "error", width=UNDER),
         Curve(text("without input"), _beside(np.linalg.norm(quiet.e, axis=1), len(run.t)), "reference", "dash", 1.6)),
         "‖e‖", log_y=True, tab=ERROR_TAB, window=(1e-6, 1.0), caption=said)
 

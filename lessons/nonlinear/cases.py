@@ -66,7 +66,7 @@ class Case:
         marks = decade_marks(*self.decades, 2 if self.decades[1] - self.decades[0] > 5 else 1)
         *first, (last, share) = marks if self.body.gain == 1 else marks[:-1]  # else a factor is written below the last one
         shown = (*first, (f"{last} [{self.watched[judged(self)].unit}]", share))
-        return with_bars(self.body, self.drawn, bars, shown, self.by, gate=True)
+        return with_bars(self.body, self.drawn, bars, shown, self.by, gate=True, decades=self.decades)
 
     @property
     def drawn(self) -> int:

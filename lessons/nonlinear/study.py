@@ -29,6 +29,7 @@ def band_of(dof: int, runs: int) -> tuple[float, float]:
 CONSISTENT, NEARLY_CONSISTENT = text("consistent"), text("nearly consistent")
 INSIDE_SHARE = 0.75  # of the samples in the band of 95 %: without process noise all samples of a run err together
 BY_CHANCE = 1e-4  # how likely the largest of all samples of a consistent filter is beyond its limit
+LATE = 2 / 3  # of the run: when errors are judged
 NEARLY = 0.15  # of the expected mean: so far off a filter is still called nearly consistent
 
 
@@ -106,6 +107,8 @@ def _metrics(s: Study) -> dict[str, float]:
     found |= {f"apart_{n}": float(min(s.apart[n], 1e9)) for n in (EKF, UKF)}
     found |= {f"lost_{n}": float(s.lost[n]) for n in FILTERS}
     found |= {f"times_bound_{n}": float(min(s.bound.times[n], 1e9)) for n in FILTERS if s.bound.times[n] >= 0}
+    at, signal = round(LATE * (len(s.t) - 1)), s.case.watched[judged(s.case)]
+    found |= {f"late_rms_{n}": float(min(signal.scale * s.rms[n][at, judged(s.case)], 1e9)) for n in FILTERS}
     return found | {"runs": float(s.runs), "fallen": float(s.fallen), "horizon": float(s.t[-1])}
 
 

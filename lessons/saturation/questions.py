@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import MappingProxyType
 
 import numpy as np
@@ -73,4 +74,16 @@ def surprise(asked: Asked) -> DrawnQuestion:
         Curve(text("without an error"), _angle(after.x[few])), "θ [°]")
 
 
-QUESTIONS = MappingProxyType({"fog": fog, "recall": recall, "predict": predict, "surprise": surprise})
+def _until_it_falls(drawn: DrawnQuestion) -> DrawnQuestion:
+    """The same, each angle up to where it leaves the plot."""
+    def cut(part: Curve | Point) -> Curve | Point:
+        if isinstance(part, Point) or part.x is None or not (out := np.flatnonzero(np.abs(part.y) >= SHOWN_DEG)).size:
+            return part
+        return replace(part, x=part.x[:out[0] + 1], y=part.y[:out[0] + 1])
+    return replace(drawn, figure=replace(drawn.figure, curves=tuple(map(cut, drawn.figure.curves))),
+                   options=tuple(tuple(map(cut, option)) for option in drawn.options), run=tuple(map(cut, drawn.run)))
+
+
+QUESTIONS = MappingProxyType({
+    "fog": lambda asked: _until_it_falls(fog(asked)), "recall": recall, "predict": lambda asked: _until_it_falls(predict(asked)),
+    "surprise": lambda asked: _until_it_falls(surprise(asked))})

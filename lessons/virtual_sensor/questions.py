@@ -12,6 +12,7 @@ from observer_lab.course.guiding.questions import Asked, DrawnQuestion, question
 from observer_lab.text import text
 
 CLAIMED_PEAK_K = 90.0  # K: as high as the option says that the estimate climbs
+SHOWN_S = 5.0  # s of the climb
 
 
 def predict(asked: Asked) -> DrawnQuestion:
@@ -34,10 +35,11 @@ def surprise(asked: Asked) -> DrawnQuestion:
     rise = 1 - np.exp(-pace * t)
     pulse = t * np.exp(1 - pace * t) * pace  # 1 at its peak
     above = rise * true + (CLAIMED_PEAK_K - float((rise * true)[np.argmax(pulse)])) * pulse
-    known = (Curve(text("true core"), true), Curve(text("estimate now"), estimate, "estimate", "dot"))
-    return question_over_time(text("core temperature"), t, known,
-                              (np.interp(np.minimum(2 * t, t[-1]), t, estimate), above, rise * true),
-                              Curve(text("estimate then"), after.xhat[:, 0], "estimate"), "T₁ [K]")
+    seen = t <= SHOWN_S
+    known = (Curve(text("true core"), true[seen]), Curve(text("estimate now"), estimate[seen], "estimate", "dot"))
+    return question_over_time(text("core temperature"), t[seen], known,
+                              (np.interp(np.minimum(2 * t, t[-1]), t, estimate)[seen], above[seen], (rise * true)[seen]),
+                              Curve(text("estimate then"), after.xhat[seen, 0], "estimate"), "T₁ [K]")
 
 
 QUESTIONS = MappingProxyType({"predict": predict, "surprise": surprise})

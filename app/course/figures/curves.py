@@ -13,7 +13,7 @@ from ...text import NO_WORDS, Text
 
 Dash = Literal["solid", "dash", "dot", "pin1", "pin2", "pin3", "pin4"]
 PIN_DASHES: tuple[Dash, ...] = ("pin1", "pin2", "pin3", "pin4")
-THIN = 1.1  # width of a pinned curve
+THIN, UNDER = 1.1, 6.0  # width of a pinned curve, of one on which another lies
 SAME_CURVE_RTOL = 1e-9  # of its largest value: a pinned curve that differs by less lies under the present one
 
 

@@ -12,7 +12,7 @@ from typing import Any  # the values of knobs are of any kind, as `Any` says
 import numpy as np
 
 from ...text import NO_WORDS, Text, text
-from ..figures.curves import thin_samples
+from ..figures.curves import UNDER, thin_samples
 from ..figures.ranges import round_up_nicely
 from ..figures.records import Curve, Dash, PlaneFigure, Point, finite
 from ..knobs import KnobError
@@ -22,6 +22,8 @@ YOU, RUN = text("you"), text("the run")
 MAX_SAMPLES = 160  # of a curve in a question's figure
 COLUMNS = 40  # at which a hand draws a curve
 BAR_WIDTH, BAR_GAP = 26.0, 0.19  # px; between the bars of one place, in places
+SAME = 0.01  # of the axis: curves this near lie on one another
+ROOM, ENDS = 1.08, (1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0)  # of an axis over its largest value; where an axis may end
 LEVEL_WIDTH, LEVEL_HALF = 4.0, 0.42  # px; half the length of a line across a place, in places
 Part = Curve | Point
 
@@ -60,8 +62,19 @@ class DrawnQuestion:
             yours = tuple(_bar(x, h, YOU, "reference", -1, "dash") for x, h in zip(self.columns, heights, strict=True)) if self.bars else (
                 Curve(YOU, np.array(heights), "reference", "dash", 2.4, np.array(self.columns)),)
         parts = (*yours, *(self.run if answered else ()))
-        return replace(self.figure, curves=(*self.figure.curves, *(p for p in parts if isinstance(p, Curve))),
+        curves = (*self.figure.curves, *(p for p in parts if isinstance(p, Curve)))
+        return replace(self.figure, curves=curves if self.bars else self._told_apart(curves),
                        points=(*self.figure.points, *(p for p in parts if isinstance(p, Point))))
+
+    def _told_apart(self, curves: Sequence[Curve]) -> tuple[Curve, ...]:
+        """The curves, each wider on which a later one lies, so that both are seen."""
+        near = SAME * (self.figure.y_range[1] - self.figure.y_range[0])
+
+        def covered(k: int) -> bool:
+            one = curves[k]
+            return len(one.y) > 2 and any(len(other.y) == len(one.y) and np.array_equal(other.xs, one.xs)
+                                          and float(np.abs(finite(other.y) - finite(one.y)).max()) <= near for other in curves[k + 1:])
+        return tuple(replace(curve, width=UNDER) if covered(k) else curve for k, curve in enumerate(curves))
 
     def heights_of(self, shares: Sequence[float]) -> tuple[float, ...]:
         """Heights in the figure's units from shares of its frame. Raises KnobError where they are not one finite number for each column."""
@@ -170,18 +183,23 @@ def question_of_poles(title: Text, known: Sequence[Point], options: Sequence[Seq
     figure = PlaneFigure("question", title, (), tuple(known), x_label, y_label, (left - 0.15 * wide, max(right, 0.0) + 0.15 * wide),
                          (-1.25 * tall, 1.25 * tall), unstable=not disc)
 
-    def marks(poles: Sequence[complex], name: Text, mark: Any, role: str) -> tuple[Point, ...]:
-        named = max(range(len(poles)), key=lambda k: complex(poles[k]).imag, default=0)
+    def marks(poles: Sequence[complex], others: Sequence[complex], name: Text, mark: Any, role: str) -> tuple[Point, ...]:
+        """The poles, of which the one farthest from all others has the name."""
+        def apart(k: int) -> tuple[float, float]:
+            return min((abs(complex(poles[k]) - other) for other in others), default=0.0), complex(poles[k]).imag
+        named = max(range(len(poles)), key=apart, default=0)
         return tuple(Point(complex(s).real, complex(s).imag, role, mark, name if k == named else NO_WORDS) for k, s in enumerate(poles))
-    return DrawnQuestion(figure, tuple(marks(each, YOU, "hollow", "reference") for each in options), marks(run, RUN, "cross", role))
+    before = [complex(p.x, p.y) for p in known]
+    return DrawnQuestion(figure, tuple(marks(each, [*map(complex, run), *before], YOU, "hollow", "reference") for each in options),
+                         marks(run, before, RUN, "cross", role))
 
 
 def _range(curves: Sequence[np.ndarray]) -> tuple[float, float]:
     """A range of round numbers that holds all values and zero."""
     values = np.concatenate([finite(y).ravel() for y in curves])
     low, high = min(0.0, float(values.min())), max(0.0, float(values.max()))
-    low = -round_up_nicely(-low * 1.05) if low < 0 else 0.0
-    return low, round_up_nicely(high * 1.05) if high > 0 else (0.0 if low < 0 else 1.0)
+    low = -round_up_nicely(-low * ROOM, ENDS) if low < 0 else 0.0
+    return low, round_up_nicely(high * ROOM, ENDS) if high > 0 else (0.0 if low < 0 else 1.0)
 
 
 def _decades(curves: Sequence[np.ndarray]) -> tuple[float, float]:

@@ -135,8 +135,10 @@ def _plane(figure: PlaneFigure, language: str, large: bool, high: float) -> tupl
         out.append(f'<polyline points="{points}" fill="none" stroke="{COLOURS[curve.role]}" '
                    f'stroke-width="{curve.width}"{SVG_DASHES[curve.dash]}/>')
     out.append("</g>")
-    if figure.id == "question" and figure.names and not figure.powers:
-        out += _sizes_of_bars([(path, curve) for path, curve in zip(drawn, figure.curves, strict=True) if path[0][0] == path[-1][0]])
+    if figure.id == "question" and figure.names:
+        out += _sizes_of_bars([(path, 10.0 ** y if figure.powers else y, curve.dash != "solid")
+                               for path, curve in zip(drawn, figure.curves, strict=True)
+                               if path[0][0] == path[-1][0] and math.isfinite(y := float(curve.y[-1]))])
     out += [_mark(*axes.held(p.x, p.y), COLOURS[p.role], p.mark) for p in figure.points]
     marks = [(*axes.held(p.x, p.y), p.name(language)) for p in figure.points if math.isfinite(p.x + p.y)]
     names, taken = _names(marks, np.array([at for path in drawn for at in path], dtype=float).reshape(-1, 2), axes.frame)
@@ -159,11 +161,11 @@ def _outline(path: list[tuple[float, float]], bar: Curve) -> str:
             f'stroke="{COLOURS[bar.role]}" stroke-width="2"{SVG_DASHES[bar.dash]}/>')
 
 
-def _sizes_of_bars(bars: list[tuple[list[tuple[float, float]], Curve]]) -> list[str]:
+def _sizes_of_bars(bars: list[tuple[list[tuple[float, float]], float, bool]]) -> list[str]:
     """The number that each bar shows, above its end, below that of a negative one; of a guess none where it would lie on another."""
     taken, out = list[Box](), list[str]()
-    for ((x, foot), (_, top)), bar in sorted(bars, key=lambda each: each[1].dash != "solid"):
-        said, y = with_minus(format_number(float(bar.y[1]), ".3g")), top - 4 if top <= foot else top + 13
+    for ((x, foot), (_, top)), value, _ in sorted(bars, key=lambda each: each[-1]):
+        said, y = with_minus(format_number(value, ".3g")), top - 4 if top <= foot else top + 13
         half = text_width(said, WORDS_PX) / 2
         place = Box(x - half, y - WORDS_PX, x + half, y)
         if not any(place.meets(other) for other in taken):
@@ -202,7 +204,7 @@ def _mark(x: float, y: float, colour: str, mark: str) -> str:
         return ""
     return {
         "cross": f'<path d="M{x - 5:.1f} {y - 5:.1f}l10 10m-10 0l10 -10" stroke="{colour}" stroke-width="2.6"/>',
-        "circle": f'<circle cx="{x:.1f}" cy="{y:.1f}" r="5" fill="none" stroke="{colour}" stroke-width="2.2"/>',
+        "circle": f'<circle cx="{x:.1f}" cy="{y:.1f}" r="7" fill="none" stroke="{colour}" stroke-width="2.2"/>',
         "hollow": f'<path d="M{x - 5:.1f} {y:.1f}l5 -5l5 5l-5 5z" fill="none" stroke="{colour}" stroke-width="1.4"/>',
         "dot": f'<circle cx="{x:.1f}" cy="{y:.1f}" r="4" fill="{colour}"/>',
         "up": f'<path d="M{x - 4:.1f} {y + 3:.1f}h8l-4 -8z" fill="{colour}"/>',

@@ -37,6 +37,7 @@ NAME_FRAME = Frame(
 HIDDEN_SEGMENT = ((0.0, 0.0, -9.0), (0.0, 0.0, -9.0))  # of a line that is not seen: viser keeps a node that has at least one
 UPRIGHT = (math.sqrt(0.5), math.sqrt(0.5), 0.0, 0.0)  # pictures lie flat until they are turned
 RING, RING_SIDES = 0.085, 28  # radius of a zero's mark in stage units
+CORNER = 0.93  # of the height of a board's lower half: from there on is its corner
 
 
 class BoardView:
@@ -127,7 +128,7 @@ class BoardView:
             x, y, _ = self.local(complex(re, 0))
             self._label(f"re{re:g}", f"{re:g}".replace("-", "−"), (x, y, -BOARD_HEIGHT / 2 - 0.02), "top-center", depth_test=True)
         for im in ticks(-b.im_high, b.im_high, 4):
-            if im != 0:
+            if im != 0 and im > -CORNER * b.im_high:  # lower it would lie on the last number below
                 x, y, z = self.local(complex(b.re_high, im), 0.07)  # before the board also where it turns away
                 self._label(f"im{im:g}", f"{im:g}j".replace("-", "−"), (x - 0.03, y, z), "center-right", depth_test=True)
 
