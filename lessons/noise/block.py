@@ -18,7 +18,7 @@ from observer_lab.course.lesson import Design, Formula, Outcome, Stage
 from observer_lab.engine import Plant, observer_gain
 from observer_lab.engine.design import Optimal
 from observer_lab.plants import Signal
-from observer_lab.plants.bodies.body import Ball, Body, Box, Part, PartName, Pose, bound_displacement
+from observer_lab.plants.bodies.body import Ball, Body, Box, Part, PartName, Pose, Rod, bound_displacement, pose_between
 from observer_lab.plants.model import Window
 from observer_lab.plants.spring_damper import BLOCK_EDGE, MAX_DRAWN_DISPLACEMENT, RAIL_TOP, REST_POSITION, STAGE_SCALE
 from observer_lab.text import Text, text
@@ -35,15 +35,19 @@ LOWEST, STEP, FRONT = RAIL_TOP + BLOCK_EDGE + 0.08, 0.042, -0.1  # z of the late
 BAND_HIGH = READINGS * STEP
 ASIDE = (0.85, -0.4, 0.3)  # from the block to its name: above it are the readings
 LEAST_HALF = 0.01  # stage units: a band is no narrower
+SPEED_LONG, SPEED_MOST, SPEED_THICK = 0.2, 1.4, 0.055  # stage units: a bar of 1 m/s, the longest, its radius
+SPEED_AT = -0.62, RAIL_TOP + 0.3 * BLOCK_EDGE  # y and z of the bars of the velocity
 READING_PARTS = (
     *(Part(f"reading {k}", Ball(0.034), COLOURS["second"]) for k in range(READINGS)),
     Part("noise band", Box((2.0, 0.02, BAND_HIGH)), COLOURS["second"], opacity=0.22),
     Part("true position", Box((0.014, 0.03, BAND_HIGH)), COLOURS["plant"]),
+    Part("velocity", Rod(SPEED_THICK), COLOURS["plant"], twin=True),
 )
 
 
 def with_readings(body: Body) -> Body:
-    """The block under its readings. After the two states a record holds σ of one reading in m, then the last readings in m."""
+    """The block under its readings, with a bar for its velocity. After the two states a record holds σ of one reading in m, then the last
+    readings in m."""
     def across(metres: float, gain: float) -> float:
         return REST_POSITION + bound_displacement(metres * STAGE_SCALE * gain, MAX_DRAWN_DISPLACEMENT)
 
@@ -53,11 +57,14 @@ def with_readings(body: Body) -> Body:
         middle = LOWEST - STEP / 2 + BAND_HIGH / 2
         poses = {f"reading {k}": Pose((across(float(y), gain), FRONT, LOWEST + k * STEP)) for k, y in enumerate(x[3:])}
         half = max((ends[1] - ends[0]) / 2, LEAST_HALF)
+        here, long = across(true, gain), bound_displacement(SPEED_LONG * float(x[1]), SPEED_MOST)
+        poses["velocity"] = pose_between((here, *SPEED_AT), (here + long, *SPEED_AT))
         return {**body.pose(x, gain), **poses, "true position": Pose((across(true, gain), FRONT + 0.03, middle)),
                 "noise band": Pose(((ends[0] + ends[1]) / 2, FRONT + 0.06, middle), scale=(half, 1.0, 1.0))}
     names = tuple(replace(name, away=name.away if name.ghost else ASIDE) for name in body.names if name.part != "spring")
-    return replace(body, parts=(*body.parts, *READING_PARTS), pose=pose,
-                   names=(*names, PartName(text("the last 12 readings"), f"reading {READINGS - 1}", (0.75, -0.2, 0.35))))
+    return replace(body, parts=(*body.parts, *READING_PARTS), pose=pose, names=(
+        *names, PartName(text("the last 12 readings"), f"reading {READINGS - 1}", (0.75, -0.2, 0.35)),
+        PartName(text("velocity"), "velocity", (0.3, -0.35, -0.4))))
 
 
 def stage_with_readings(stage: Stage, y: np.ndarray, sigma: float) -> Stage:

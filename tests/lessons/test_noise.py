@@ -158,3 +158,17 @@ def test_the_stage_shows_the_last_readings_and_their_standard_deviation(v: float
     band, edge = poses["noise band"], [stage.body.pose([stage.x[k, 0] + s * stage.x[k, 2], *stage.x[k, 1:].tolist()], stage.body.gain)
                                        ["block"].position[0] for s in (-1, 1)]
     assert [band.position[0] - band.scale[0], band.position[0] + band.scale[0]] == pytest.approx(edge)
+
+
+@pytest.mark.parametrize("speed", [1.0, 5.0, 10.0])
+def test_the_bars_on_the_stage_are_the_velocities_of_block_and_ghost(speed: float) -> None:
+    """0.2 stage units for 1 m/s, bent so that none is longer than 1.4."""
+    o = LESSON.compute(LESSON.apply(LESSON.start(), {"method": "speed", "speed": speed}))
+    stage, run = o.stage, o.run
+    assert stage is not None and stage.xhat is not None and run is not None
+    for k in range(0, len(run.t), 50):
+        for states, velocity in ((stage.x, run.x[k, 1]), (stage.xhat, run.xhat[k, 1])):
+            poses = stage.body.pose(states[k].tolist(), stage.body.gain)
+            bar = poses["velocity"]
+            assert bar.scale[2] == pytest.approx(max(1.4 * abs(np.tanh(0.2 * velocity / 1.4)), 1e-6), abs=1e-6)
+            assert bar.position[0] == pytest.approx(poses["block"].position[0], abs=1e-9)
