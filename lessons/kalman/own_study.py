@@ -15,7 +15,7 @@ from observer_lab.plants import Model
 from observer_lab.plants.signal_names import signal_name, with_unit
 from observer_lab.text import Text, symbol, text
 
-from ..toolkit.gains import noise_units
+from ..toolkit.gains import judged, noise_units
 from ..toolkit.latex import gain_words, number
 from .filters import Truth, Watcher
 from .knobs import UPDATE
@@ -58,9 +58,8 @@ def own_setting(model: Model) -> Setting[OwnStudy]:
 def own_look(model: Model) -> Look:
     """Its own names and units; the largest entries of the gain."""
     plant, first = model.plant, model.plant.output_names[0]
-    second = next((s for s in model.watched if s.name("en").startswith("state")), model.watched[-1])
     return Look(
-        [with_unit(plant, name) for name in plant.state_names[:MAX_TABLE_STATES]], 1.0, ".4g", (model.watched[0], second),
+        [with_unit(plant, name) for name in plant.state_names[:MAX_TABLE_STATES]], 1.0, ".4g", judged(model),
         [signal_name(plant, name) for name in plant.output_names], (signal_name(plant, first), plant.unit(first)),
         text("largest entries of the gain M"), _largest, GAIN_SAMPLES,
         (text("NIS of a sample"), text("NEES of the states")),

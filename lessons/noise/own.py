@@ -14,11 +14,11 @@ from observer_lab.engine import Plant, lqe
 from observer_lab.engine.design import Optimal
 from observer_lab.engine.filters import Ladder, noise_ladder
 from observer_lab.engine.systems import sorted_poles
-from observer_lab.plants import Model, Signal
+from observer_lab.plants import Model
 from observer_lab.text import Text, text
 
 from ..toolkit.boards import stage
-from ..toolkit.gains import injection, noise_units
+from ..toolkit.gains import injection, judged, noise_units
 from ..toolkit.knobs import run_knobs
 from ..toolkit.latex import gain_words
 from ..toolkit.shares import percent
@@ -64,12 +64,6 @@ def adapted(lesson: Lesson, model: Model) -> Lesson:
     """The lesson on a person's own plant, where a Kalman filter for it exists; the tasks stay with the block."""
     here = own_setting(model)
     return replace(lesson, knobs=own_knobs(model), compute=partial(compute, here), figures=partial(figures, here), tasks=())
-
-
-def judged(model: Model) -> tuple[Signal, Signal]:
-    """Signals that the error is judged in: an output and, where there is one, a state that no output reads."""
-    second = next((s for s in model.watched if s.name("en").startswith("state")), model.watched[-1])
-    return model.watched[0], second
 
 
 def own_setting(model: Model) -> Setting:

@@ -11,7 +11,7 @@ import numpy as np
 from observer_lab.course.lesson import Design
 from observer_lab.engine import Plant, dlqe, dlqr, lqe, lqr, observer_gain, place
 from observer_lab.engine.design import shift_observer, shift_poles, typical_rate
-from observer_lab.plants.model import Model
+from observer_lab.plants.model import Model, Signal
 
 from .knobs import by_hand
 
@@ -66,6 +66,11 @@ def sped(plant: Plant, percent: float) -> Plant:
         return plant
     share = 1 + percent / 100
     return replace(plant, A=share * plant.A, B=share * plant.B)
+
+
+def judged(model: Model) -> tuple[Signal, Signal]:
+    """Signals of a person's own plant by which its estimate is judged: an output, and a state that no output reads, if there is one."""
+    return model.watched[0], next(signal for signal in model.watched if signal.name("en").startswith("state"))
 
 
 def sizes(model: Model) -> np.ndarray:
