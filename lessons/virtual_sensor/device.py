@@ -14,7 +14,7 @@ from .study import Study
 def device(outcome: Outcome[Study], ts: float | None = None) -> DeviceDesign:
     """The observer on the page's run. Raises DeviceError where it cannot be sampled so."""
     assert outcome.run is not None
-    seen = outcome.study.reduced if isinstance(outcome.study, Study) else None
+    seen = outcome.study.reduced
     if seen is None:
         return design_of_run(outcome.run, ts)
     run, s = outcome.run, outcome.run.scenario

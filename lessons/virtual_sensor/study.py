@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
-from typing import TypeVar
+from functools import cached_property, lru_cache, partial
 
 import numpy as np
 
@@ -16,31 +15,71 @@ from observer_lab.engine.observers import ReducedObserver, reduced_observer
 from observer_lab.engine.simulation import Run
 from observer_lab.engine.systems import settled_covariance
 from observer_lab.plants import MODELS, Model, chip
-from observer_lab.plants.model import Window
 from observer_lab.text import Text, joined, text
 
 from ..toolkit.boards import bolts, listed, stage
 from ..toolkit.knobs import kicks
 from ..toolkit.latex import gain_words, number
-from .knobs import DT, HORIZON, MOST_TRUST, OBSERVER_WINDOW, RUNAWAY_ID
+from .knobs import DT, HORIZON, MOST_TRUST, RUNAWAY_ID
 
-S = TypeVar("S")
 BURST_PERIOD_S, IDLE_SHARE = 6.0, 0.25  # s of a burst of work and the rest after it; share of the power at rest
 KNOWN_ERROR_K = 1.0  # K: a core error below this counts as known
 
 
 @dataclass(frozen=True, eq=False)
+class Setting:
+    """A design on the chip, or on a person's own plant: the first of `plants` moves, observer and copy believe it to be the second.
+
+    `full`: L at θ = 1, called `letter` in its formula; `guess`: x̂(0); `drive` (n_t, m): the known input; `V`: of the sensor noise.
+    `trusts`: values of θ for the paths of the poles, by `poles_of` a matrix. `numbers`: all metrics, from those of every plant.
+    """
+
+    model: Model
+    plants: tuple[Plant, Plant]
+    full: np.ndarray
+    letter: str
+    guess: Sequence[float]
+    drive: np.ndarray
+    V: np.ndarray | float | None
+    trusts: np.ndarray
+    poles_of: Callable[[np.ndarray], np.ndarray]
+    numbers: Callable[[dict[str, float], Study], dict[str, float]]
+    live: Callable[[dict[str, float], Study], Text]
+    reduced: ReducedObserver | None = None
+
+    @property
+    def belief(self) -> Plant:
+        """The model that both have."""
+        return self.plants[1]
+
+
+@dataclass(frozen=True, eq=False)
 class Study:
-    """What the figures need beside the observer's run: the copy's run, how the poles move with trust, the reduced-order estimate.
+    """What the figures need: the runs of observer and copy, how the poles move with trust, the reduced-order estimate.
 
     `reduced`: x̂ (n_t, 2) of the reduced-order observer along the same readings, as long as the run; None where it is switched off.
     """
 
+    here: Setting
+    run: Run
     copy: Run
-    trusts: np.ndarray
-    poles: np.ndarray  # (n_trusts, 2)
-    stable: tuple[float, float]  # the open interval of θ for which the observer is stable, empty if low ≥ high
-    reduced: np.ndarray | None = None
+    reduced: np.ndarray | None
+
+    @property
+    def trusts(self) -> np.ndarray:
+        """Values of θ (n_trusts,)."""
+        return self.here.trusts
+
+    @cached_property
+    def poles(self) -> np.ndarray:
+        """Those of the observer at each of them (n_trusts, n)."""
+        belief = self.here.belief
+        return self.here.poles_of(belief.A - self.trusts[:, None, None] * (self.here.full @ belief.C))
+
+    @property
+    def stable(self) -> tuple[float, float]:
+        """The open interval of θ for which the observer is stable, empty if low ≥ high; one output and two states."""
+        return stable_trusts(self.here.belief, self.here.full)
 
 
 @lru_cache(maxsize=128)
@@ -93,84 +132,63 @@ def stable_trusts(model: Plant, L: np.ndarray) -> tuple[float, float]:
     return low, high
 
 
-@dataclass(frozen=True, eq=False)
-class Tried:
-    """The observer's run and the open-loop copy's, both with the model `belief`; `full`: L at θ = 1."""
+def compute(setting_of: Callable[[Design], Setting], design: Design) -> Outcome[Study]:
+    """The observer's gain on the believed plant, and one run each of observer and copy on the true one.
 
-    model: Model
-    design: Design
-    belief: Plant
-    full: np.ndarray
-    L: np.ndarray
-    poles: np.ndarray
-    run: Run
-    copy: Run
-
-    @property
-    def rates(self) -> dict[str, float]:
-        """The slowest modes of both errors, and the largest entry of L."""
-        return {"slowest_observer": float(np.max(np.real(self.poles))), "slowest_copy": float(np.max(np.real(self.belief.poles))),
-                "largest_gain": float(np.max(np.abs(self.L)))}
-
-
-def tried_on(model: Model, design: Design, plants: tuple[Plant, Plant], full: np.ndarray, poles_of: Callable[[np.ndarray], np.ndarray],
-             guess: Sequence[float], drive: np.ndarray, V: np.ndarray | float | None) -> Tried:
-    """One run each of observer and copy on the first plant, which both believe to be the second; `drive` is the known input (n_t, m)."""
-    truth, belief = plants
-    L = design["trust"] * full
-    watched = Scenario(
-        truth, None, L, model=belief, x0=model.x0, xhat0=guess, horizon=model.horizon, dt=model.dt, reference=drive, V=V,
-        impulses=kicks(design, model), seed=int(design["seed"]))
-    return Tried(model, design, belief, full, L, poles_of(belief.A - L @ belief.C), simulate(watched), simulate(replace(watched, L=None)))
-
-
-def compute(design: Design) -> Outcome[Study]:
-    """The observer's gain on the believed chip, and one run each of observer and copy on the true one.
-
-    Only the observer's run can end early, where badly chosen poles make it diverge; the copy's is the longer one.
+    On the chip only the observer's run can end early, where badly chosen poles make it diverge; the copy's is the longer one.
     """
-    model, belief = MODELS[design["plant"]], believed(design["plant"], design["air_error"])
-    tried = tried_on(
-        model, design, (model.plant, belief), observer_gain(belief.A, belief.C, design["observer_poles"]).gain,
-        lambda A: np.sort_complex(_poles_of(A)), (design["guess_core"], design["guess_case"]), burst(design["power"]),
-        design["noise"] ** 2 * DT if design["noise"] else None)
-    trusts, (low, high) = _trusts(belief, tried.full), stable_trusts(belief, tried.full)
-    reduced = reduced_observer(belief, (float(np.max(np.real(design["observer_poles"]))),)) if design["reduced"] else None
-    estimates = None if reduced is None else _reduced_estimates(reduced, tried.run)
-    if estimates is not None and len(estimates) < len(tried.run.t):  # all curves end where the first of them has diverged
-        tried = replace(tried, run=simulate(replace(tried.run.scenario, horizon=float(tried.run.t[len(estimates) - 1]))))
-    run = tried.run
-    seen = Study(tried.copy, trusts, _poles_of(belief.A - trusts[:, None, None] * (tried.full @ belief.C)), (low, high),
-                 None if estimates is None else estimates[:len(run.t)])
-    metrics = _metrics(run, tried.copy) | tried.rates | {
-        "core_sigma": core_sigma(belief.A - tried.L @ belief.C, tried.L, design["noise"]), "least_trust": max(0.0, low)}
-    if reduced is not None:
-        metrics["reduced_sigma"] = reduced_sigma(reduced, design["noise"])
-        metrics["reduced_error"] = float(np.abs(run.x[:, 0] - seen.reduced[:, 0])[-max(len(run.t) // 10, 1):].max())
-    return outcome_of(tried, OBSERVER_WINDOW, r"L = \theta L_1", metrics, _live(metrics, run, seen, design["trust"]), seen)
-
-
-def outcome_of(tried: Tried, window: Window, letter: str, metrics: dict[str, float], live: Text, study: S) -> Outcome[S]:
-    """What both runs of a design show; `letter`: what L is called in its formula."""
-    observer, copy = metrics["slowest_observer"], metrics["slowest_copy"]
-    checks = (Check("observer", text("the observer's wrong start decays"), observer < 0, observer),
-              Check("copy", text("the copy's wrong start decays"), copy < 0, copy))
-    L, belief = tried.L, tried.belief
+    here = setting_of(design)
+    model, (truth, belief), L = here.model, here.plants, design["trust"] * here.full
+    watched = Scenario(
+        truth, None, L, model=belief, x0=model.x0, xhat0=here.guess, horizon=model.horizon, dt=model.dt, reference=here.drive, V=here.V,
+        impulses=kicks(design, model), seed=int(design["seed"]))
+    run, copy = simulate(watched), simulate(replace(watched, L=None))
+    reduced = None if here.reduced is None else _reduced_estimates(here.reduced, run)
+    if reduced is not None and len(reduced) < len(run.t):  # all curves end where the first of them has diverged
+        run = simulate(replace(watched, horizon=float(run.t[len(reduced) - 1])))
+    study = Study(here, run, copy, None if reduced is None else reduced[:len(run.t)])
+    poles = np.sort_complex(here.poles_of(belief.A - L @ belief.C))
+    ours, theirs = float(np.max(np.real(poles))), float(np.max(np.real(belief.poles)))
+    metrics = here.numbers({"slowest_observer": ours, "slowest_copy": theirs, "largest_gain": float(np.max(np.abs(L)))}, study)
+    checks = (Check("observer", text("the observer's wrong start decays"), ours < 0, ours),
+              Check("copy", text("the copy's wrong start decays"), theirs < 0, theirs))
     formulas = (Formula("observer", r"\dot{\hat x} = A\hat x + Bu + L\,(y - C\hat x)"),
-                Formula("L", rf"{gain_words(letter, L)},\quad \theta = {number(tried.design['trust'])}"),
+                Formula("L", rf"{gain_words(here.letter, L)},\quad \theta = {number(design['trust'])}"),
                 Formula("error", gain_words("A - LC", belief.A - L @ belief.C)))
-    return Outcome(tried.design, {"L": L}, {"observer": tried.poles, "copy": belief.poles}, metrics, checks, tried.run,
-                   _boards(tried, window), stage(tried.model, tried.run, tried.design), formulas, live, study)
+    return Outcome(design, {"L": L}, {"observer": poles, "copy": belief.poles}, metrics, checks, run, _boards(here, design, poles, L),
+                   stage(model, run, design), formulas, here.live(metrics, study), study)
 
 
-def _metrics(run: Run, copy: Run) -> dict[str, float]:
-    core, of_copy = np.abs(run.e[:, 0]), np.abs(copy.e[:, 0])
-    tail = max(len(core) // 10, 1)
-    known = _known_after(run.t, core)
-    return {
-        "core_error": float(core[-tail:].max()), "copy_core_error": float(of_copy[-tail:].max()),
-        "largest_copy_error": float(of_copy.max()), "case_error": float(np.abs(run.e[-tail:, 1]).max()),
-        "known_after": np.inf if known is None else known, "largest_guess": float(np.max(np.abs(run.xhat[:, 0])))}
+def late_peak(values: np.ndarray) -> float:
+    """The largest size in the last tenth of a record."""
+    return float(np.abs(values[-max(len(values) // 10, 1):]).max())
+
+
+def chip_setting(design: Design) -> Setting:
+    """The chip of a design, which cools or runs away."""
+    belief = believed(design["plant"], design["air_error"])
+    full = observer_gain(belief.A, belief.C, design["observer_poles"]).gain
+    reduced = reduced_observer(belief, (float(np.max(np.real(design["observer_poles"]))),)) if design["reduced"] else None
+    model = MODELS[design["plant"]]
+    return Setting(
+        model, (model.plant, belief), full, r"L = \theta L_1", (design["guess_core"], design["guess_case"]), burst(design["power"]),
+        design["noise"] ** 2 * DT if design["noise"] else None, _trusts(belief, full), _poles_of, partial(_metrics, design),
+        partial(_live, design["trust"]), reduced)
+
+
+def _metrics(design: Design, rates: dict[str, float], seen: Study) -> dict[str, float]:
+    run, here = seen.run, seen.here
+    core, of_copy = np.abs(run.e[:, 0]), np.abs(seen.copy.e[:, 0])
+    known, L = _known_after(run.t, core), design["trust"] * here.full
+    found = {
+        "core_error": late_peak(core), "copy_core_error": float(of_copy[-max(len(core) // 10, 1):].max()),
+        "largest_copy_error": float(of_copy.max()), "case_error": late_peak(run.e[:, 1]),
+        "known_after": np.inf if known is None else known, "largest_guess": float(np.max(np.abs(run.xhat[:, 0]))), **rates,
+        "core_sigma": core_sigma(here.belief.A - L @ here.belief.C, L, design["noise"]), "least_trust": max(0.0, seen.stable[0])}
+    if here.reduced is not None and seen.reduced is not None:
+        found |= {"reduced_sigma": reduced_sigma(here.reduced, design["noise"]),
+                  "reduced_error": late_peak(run.x[:, 0] - seen.reduced[:, 0])}
+    return found
 
 
 def core_sigma(A: np.ndarray, L: np.ndarray, noise: float) -> float:
@@ -213,22 +231,23 @@ def _known_after(t: np.ndarray, error: np.ndarray) -> float | None:
     return None if off[-1] == len(t) - 1 else float(t[off[-1] + 1])
 
 
-def _boards(tried: Tried, window: Window) -> tuple[Board, Board]:
+def _boards(here: Setting, design: Design, poles: np.ndarray, L: np.ndarray) -> tuple[Board, Board]:
     """The copy's poles and the observer's, which can be dragged; by hand they stand where the hand put them, with θ = 1."""
-    model, design, belief = tried.model, tried.design, tried.belief
+    model, belief, window = here.model, here.belief, here.model.observer_window
     by_hand = design["trust"] == 1.0
-    whole = len(tried.poles) == len(model.observer_poles)
+    whole = len(poles) == len(model.observer_poles)
     return (
         Board("copy", text("the copy's poles  eig(A)"), listed(belief.poles), role="second",
               side="left", re_low=window.re_low, re_high=window.re_high, im_high=window.im_high),
         Board("observer", text("observer poles  eig(A − LC)"),
-              design["observer_poles"] if by_hand else listed(tried.poles), "observer_poles" if by_hand or whole else None,
+              design["observer_poles"] if by_hand else listed(poles), "observer_poles" if by_hand or whole else None,
               bolts(model.observer, window) if by_hand else (), role="estimate", side="right", re_low=window.re_low,
-              re_high=window.re_high, im_high=window.im_high, also=(("trust", 1.0),), landscape=belief.A - tried.L @ belief.C),
+              re_high=window.re_high, im_high=window.im_high, also=(("trust", 1.0),), landscape=belief.A - L @ belief.C),
     )
 
 
-def _live(m: dict[str, float], run: Run, study: Study, trust: float) -> Text:
+def _live(trust: float, m: dict[str, float], study: Study) -> Text:
+    run = study.run
     true, guess, other = (float(v) for v in (run.x[-1, 0], run.xhat[-1, 0], study.copy.xhat[len(run.t) - 1, 0]))
     low, high = study.stable
     why = (text("The observer's error grows: no θ up to 2 is stable with these poles.")
