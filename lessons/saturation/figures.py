@@ -1,15 +1,16 @@
-"""Draw the figures of lesson 7: angle, position, error, force, recovery map."""
+"""Draw the figures of lesson 7: two signals, error, input, recovery map."""
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 import numpy as np
 
 from observer_lab.course.figures.claims import claim
 from observer_lab.course.figures.diagram import DiagramFigure
-from observer_lab.course.figures.records import Curve, Figure, MapFigure
+from observer_lab.course.figures.records import Curve, Figure, LineFigure, MapFigure
 from observer_lab.course.lesson import Outcome
 from observer_lab.text import NO_WORDS, Text, joined, text
 
@@ -17,8 +18,8 @@ from ..toolkit.diagram import Limit, Press, loop
 from ..toolkit.figures import error_figure, input_figure, state_figures, within
 from ..toolkit.knobs import untouched
 from .ending import map_span
-from .knobs import HORIZON, MODEL
-from .study import ERROR_LAW_RTOL, NOT_COMPUTED, START_GRID_DEG, Starts, Study, amount, ends
+from .knobs import MODEL
+from .study import ERROR_LAW_RTOL, NOT_COMPUTED, Setting, Study, amount, ends
 
 APPLIED_FORCE, ASKED_FORCE, LIMIT = text("applied"), text("asked for"), text("limit")
 EDGES = MappingProxyType({"state0": 49.0, "state1": 1.95, "error": 90.0, "input": 24.5})  # values beyond are drawn at the edge
@@ -29,27 +30,69 @@ CATEGORIES = (
 )
 
 
-def figures(outcome: Outcome[Study]) -> tuple[Figure, ...]:
-    """Angle and position, error and force, and the map of starts."""
-    story, design, metrics = outcome.study, outcome.design, outcome.metrics
-    angle, position = state_figures(MODEL, story.shown, 2)
-    known = Curve(text("had x been known"), MODEL.watched[0].of(story.known), "reference", "dot", 1.6)
-    angle = replace(angle, curves=(*angle.curves, known, *_limits(metrics["ceiling"], len(angle.x))), caption=_angle_words(outcome),
+@dataclass(frozen=True, eq=False)
+class Look:
+    """How the figures show a plant: the four lines as they are drawn, what belongs beside them, categories and axes of the map."""
+
+    drawn: Callable[[Outcome[Study], list[LineFigure]], Sequence[Figure]]
+    categories: tuple[tuple[Text, str], ...]
+    axes: tuple[str, str]
+
+
+def figures(look: Look, outcome: Outcome[Study]) -> tuple[Figure, ...]:
+    """Two signals, error and input, and the map of starts."""
+    story, design, model = outcome.study, outcome.design, outcome.study.here.model
+    first, second = state_figures(model, story.shown, 2)
+    count = min(len(first.x), len(story.known))
+    known = Curve(text("had x been known"), model.watched[0].of(story.known[:count]), "reference", "dot", 1.6)
+    first = replace(first, x=first.x[:count], curves=(*(replace(c, y=c.y[:count]) for c in first.curves), known))
+    lines = [first, second, error_figure(story.shown, story.promised), input_figure(story.shown, model, design["u_max"])]
+    return (*look.drawn(outcome, lines), _starts(look, outcome))
+
+
+def _starts(look: Look, outcome: Outcome[Study]) -> MapFigure:
+    """The map with the present start marked; what is not known for this design stays blank."""
+    starts, here, (x, y) = outcome.study.starts, outcome.study.here, outcome.study.here.axes
+    values = np.full((len(here.grid), len(here.grid)), NOT_COMPUTED) if starts is None else starts.values
+    return MapFigure("starts", text("starts that recover"), here.grid, here.grid, values, look.categories, *look.axes,
+                     (outcome.design[x], outcome.design[y]), _caption(here, outcome), text("Map"))
+
+
+def _caption(here: Setting, outcome: Outcome[Study]) -> Text:
+    starts, limit, plant = outcome.study.starts, here.ceiling(outcome.design), here.model.plant
+    if starts is None:
+        return text("Not computed for this design yet: press the button under the knobs.")
+    if starts.rough:
+        return text("A rough map while you drag, from every third start; let go for the whole.")
+    share, part = 100 * starts.home, 100 * starts.done
+    known = (text("{share:.1f} % of these starts recover.", share=share) if starts.done == 1 else
+             text("{part:.0f} % of the map is known; blank starts have not been run.", part=part))
+    edge = (text("Beyond {limit:.1f}° no controller could.", limit=limit)
+            if limit < here.grid[-1] else NO_WORDS)
+    kick = NO_WORDS if untouched(outcome.design) else text("The map is drawn without the kick or pull.")
+    click = text("The circle runs now; click another start.")
+    span = map_span(here.model.horizon, plant.A, plant.B, plant.C, outcome.gains["K"], outcome.gains["L"])
+    return joined(known, text("Each start is run for {span:.3g} s.", span=span), edge, click, kick)
+
+
+# --- the cart --------------------------------------------------------------------------------------------------------
+def _cart_drawn(outcome: Outcome[Study], lines: list[LineFigure]) -> tuple[Figure, ...]:
+    """Angle, position, error and force in the words of the cart, and the loop."""
+    design, metrics = outcome.design, outcome.metrics
+    angle, position, error, force = lines
+    angle = replace(angle, curves=(*angle.curves, *_limits(metrics["ceiling"], len(angle.x))), caption=_angle_words(outcome),
                     window=(-20.0, 20.0))
     if design["fog"]:
         angle = replace(angle, curves=tuple(c for c in angle.curves if c.role == "estimate"), caption=text(
             "Fog hides the pole: only its estimate is drawn."))
-    error = replace(error_figure(story.shown, story.promised), caption=_error_words(outcome), window=(1e-6, 10.0))
-    force = replace(input_figure(story.shown, MODEL, design["u_max"]), window=(-10.0, 10.0), caption=text(
-        "Largest force asked for: {largest_asked} N; the motor gives at most {u_max:.3g} N.",
-        largest_asked=amount(metrics["largest_asked"]), u_max=design["u_max"]))
+    error = replace(error, caption=_error_words(outcome), window=(1e-6, 10.0))
     asked = (ASKED_FORCE,) if len(force.curves) == 4 else ()
     names = (APPLIED_FORCE, *asked, LIMIT, LIMIT)
-    force = replace(force, curves=tuple(replace(c, name=name) for c, name in zip(force.curves, names, strict=True)))
-    lines = (angle, replace(position, window=(-0.5, 0.5), caption=_position_words(outcome)), error, force)
-    return (*(within(figure, EDGES[figure.id]) for figure in lines),
-            _loop(outcome), starts_figure(story.starts, metrics["ceiling"], design["angle0"], design["error0"], not untouched(design),
-                                          _span(outcome)))
+    force = replace(force, window=(-10.0, 10.0), curves=tuple(replace(c, name=name) for c, name in zip(force.curves, names, strict=True)),
+                    caption=text("Largest force asked for: {largest_asked} N; the motor gives at most {u_max:.3g} N.",
+                                 largest_asked=amount(metrics["largest_asked"]), u_max=design["u_max"]))
+    drawn = (angle, replace(position, window=(-0.5, 0.5), caption=_position_words(outcome)), error, force)
+    return (*(within(figure, EDGES[figure.id]) for figure in drawn), _loop(outcome))
 
 
 def _limits(ceiling: float, count: int) -> tuple[Curve, ...]:
@@ -87,29 +130,4 @@ def _error_words(outcome: Outcome[Study]) -> Text:
                                                           meter=amount(meter)))
 
 
-def starts_figure(starts: Starts | None, limit: float, angle: float, error: float, kicked: bool, span: float) -> MapFigure:
-    """The map with the present start marked; what is not known for this design stays blank."""
-    values = np.full((len(START_GRID_DEG), len(START_GRID_DEG)), NOT_COMPUTED) if starts is None else starts.values
-    return MapFigure("starts", text("starts that recover"), START_GRID_DEG, START_GRID_DEG, values, CATEGORIES,
-                     "θ(0) [°]", "θ(0) − θ̂(0) [°]", (angle, error), _caption(starts, limit, kicked, span),
-                     text("Map"))
-
-
-def _span(outcome: Outcome[Study]) -> float:
-    plant = MODEL.plant
-    return map_span(HORIZON, plant.A, plant.B, plant.C, outcome.gains["K"], outcome.gains["L"])
-
-
-def _caption(starts: Starts | None, limit: float, kicked: bool, span: float) -> Text:
-    if starts is None:
-        return text("Not computed for this design yet: press the button under the knobs.")
-    if starts.rough:
-        return text("A rough map while you drag, from every third start; let go for the whole.")
-    share, part = 100 * starts.home, 100 * starts.done
-    known = (text("{share:.1f} % of these starts recover.", share=share) if starts.done == 1 else
-             text("{part:.0f} % of the map is known; blank starts have not been run.", part=part))
-    edge = (text("Beyond {limit:.1f}° no controller could.", limit=limit)
-            if limit < START_GRID_DEG[-1] else NO_WORDS)
-    kick = text("The map is drawn without the kick or pull.") if kicked else NO_WORDS
-    click = text("The circle runs now; click another start.")
-    return joined(known, text("Each start is run for {span:.3g} s.", span=span), edge, click, kick)
+CART_LOOK = Look(_cart_drawn, CATEGORIES, ("θ(0) [°]", "θ(0) − θ̂(0) [°]"))

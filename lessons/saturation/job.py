@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -15,11 +16,9 @@ from observer_lab.engine.kernels import kernels_ready
 from observer_lab.engine.simulation import simulate_recovery
 from observer_lab.text import text
 
-from ..toolkit.knobs import PULLS
 from .ending import map_span
-from .knobs import HORIZON
 from .study import (
-    ANGLE,
+    CART,
     LOST_NORM,
     NOT_COMPUTED,
     NOT_RECOVERED,
@@ -27,95 +26,74 @@ from .study import (
     RECOVERED_NORM,
     START_GRID_DEG,
     UNRECOVERABLE,
+    Setting,
     Starts,
     Study,
-    ceiling,
     depends,
     nearest,
     scenario_of,
     slowest,
 )
 
-MAP_STEP_S = 0.01  # s, grid of the map's runs
 PASS_STRIDE = 2  # the map is found in STRIDE² interlaced passes
-COARSE = np.arange(
-    2, len(START_GRID_DEG), 3
-)  # places on the grid of the starts that a rough map runs: every third, as many on either side of zero
+COARSE = np.arange(2, len(START_GRID_DEG), 3)  # places on the grid that a rough map runs: every third, as many on either side of zero
 SLICE_S = 0.004  # s of work between two yields
 
 
-def map_scenario(scenario: Scenario) -> Scenario:
+def map_scenario(here: Setting, scenario: Scenario) -> Scenario:
     """The scenario of the map: the same loop from rest and a true estimate, without a kick, on the map's own grid."""
     rest, plant = np.zeros(scenario.plant.n), scenario.plant
-    span = map_span(HORIZON, plant.A, plant.B, plant.C, scenario.K, scenario.L)
-    return replace(scenario, x0=rest, xhat0=rest, impulses=(), horizon=span, dt=MAP_STEP_S)
+    span = map_span(scenario.horizon, plant.A, plant.B, plant.C, scenario.K, scenario.L)
+    return replace(here.turned(scenario), x0=rest, xhat0=rest, impulses=(), horizon=span, dt=here.map_step)
 
 
-def survey(scenario: Scenario, state: int, grid: np.ndarray, values: np.ndarray, passes: Sequence[tuple[np.ndarray, np.ndarray]],
-           threshold: float, bound: float) -> Iterator[tuple[float, np.ndarray]]:
-    """Yield (fraction done, map so far) every few milliseconds; each pass adds final verdicts, never guesses.
+def find_starts(here: Setting, outcome: Outcome[Study]) -> Iterator[tuple[float, Starts | None]]:
+    """Yield (fraction done, map so far) every few milliseconds, None where it is as before; each pass adds final verdicts, never guesses.
 
-    A pass has places on the grid of starts and of errors ≥ 0 of one state. The loop is odd: (−x, −x̂) runs as the mirror image of
-    (x, x̂), so the rest is mirrored. A map begun before goes on from where it was.
+    It goes on from what the outcome shows of the map. Starts beyond the ceiling need no run.
     """
-    last = len(grid) - 1
+    if max(slowest(outcome, name) for name in ("controller", "observer")) >= 0:
+        raise KnobError(here.sayings.hopeless)
+    scenario = map_scenario(here, scenario_of(here, outcome.design, outcome.gains["K"], outcome.gains["L"]))
+    before, n, limit = outcome.study.starts, len(here.grid), here.ceiling(outcome.design)
+    values = np.full((n, n), NOT_COMPUTED) if before is None or before.rough else before.values.copy()
+    values[:, np.abs(here.grid) >= limit] = UNRECOVERABLE
+    starts, errors = np.flatnonzero(np.abs(here.grid) < limit), np.flatnonzero(here.grid >= 0)
+    found = Starts(values) if np.any(values != NOT_COMPUTED) else None
+    passes = [(starts[i::PASS_STRIDE], errors[j::PASS_STRIDE]) for j in range(PASS_STRIDE) for i in range(PASS_STRIDE)]
     for k, (across, up) in enumerate(passes):
         if not len(across) or np.all(values[np.ix_(up, across)] != NOT_COMPUTED):
             continue
         recovered = np.zeros((len(across), len(up)), dtype=bool)
-        for fraction, found in simulate_recovery(scenario, state, grid[across], state, grid[up], threshold=threshold, bound=bound,
-                                                 slice_seconds=SLICE_S):
-            recovered = found.recovered
-            yield (k + fraction) / len(passes), values
-        values = values.copy()
-        values[np.ix_(up, across)] = np.where(recovered.T, RECOVERED, NOT_RECOVERED)
-        values[np.ix_(last - up, last - across)] = values[np.ix_(up, across)]
-    yield 1.0, values
+        for fraction, batch in simulate_recovery(scenario, here.state, here.places[across], here.state, here.places[up],
+                                                 threshold=here.sizes[0], bound=here.sizes[1], slice_seconds=SLICE_S):
+            recovered = batch.recovered
+            yield (k + fraction) / len(passes), found
+            found = None
+        values = _filled(values.copy(), across, up, recovered)
+        found = Starts(values)
+    yield 1.0, found
 
 
-def find_starts(outcome: Outcome[Study]) -> Iterator[tuple[float, Starts | None]]:
-    """The map of the design's gains, limit and feed, pass by pass; it goes on from what the outcome shows of it.
-
-    Starts beyond the ceiling need no run.
-    """
-    if max(slowest(outcome, name) for name in ("controller", "observer")) >= 0:
-        raise KnobError(text("A pole is not in the left half plane, so no start recovers; drag it to the left first."))
-    scenario = map_scenario(scenario_of(outcome.design, outcome.gains["K"], outcome.gains["L"]))
-    before, n = outcome.study.starts, len(START_GRID_DEG)
-    values = np.full((n, n), NOT_COMPUTED) if before is None or before.rough else before.values.copy()
-    limit = ceiling(scenario.plant, float(scenario.u_max[0]))
-    values[:, np.abs(START_GRID_DEG) >= limit] = UNRECOVERABLE
-    angles, errors = np.flatnonzero(np.abs(START_GRID_DEG) < limit), np.flatnonzero(START_GRID_DEG >= 0)
-    told: np.ndarray | None = None
-    passes = [(angles[i::PASS_STRIDE], errors[j::PASS_STRIDE]) for j in range(PASS_STRIDE) for i in range(PASS_STRIDE)]
-    for fraction, found in survey(scenario, ANGLE, np.radians(START_GRID_DEG), values, passes, RECOVERED_NORM, LOST_NORM):
-        starts = None if found is told else Starts(found)
-        told = found
-        yield fraction, starts if starts is not None and starts.done > 0 else None
+def _filled(values: np.ndarray, across: np.ndarray, up: np.ndarray, recovered: np.ndarray) -> np.ndarray:
+    """The map with the verdicts on starts and errors ≥ 0. The loop is odd: (−x, −x̂) runs as the mirror image of (x, x̂)."""
+    values[np.ix_(up, across)] = np.where(recovered.T, RECOVERED, NOT_RECOVERED)
+    values[np.ix_(len(values) - 1 - up, len(values) - 1 - across)] = values[np.ix_(up, across)]
+    return values
 
 
 def rough_starts(outcome: Outcome[Study]) -> Starts | None:
-    """The map from every third angle and error, at once; None where no start comes home, or where runs are not compiled."""
+    """The cart's map from every third angle and error, at once; None where no start comes home, or where runs are not compiled."""
     if not kernels_ready() or max(slowest(outcome, name) for name in ("controller", "observer")) >= 0:
         return None
-    scenario = map_scenario(scenario_of(outcome.design, outcome.gains["K"], outcome.gains["L"]))
-    limit = ceiling(scenario.plant, float(scenario.u_max[0]))
-    values = np.full((len(COARSE), len(COARSE)), UNRECOVERABLE)
-    angles, errors = np.flatnonzero(np.abs(START_GRID_DEG[COARSE]) < limit), np.flatnonzero(START_GRID_DEG[COARSE] >= 0)
-    *_, (_, found) = simulate_recovery(
-        scenario,
-        ANGLE,
-        np.radians(START_GRID_DEG[COARSE[angles]]),
-        ANGLE,
-        np.radians(START_GRID_DEG[COARSE[errors]]),
-        threshold=RECOVERED_NORM,
-        bound=LOST_NORM,
-    )
-    values[np.ix_(errors, angles)] = np.where(found.recovered.T, RECOVERED, NOT_RECOVERED)
-    values[np.ix_(len(COARSE) - 1 - errors, len(COARSE) - 1 - angles)] = values[np.ix_(errors, angles)]
-    near = np.abs(np.arange(len(START_GRID_DEG))[:, None] - COARSE).argmin(axis=1)
-    values = values[np.ix_(near, near)]
-    values[:, np.abs(START_GRID_DEG) >= limit] = UNRECOVERABLE
+    scenario = map_scenario(CART, scenario_of(CART, outcome.design, outcome.gains["K"], outcome.gains["L"]))
+    limit, grid, places = CART.ceiling(outcome.design), CART.grid[COARSE], CART.places[COARSE]
+    across, up = np.flatnonzero(np.abs(grid) < limit), np.flatnonzero(grid >= 0)
+    *_, (_, found) = simulate_recovery(scenario, CART.state, places[across], CART.state, places[up], threshold=RECOVERED_NORM,
+                                       bound=LOST_NORM)
+    near = np.abs(np.arange(len(CART.grid))[:, None] - COARSE).argmin(axis=1)
+    values = _filled(np.full((len(COARSE), len(COARSE)), UNRECOVERABLE), across, up, found.recovered)[np.ix_(near, near)]
+    values[:, np.abs(CART.grid) >= limit] = UNRECOVERABLE
     return Starts(values, rough=True)
 
 
@@ -125,13 +103,18 @@ def with_starts(outcome: Outcome[Study], starts: Starts) -> Outcome[Study]:
     return replace(outcome, study=replace(outcome.study, starts=starts), metrics=merge_lazily(outcome.metrics, numbers))
 
 
-def pick(outcome: Outcome[Study], x: float, y: float) -> Mapping[str, float]:
-    """A click on the map: the start of the nearest cell, without a kick, so that it runs as the map says."""
+def pick(here: Setting, outcome: Outcome[Study], x: float, y: float) -> Mapping[str, object]:
+    """A click on the map: the start of the nearest cell, without a kick or pull, so that it runs as the map says."""
     if not (np.isfinite(x) and np.isfinite(y)):
         raise KnobError(text("That click is not on the map."))
-    return {"angle0": float(START_GRID_DEG[nearest(x)]), "error0": float(START_GRID_DEG[nearest(y)]), "kick": -1.0,
-            **dict.fromkeys(PULLS, ())}
+    cell = {name: float(here.grid[nearest(value, here.grid)]) for name, value in zip(here.axes, (x, y), strict=True)}
+    return {**cell, "kick": -1.0, **{grip.knob: () for grip in here.model.grips}}
 
 
-JOB = Job(text("Map the starts that recover"), find_starts, key=depends, shown=with_starts, figure="starts", follows=True,
-          rough=rough_starts)
+def job_of(here: Setting) -> Job[Study, Starts]:
+    """The map of a plant as a job."""
+    return Job(text("Map the starts that recover"), partial(find_starts, here), key=depends, shown=with_starts, figure="starts",
+               follows=True)
+
+
+JOB = replace(job_of(CART), rough=rough_starts)

@@ -10,8 +10,7 @@ from observer_lab.text import text
 
 from ..toolkit.knobs import pole_knobs, pull_knobs, run_knobs
 
-MODEL = MODELS["cart-pendulum"]
-HORIZON = 8.0  # s
+MODEL = replace(MODELS["cart-pendulum"], horizon=8.0, dt=0.02)
 COMMANDED, APPLIED = "commanded", "applied"
 KNOBS = (
     Choice("fed", "", text("input of the observer"), default=COMMANDED,
@@ -26,6 +25,6 @@ KNOBS = (
     Switch("fog", "", text("fog hides the pole"), default=False,
            hint=text("Only the cart can be seen. The stage and the plot of the angle show the estimate of the pole alone.")),
     *(replace(knob, when=None) for knob in pole_knobs(MODEL)),
-    *run_knobs(HORIZON),
+    *run_knobs(MODEL.horizon),
     *pull_knobs(MODEL),
 )

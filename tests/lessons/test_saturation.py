@@ -18,6 +18,7 @@ from observer_lab.lessons.saturation.ending import ending_of
 from observer_lab.lessons.saturation.job import JOB, map_scenario
 from observer_lab.lessons.saturation.lesson import LESSON
 from observer_lab.lessons.saturation.study import (
+    CART,
     CART_PLANT,
     FALLEN,
     LOST_NORM,
@@ -28,6 +29,7 @@ from observer_lab.lessons.saturation.study import (
     UNRECOVERABLE,
     ceiling,
     march,
+    nearest,
     scenario_of,
 )
 from observer_lab.lessons.saturation.tasks import FAST_POLES
@@ -141,7 +143,7 @@ def test_twice_the_limit_is_twice_the_map() -> None:
 def test_interlaced_mirrored_map_is_the_map_of_plain_runs(told_truth: Outcome) -> None:
     starts = told_truth.study.starts
     coarse = np.arange(0, len(START_GRID_DEG), 4)
-    s = map_scenario(scenario_of(told_truth.design, told_truth.gains["K"], told_truth.gains["L"]))
+    s = map_scenario(CART, scenario_of(CART, told_truth.design, told_truth.gains["K"], told_truth.gains["L"]))
     *_, (_, plain) = simulate_recovery(
         s, 1, np.radians(START_GRID_DEG[coarse]), 1, np.radians(START_GRID_DEG[coarse]), threshold=RECOVERED_NORM, bound=LOST_NORM
     )
@@ -163,7 +165,7 @@ def test_with_a_true_estimate_the_observer_does_not_matter_and_otherwise_it_does
     assert START_GRID_DEG[middle] == 0 and np.array_equal(one[middle], other[middle])
     assert np.sum(one != other) > 100
     known = LESSON.compute(design(fed="applied", error0=0.0))
-    home = march(replace(scenario_of(known.design, known.gains["K"], known.gains["L"], state_feedback=True)))
+    home = march(replace(scenario_of(CART, known.design, known.gains["K"], known.gains["L"]), state_feedback=True))
     assert ending_of(home).home == (one[middle, int(np.flatnonzero(START_GRID_DEG == 6.0)[0])] == RECOVERED)
 
 
@@ -174,7 +176,7 @@ def test_a_clicked_start_runs_as_the_map_says(told_wish, told_truth) -> None:
         for x, y in rng.uniform(-15, 15, (25, 2)):
             picked = LESSON.apply(outcome.design, LESSON.pick(outcome, x, y))
             assert abs(picked["angle0"] - x) <= 0.5 and abs(picked["error0"] - y) <= 0.5
-            cell = outcome.study.starts.at(picked["angle0"], picked["error0"])
+            cell = outcome.study.starts.values[tuple(nearest(picked[name], START_GRID_DEG) for name in ("error0", "angle0"))]
             assert bool(LESSON.compute(picked).metrics["comes_home"]) == (cell == RECOVERED)
 
 
@@ -253,7 +255,7 @@ def test_unstable_poles_have_no_map_but_a_sentence() -> None:
 @pytest.mark.parametrize("kick", [-1.0, 0.0, 0.5, 1.37, 4.0, 8.0])
 def test_a_run_in_parts_is_the_run_in_one(kick: float) -> None:
     outcome = LESSON.compute(design(fed="applied", kick=kick))
-    s = scenario_of(outcome.design, outcome.gains["K"], outcome.gains["L"])
+    s = scenario_of(CART, outcome.design, outcome.gains["K"], outcome.gains["L"])
     parts, one = march(s), simulate(s)
     assert len(parts.t) == len(one.t) == s.n_t
     assert np.abs(parts.x - one.x).max() < 1e-9 and np.abs(parts.u_applied - one.u_applied).max() < 1e-7
