@@ -18,7 +18,7 @@ from observer_lab.text import NO_WORDS, Text, format_number, symbol, text
 from ..toolkit.diagram import loop
 from ..toolkit.figures import ERROR_TAB, TIME_TAB, input_figure
 from ..toolkit.latex import pole_words
-from .knobs import COMMON, PLANT_CASES, RELATIVE, Case
+from .knobs import COMMON, RELATIVE, Case
 from .study import carries
 
 MODES_TAB, EVERY_TAB = text("Modes"), text("Every gain")
@@ -26,17 +26,21 @@ CLEARLY_ABOVE_ZERO = 1e-3  # a distance above this share of the plant's size is 
 RANDOM_GAINS = 50  # random gains on the maps of the tab "Every gain"
 GAIN_SIGMAS = np.array([3.0, 3.0, 8.0, 8.0])  # their standard deviations, position entries first
 YES, NO = text("● yes"), text("○ no")
+MOST_ROWS = 12  # of the table of modes
 
 
-def figures(outcome: Outcome[Case]) -> tuple[Figure, ...]:
-    """Everything on the right of the stage."""
-    run, case = outcome.run, PLANT_CASES[outcome.design["plant"]]
+def figures(lines: Callable[[Case, Run], Sequence[Figure]], clouds: Callable[[Case, int], Sequence[Figure]],
+            outcome: Outcome[Case]) -> tuple[Figure, ...]:
+    """The `lines` over time that a plant has, input, margins, lights, decomposition, the `clouds` of every gain, the loop."""
+    run, case = outcome.run, outcome.study
     assert run is not None
-    seed = int(outcome.design["seed"])
-    return (_measured(run), _centre(run, case), _error_parts(run, case), _state_parts(run, case),
-            input_figure(run, case.model), margins_of(case), lights_of(outcome.checks), _decomposed(case.id),
-            _every(case.id, seed, "L"), _every(case.id, seed, "K"),
-            loop(case.model.plant, run, outcome.gains["L"], outcome.gains["K"]))
+    return (*lines(case, run), input_figure(run, case.model), margins_of(case), lights_of(outcome.checks), blocks_of(case),
+            *clouds(case, int(outcome.design["seed"])), loop(case.model.plant, run, outcome.gains["L"], outcome.gains["K"]))
+
+
+def case_lines(case: Case, run: Run) -> tuple[Figure, ...]:
+    """Reading and common motion, and both parts of e and x, of the lesson's plants."""
+    return _measured(run), _centre(run, case), _error_parts(run, case), _state_parts(run, case)
 
 
 def measured_figure(run: Run, title: Text, label: str, caption: Text, window: tuple[float, float] | None = None) -> LineFigure:
@@ -112,7 +116,8 @@ def _bar(mode: Mode) -> str:
     return format_number(mode.distance, ".3g") + " " + "▮" * max(1, round(6 + np.log10(max(mode.margin, 1e-6))))
 
 
-def _pole(mode: Mode) -> str:
+def mode_name(mode: Mode) -> str:
+    """The pole of a mode, or the pair that it belongs to."""
     return pole_words([complex(mode.pole.real, abs(mode.pole.imag))])
 
 
@@ -123,7 +128,7 @@ def margins_of(case: Case) -> TableFigure:
         if seen.pole.imag < -1e-9:
             continue
         fate = text("decays") if seen.stable else text("grows")
-        rows.append((_pole(seen), fate, _bar(seen), _bar(reached)))
+        rows.append((mode_name(seen), fate, _bar(seen), _bar(reached)))
     hidden = case.unseen or case.unmoved
     words = pole_words(list(hidden))
     weakest = min((m for report in (case.seen, case.reached) for m in report.modes), key=lambda m: m.margin)
@@ -138,7 +143,7 @@ def margins_of(case: Case) -> TableFigure:
     return TableFigure(
         "margins", text("PBH distance of each mode from being hidden"),
         (text("mode"), text("by itself"), text("from y"),
-         text("from u")), tuple(rows), tab=MODES_TAB, caption=caption)
+         text("from u")), tuple(rows[:MOST_ROWS]), tab=MODES_TAB, caption=caption)
 
 
 def lights_of(checks: Sequence[Check]) -> TableFigure:
@@ -151,10 +156,6 @@ def lights_of(checks: Sequence[Check]) -> TableFigure:
 
 
 @lru_cache(maxsize=8)
-def _decomposed(name: str) -> MatrixFigure:
-    return blocks_of(PLANT_CASES[name])
-
-
 def blocks_of(case: Case) -> MatrixFigure:
     """The Kalman decomposition as a heat map with its blocks."""
     d = case.decomposition
@@ -203,14 +204,14 @@ def cloud_figure(poles: np.ndarray, bolts: tuple[complex, ...], gain: str, acros
 
 
 @lru_cache(maxsize=32)
-def _every(name: str, seed: int, gain: str) -> PlaneFigure:
-    case = PLANT_CASES[name]
-    bolts = case.unseen if gain == "L" else case.unmoved
-
-    def words(least: float) -> Text:
-        if bolts:
-            return text("{draws} gains {gain} drawn at random. The best of them has its rightmost pole at {least:.3g}, at the fixed "
-                        "mode or to its right.", draws=RANDOM_GAINS, gain=gain, least=least)
-        return text("{draws} gains {gain} drawn at random. The best of them has its rightmost pole at {least:.3g}.", draws=RANDOM_GAINS,
-                    gain=gain, least=least)
-    return cloud_figure(random_poles(case, seed, gain == "L"), bolts, gain, (-10.0, 4.0), 7.0, words)
+def case_clouds(case: Case, seed: int) -> tuple[Figure, ...]:
+    """Poles of the lesson's plants under random gains L, and K."""
+    def cloud(gain: str, bolts: tuple[complex, ...]) -> PlaneFigure:
+        def words(least: float) -> Text:
+            if bolts:
+                return text("{draws} gains {gain} drawn at random. The best of them has its rightmost pole at {least:.3g}, at the fixed "
+                            "mode or to its right.", draws=RANDOM_GAINS, gain=gain, least=least)
+            return text("{draws} gains {gain} drawn at random. The best of them has its rightmost pole at {least:.3g}.", draws=RANDOM_GAINS,
+                        gain=gain, least=least)
+        return cloud_figure(random_poles(case, seed, gain == "L"), bolts, gain, (-10.0, 4.0), 7.0, words)
+    return cloud("L", case.unseen), cloud("K", case.unmoved)

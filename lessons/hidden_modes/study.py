@@ -1,22 +1,23 @@
-"""Compute a design of lesson 6: gains for the movable modes, and one run."""
+"""Compute a design of lesson 6: gains for the movable modes, and one run, whatever the plant."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from observer_lab.course.lesson import Board, Check, Design, Formula, Outcome
 from observer_lab.engine import Scenario, observer_gain, place, simulate
-from observer_lab.engine.design import Placement
 from observer_lab.engine.simulation import Run
 from observer_lab.text import Text, format_number, text
 
 from ..toolkit.boards import stage
 from ..toolkit.knobs import kicks
-from ..toolkit.latex import matrix, number, pole_words
+from ..toolkit.latex import gain_words, number, pole_words
 from .knobs import FIRST_MODEL, PLANT_CASES, Case
 
+Gains = tuple[tuple[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]  # K and L, poles of controller and observer
 START_OFFSET_M = 0.1  # m, by which each block starts off the centre, one to either side
 
 
@@ -26,35 +27,35 @@ def movable(case: Case) -> tuple[str, str]:
             "observer_part" if case.unseen else "observer_all")
 
 
-def compute(design: Design) -> Outcome[Case]:
+@dataclass(frozen=True, eq=False)
+class Setting:
+    """The plants of the lesson, or a person's own: the case of a design, K and L with the poles of both, x(0), what is told of a run."""
+
+    case: Callable[[Design], Case]
+    gains: Callable[[Case, Design], Gains]
+    start: Callable[[Design], Sequence[float]]
+    boards: Callable[[Case, Design, np.ndarray, np.ndarray, np.ndarray], tuple[Board, Board]]
+    live: Callable[[Case, Run], Text]
+    numbers: Callable[[Case, Run], dict[str, float]] = lambda *_: {}
+    formulas: Callable[[Case], tuple[Formula, ...]] = lambda _: ()
+
+
+def compute(here: Setting, design: Design) -> Outcome[Case]:
     """Gains for the movable poles with the bolted ones left where they are, and one run."""
-    case = PLANT_CASES[design["plant"]]
-    plant, model, (left, right) = case.model.plant, case.model, movable(case)
-    control = place(plant.A, plant.B, (*design[left], *case.unmoved))
-    observer = observer_gain(plant.A, plant.C, (*design[right], *case.unseen))
-    c = design["centre"]
-    run, metrics = tried(case, design, (control.gain, observer.gain), (control.poles, observer.poles),
-                         (c + START_OFFSET_M, c - START_OFFSET_M, 0, 0))
-    metrics["state_end"] = float(np.linalg.norm(run.x[-1]))
-    if case.unseen or case.unmoved:
-        metrics["hidden_rate"] = max(p.real for p in (*case.unseen, *case.unmoved))
-    return Outcome(
-        design, {"K": control.gain, "L": observer.gain}, {"controller": control.poles, "observer": observer.poles},
-        metrics, checks_of(case, metrics), run, _boards(design, case, observer), stage(model, run, design),
-        _formulas(case, control, observer), _live(case, run), case)
-
-
-def tried(case: Case, design: Design, gains: tuple[np.ndarray, np.ndarray], poles: tuple[np.ndarray, np.ndarray],
-          start: Sequence[float]) -> tuple[Run, dict[str, float]]:
-    """The run of a plant under K and L, whose poles are those of controller and observer, and what is measured of it."""
-    model, (control, observer) = case.model, poles
-    run = simulate(Scenario(model.plant, *gains, x0=start, xhat0=model.guess, horizon=model.horizon, dt=model.dt,
+    case = here.case(design)
+    plant, model, ((K, L), (control, observer)) = case.model.plant, case.model, here.gains(case, design)
+    run = simulate(Scenario(plant, K, L, x0=here.start(design), xhat0=model.guess, horizon=model.horizon, dt=model.dt,
                             impulses=kicks(design, model), seed=int(design["seed"])))
     e = np.linalg.norm(run.e, axis=1)
-    return run, {
+    metrics = {
         "error_rate": float(np.real(observer).max()), "state_rate": float(np.real(control).max()),
         "error_end": float(e[-1] / max(float(e[0]), 1e-300)), "weakest_seen": min(m.margin for m in case.seen.modes),
-        "weakest_reached": min(m.margin for m in case.reached.modes)}
+        "weakest_reached": min(m.margin for m in case.reached.modes), **here.numbers(case, run)}
+    return Outcome(
+        design, {"K": K, "L": L}, {"controller": control, "observer": observer}, metrics, checks_of(case, metrics), run,
+        here.boards(case, design, control, observer, plant.A - L @ plant.C), stage(model, run, design),
+        (*here.formulas(case), Formula("K", gain_words("K", K)), Formula("L", gain_words(r"L^{\mathsf T}", L.T))),
+        here.live(case, run), case)
 
 
 def checks_of(case: Case, metrics: dict[str, float]) -> tuple[Check, ...]:
@@ -75,19 +76,32 @@ def checks_of(case: Case, metrics: dict[str, float]) -> tuple[Check, ...]:
     )
 
 
-def _boards(design: Design, case: Case, observer: Placement) -> tuple[Board, Board]:
+# --- the lesson's plants ---------------------------------------------------------------------------------------------
+def _gains(case: Case, design: Design) -> Gains:
+    plant, (left, right) = case.model.plant, movable(case)
+    control = place(plant.A, plant.B, (*design[left], *case.unmoved))
+    observer = observer_gain(plant.A, plant.C, (*design[right], *case.unseen))
+    return (control.gain, observer.gain), (control.poles, observer.poles)
+
+
+def _numbers(case: Case, run: Run) -> dict[str, float]:
+    fixed = (*case.unseen, *case.unmoved)
+    return {"state_end": float(np.linalg.norm(run.x[-1])), **({"hidden_rate": max(p.real for p in fixed)} if fixed else {})}
+
+
+def _boards(case: Case, design: Design, _: np.ndarray, __: np.ndarray, error_matrix: np.ndarray) -> tuple[Board, Board]:
     left, right = movable(case)
-    c, o, plant = FIRST_MODEL.controller_window, FIRST_MODEL.observer_window, case.model.plant
+    c, o = FIRST_MODEL.controller_window, FIRST_MODEL.observer_window
     return (
         Board("controller", text("controller poles  eig(A − BK)"), design[left], left,
               fixed=case.unmoved, role="plant", side="left", re_low=c.re_low, re_high=c.re_high, im_high=c.im_high),
         Board("observer", text("observer poles  eig(A − LC)"), design[right], right,
               fixed=case.unseen, role="estimate", side="right", re_low=o.re_low, re_high=o.re_high, im_high=o.im_high,
-              landscape=plant.A - observer.gain @ plant.C),
+              landscape=error_matrix),
     )
 
 
-def _formulas(case: Case, control: Placement, observer: Placement) -> tuple[Formula, ...]:
+def _formulas(case: Case) -> tuple[Formula, ...]:
     seen = min(case.seen.modes, key=lambda m: (m.margin > 1e-9, -m.pole.real, m.margin))
     reached = min(case.reached.modes, key=lambda m: (m.margin > 1e-9, -m.pole.real, m.margin))
 
@@ -99,8 +113,6 @@ def _formulas(case: Case, control: Placement, observer: Placement) -> tuple[Form
     return (
         Formula("seen", rank(seen.pole, r"\begin{bmatrix} A-\lambda I \\ C \end{bmatrix}", seen.distance)),
         Formula("reached", rank(reached.pole, r"\begin{bmatrix} A-\lambda I & B \end{bmatrix}", reached.distance)),
-        Formula("K", rf"K = {matrix(control.gain)}"),
-        Formula("L", rf"L^{{\mathsf T}} = {matrix(observer.gain.T)}"),
     )
 
 
@@ -132,3 +144,11 @@ def _live(case: Case, run: Run) -> Text:
                     words=words, rate=rate)
     return text("The poles at {words} are out of reach of u. Whatever K is, part of x follows e^({rate} t).",
                 words=words, rate=rate)
+
+
+def _start(design: Design) -> tuple[float, ...]:
+    c = design["centre"]
+    return c + START_OFFSET_M, c - START_OFFSET_M, 0.0, 0.0
+
+
+CASES_SETTING = Setting(lambda design: PLANT_CASES[design["plant"]], _gains, _start, _boards, _live, _numbers, _formulas)

@@ -23,7 +23,6 @@ def _number(value: float) -> str:
 
 def _slow_but_fine(outcome: Outcome[Case]) -> Verdict:
     case, rate = outcome.study, outcome.metrics["error_rate"]
-    assert isinstance(case, Case)
     if case.seen.observable:
         return Verdict(False, text("This sensor sees every mode; choose one that does not."))
     if rate >= 0:
