@@ -12,7 +12,7 @@ from observer_lab.plants.bilinear import X0
 
 from ..toolkit.latex import MOST_ENTRIES
 from .input_signals import FILTERED_DERIVATIVE, form_index
-from .own_plant import OwnSetting
+from .own_plant import setting_of
 from .paper_example import base_of, pole_of
 from .problems import COMPUTED_GAIN
 from .study import DT, Study
@@ -47,8 +47,7 @@ def derived(outcome: Outcome[Study]) -> Mapping[str, Value]:
 
 def own_derived(outcome: Outcome[Study]) -> Mapping[str, Value]:
     """The same on a person's own plant, as far as an equation of the derivation is about what this plant has: one row, one state."""
-    s, run, design = outcome.study.setting, outcome.study.run, outcome.design
-    assert isinstance(s, OwnSetting)
+    s, run, design = setting_of(outcome), outcome.study.run, outcome.design
     o, x0 = s.solved, s.x0 * s.scale
     seen, rest = o.K @ o.T[0] @ o.V[0] @ x0, o.K @ o.T[1] @ o.V[1] @ x0
     known: dict[str, Value] = {"rows": float(o.Q.shape[0]), "columns": float(o.Q.shape[1])}

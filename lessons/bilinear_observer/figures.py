@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import lru_cache
 
 import numpy as np
@@ -19,8 +19,8 @@ from .input_signals import columns, form_index
 from .paper_example import DOUBTED, PRINTED_LINES, words
 from .problems import PAPER_PROBLEM, PROBLEMS
 from .run_record import Setting
-from .study import FORM_NAMES, Study
-from .terms_figure import TERMS_TAB, terms_figures
+from .study import FORM_NAMES, Study, bound, counts
+from .terms_figure import TERMS_TAB, terms_figure
 
 STEPS_TAB = text("Eight steps")
 CASES_TAB, FORMS_TAB, POLES_TAB = text("Three cases"), text("With and without ẏ"), text("Four problems")
@@ -29,6 +29,7 @@ BAR_WIDTH_PX = 34.0
 MAX_DRAWN_ROWS = 3  # rows of g in a figure
 ROLES = (("plant", "estimate"), ("second", "disturbance"), ("force", "error"))  # of these rows and their estimates
 YES, NO = text("● yes"), text("○ no")
+Tables = Callable[[Outcome[Study]], tuple[TableFigure, ...]]
 HEADINGS = (
     text("1: canonise C, then K₁; the coordinates T and V"),
     text("2: form Q and canonise it"),
@@ -39,11 +40,6 @@ HEADINGS = (
     text("7: the gain L"),
     text("8: the observer"),
 )
-
-
-def steps_figures(problem: str, o: BilinearObserver, step: int, line: str) -> tuple[TableFigure, TableFigure]:
-    """This step with the paper's digits beside ours, and all lines that can be doubted."""
-    return _step(problem, o, step), _page(line)
 
 
 def _step(problem: str, o: BilinearObserver, step: int) -> TableFigure:
@@ -79,25 +75,29 @@ def _page(line: str) -> TableFigure:
                        tuple(rows), tab=STEPS_TAB, caption=caption)
 
 
-def time_figures(outcome: Outcome[Study]) -> TabFigures:
-    """What is wanted and its estimate, the error beside its law, the input."""
-    return tab_figures(TIME_TAB, lambda: (_functional(outcome), _error(outcome), _input(outcome.study)))
+def figures(steps: Tables, cases: Tables, more: Callable[[Outcome[Study]], tuple[TabFigures, ...]], outcome: Outcome[Study]) -> FigureSet:
+    """Everything on the right of the stage; `steps`, `cases` and `more` are what a plant has in these tabs, and its further tabs."""
+    return FigureSet(
+        tab_figures(TIME_TAB, lambda: (_functional(outcome), _error(outcome), _input(outcome.study))),
+        tab_figures(STEPS_TAB, lambda: steps(outcome)), tab_figures(CASES_TAB, lambda: (_lights(outcome.checks), *cases(outcome))),
+        *more(outcome), tab_figures(FORMS_TAB, lambda: (_forms(outcome.study), _fed(outcome))))
 
 
-def form_figures(outcome: Outcome[Study]) -> TabFigures:
-    """The three forms, and what the differentiator misses."""
-    return tab_figures(FORMS_TAB, lambda: (_forms(outcome.study), _fed(outcome)))
+def paper_steps(outcome: Outcome[Study]) -> tuple[TableFigure, ...]:
+    """This step with the paper's digits beside ours, and all lines that can be doubted."""
+    design = outcome.design
+    return _step(design["problem"], outcome.study.observer, int(design["step"])), _page(design["line"])
 
 
-def figures(outcome: Outcome[Study]) -> FigureSet:
-    """Everything on the right of the stage."""
-    design, observer = outcome.design, outcome.study.observer
-    return FigureSet(time_figures(outcome),
-                 tab_figures(STEPS_TAB, lambda: steps_figures(design["problem"], observer, int(design["step"]), design["line"])),
-                 tab_figures(CASES_TAB, lambda: (lights(outcome.checks), _singular(observer), _problems(design["problem"]))),
-                 tab_figures(TERMS_TAB, lambda: terms_figures(design["problem"])),
-                 tab_figures(POLES_TAB, lambda: (_poles(design["problem"]),)),
-                 form_figures(outcome))
+def paper_cases(outcome: Outcome[Study]) -> tuple[TableFigure, ...]:
+    """Ranks, and the four problems."""
+    return _singular(outcome.study.observer), _problems(outcome.design["problem"])
+
+
+def paper_tabs(outcome: Outcome[Study]) -> tuple[TabFigures, ...]:
+    """The unknown terms, and the pole in each of the four problems."""
+    problem = outcome.design["problem"]
+    return tab_figures(TERMS_TAB, lambda: (terms_figure(problem),)), tab_figures(POLES_TAB, lambda: (_poles(problem),))
 
 
 def _functional(outcome: Outcome[Study]) -> LineFigure:
@@ -145,7 +145,7 @@ def _input(study: Study) -> LineFigure:
                       tab=TIME_TAB, caption=text("Largest values: {peaks}.", peaks=told))
 
 
-def lights(checks: Sequence[Check]) -> TableFigure:
+def _lights(checks: Sequence[Check]) -> TableFigure:
     """Which statements hold."""
     lit = sum(c.holds for c in checks)
     return TableFigure("lights", text("lights"), (text("statement"), text("holds")),
@@ -170,26 +170,29 @@ def _singular(o: BilinearObserver) -> TableFigure:
                        tab=CASES_TAB, caption=caption)
 
 
-def solutions(o: BilinearObserver) -> Text:
-    """How many L there are, in words."""
-    return text("no L") if o.case == 1 else text("one L") if o.case == 2 else text("a family of L")
+def problems_table(title: Text, first: Text, problems: Sequence[tuple[Text, BilinearObserver, Text]], chosen: int, caption: Text,
+                   orders: bool = False) -> TableFigure:
+    """What may be wanted: its label, the eight steps, the pole in words; how many L there are, and whether the sizes let one expect it."""
+    rows = []
+    for k, (label, o, pole) in enumerate(problems):
+        known, needed = counts(o)
+        solutions = text("no L") if o.case == 1 else text("one L") if o.case == 2 else text("a family of L")
+        rows.append((text("▸ {label}", label=label) if k == chosen else label, str(o.case), solutions, pole,
+                     *((str(o.order),) if orders else ()), f"{known} {'≥' if o.advised else '<'} {needed}"))
+    heads = (first, text_in("bilinear-observer", "case"), text("solutions"), text("pole"), *((text("order"),) if orders else ()),
+             same(bound(problems[0][1].plant)))
+    return TableFigure("problems", title, heads, tuple(rows), tab=CASES_TAB, caption=caption)
 
 
 @lru_cache(maxsize=8)
 def _problems(chosen: str) -> TableFigure:
-    rows = []
-    for p in PROBLEMS.values():
-        name = text("▸ {label}", label=p.label) if p.id == chosen else p.label
-        o = p.solved
-        pole = (same("—") if o.case == 1 else text("any") if o.case == 3 and o.controllable
-                else same(words(o.reached.real, 2)))
-        known, needed = 3 * len(p.plant.C) + o.canonical_K1.rank, 2 * p.plant.n
-        rows.append((name, str(o.case), solutions(o), pole, f"{known} {'≥' if o.advised else '<'} {needed}"))
-    return TableFigure("problems", text("four problems on one plant"),
-                       (text("problem"), text_in("bilinear-observer", "case"), text("solutions"), text("pole"), same("3m + r ≥ 2n")),
-                       tuple(rows), tab=CASES_TAB, caption=text(
-                           "Fewer sensors, or others, and the same number may no longer be watched. Where 3m + r ≥ 2n, an L exists in "
-                           "general; the third problem has one although the condition fails."))
+    def pole(o: BilinearObserver) -> Text:
+        return same("—") if o.case == 1 else text("any") if o.case == 3 and o.controllable else same(words(o.reached.real, 2))
+    return problems_table(
+        text("four problems on one plant"), text("problem"), [(p.label, p.solved, pole(p.solved)) for p in PROBLEMS.values()],
+        list(PROBLEMS).index(chosen), text(
+            "Fewer sensors, or others, and the same number may no longer be watched. Where 3m + r ≥ 2n, an L exists in "
+            "general; the third problem has one although the condition fails."))
 
 
 @lru_cache(maxsize=8)

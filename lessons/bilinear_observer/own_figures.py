@@ -5,26 +5,28 @@ from __future__ import annotations
 import numpy as np
 
 from observer_lab.course.figures.records import TableFigure
-from observer_lab.course.lazy import FigureSet, tab_figures
 from observer_lab.course.lesson import Outcome
-from observer_lab.text import format_number, joined, listed, same, text, text_in
+from observer_lab.text import Text, format_number, joined, listed, same, text
 
 from ..toolkit.boards import listed as in_pairs
 from ..toolkit.latex import pole_words
-from .figures import CASES_TAB, HEADINGS, STEPS_TAB, form_figures, lights, solutions, time_figures
-from .own_plant import OwnSetting
-from .study import Study, bound, counts
+from .figures import CASES_TAB, HEADINGS, STEPS_TAB, problems_table
+from .own_plant import OwnSetting, Wanted, setting_of
+from .study import Study
 
 MOST_CELLS = 12  # entries of a matrix that a table writes out
 LOWERED = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 
 
-def figures(outcome: Outcome[Study]) -> FigureSet:
-    """Everything on the right of the stage."""
-    s = outcome.study.setting
-    assert isinstance(s, OwnSetting)
-    return FigureSet(time_figures(outcome), tab_figures(STEPS_TAB, lambda: (_step(s, int(outcome.design["step"])),)),
-                     tab_figures(CASES_TAB, lambda: (lights(outcome.checks), _conditions(s), _wanted(s))), form_figures(outcome))
+def own_steps(outcome: Outcome[Study]) -> tuple[TableFigure, ...]:
+    """The matrices of the step shown."""
+    return (_step(setting_of(outcome), int(outcome.design["step"])),)
+
+
+def own_cases(outcome: Outcome[Study]) -> tuple[TableFigure, ...]:
+    """Sizes and conditions, and what may be wanted of this plant."""
+    s = setting_of(outcome)
+    return _conditions(s), _wanted(s)
 
 
 def _step(s: OwnSetting, step: int) -> TableFigure:
@@ -71,19 +73,14 @@ def _terms(inputs: int) -> str:
 
 
 def _wanted(s: OwnSetting) -> TableFigure:
-    rows = []
-    for w in s.here.wanted:
+    def pole(w: Wanted) -> Text:
         o = w.solved
-        name = text("▸ {label}", label=w.label) if w.id == s.wanted.id else w.label
         if o.case == 3 and not w.bolted:
-            poles = text("any")
-        else:
-            fixed = w.bolted if o.case == 3 else tuple(in_pairs(o.reached))
-            poles = same("—" if o.case == 1 else pole_words(fixed[:4]))
-        known, needed = counts(o)
-        rows.append((name, str(o.case), solutions(o), poles, str(o.order), f"{known} {'≥' if o.advised else '<'} {needed}"))
-    met = sum(w.solved.case != 1 for w in s.here.wanted)
-    return TableFigure("problems", text("what may be wanted of this plant"),
-                       (text("wanted"), text_in("bilinear-observer", "case"), text("solutions"), text("pole"), text("order"),
-                        same(bound(s.here.plant))), tuple(rows), tab=CASES_TAB,
-                       caption=text("{met} of {count} have an L that frees ε from u and x.", met=met, count=len(rows)))
+            return text("any")
+        fixed = w.bolted if o.case == 3 else tuple(in_pairs(o.reached))
+        return same("—" if o.case == 1 else pole_words(fixed[:4]))
+    wanted = s.here.wanted
+    met = sum(w.solved.case != 1 for w in wanted)
+    return problems_table(text("what may be wanted of this plant"), text("wanted"), [(w.label, w.solved, pole(w)) for w in wanted],
+                          wanted.index(s.wanted), text("{met} of {count} have an L that frees ε from u and x.", met=met, count=len(wanted)),
+                          orders=True)

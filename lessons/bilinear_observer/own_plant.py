@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from observer_lab.course.knobs import KnobError
+from observer_lab.course.lesson import Outcome
 from observer_lab.engine import BilinearPlant, EngineError, Plant, bilinear_functional_observer, simulate_bilinear
 from observer_lab.engine.design import StartingGain, shift_poles, starting_feedback, typical_rate
 from observer_lab.engine.observers import BilinearForm, BilinearObserver
@@ -19,8 +20,9 @@ from observer_lab.plants.signal_names import signal_name
 from observer_lab.text import Text, same, subscript, text
 
 from .input_signals import columns, together, wave
-from .paper_example import base_of
+from .paper_example import base_of, error_matrix
 from .run_record import Setting
+from .study import Study
 
 RUN_STEPS = 400  # of a run
 MOST_SINGLE = 8  # states that may be wanted one by one
@@ -137,6 +139,13 @@ class OwnSetting(Setting):
     wanted: Wanted
 
 
+def setting_of(outcome: Outcome[Study]) -> OwnSetting:
+    """The setting of an outcome on a person's own plant."""
+    s = outcome.study.setting
+    assert isinstance(s, OwnSetting)
+    return s
+
+
 def fitted(model: Model) -> Here:
     """What the lesson needs of a plant. Raises KnobError or EngineError, in one sentence, where it does not fit."""
     p, beyond = model.plant, model.beyond
@@ -217,7 +226,7 @@ def _choice(here: Here, id: str, label: Text, rows: tuple[Text, ...], units: tup
         shown = board_of(start, 0.0)
         poles, window = shown.poles, shown.window
     else:
-        known = np.linalg.eigvals(_error_matrix(o)).astype(complex)
+        known = np.linalg.eigvals(error_matrix(o, nearest(o) if o.case == 1 else base_of(o))).astype(complex)
         shown = board_of(StartingGain(np.zeros((0, 0)), known, np.zeros(0, dtype=complex)), 0.0)
         poles, window = (), shown.window
     measured = tuple(k for k in range(p.n) if any(np.flatnonzero(row).tolist() == [k] for row in p.C))
@@ -229,13 +238,3 @@ def _choice(here: Here, id: str, label: Text, rows: tuple[Text, ...], units: tup
     body = replace(tubes_body([*(signal_name(p, p.state_names[k]) for k in states), *rows], [*full[states].tolist(), *sizes.tolist()],
                               measured if few else (), [float(s) or 1.0 for s in np.max(np.abs(u), axis=0)]), caption=told)
     return Wanted(id, label, rows, units, o, start, poles, window, body, np.array([*states, *range(p.n, p.n + len(rows))]), sizes)
-
-
-def _error_matrix(o: BilinearObserver) -> np.ndarray:
-    L = nearest(o) if o.case == 1 else base_of(o)
-    return error_matrix(o, L)
-
-
-def error_matrix(o: BilinearObserver, L: np.ndarray) -> np.ndarray:
-    """(V₂ − L V₁) A T₂ (q×q)."""
-    return (o.V[1] - L @ o.V[0]) @ o.plant.A @ o.T[1]

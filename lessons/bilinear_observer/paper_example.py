@@ -26,9 +26,14 @@ class Line:
     alone: Callable[[BilinearObserver], float] | None = None
 
 
+def error_matrix(o: BilinearObserver, L: np.ndarray) -> np.ndarray:
+    """A_L = (V₂ − L V₁) A T₂ (q×q) for any L."""
+    return (o.V[1] - L @ o.V[0]) @ o.plant.A @ o.T[1]
+
+
 def pole_of(o: BilinearObserver, L: np.ndarray) -> float:
-    """A_L = (V₂ − L V₁) A T₂ for any L (1×m), a number here."""
-    return ((o.V[1] - L @ o.V[0]) @ o.plant.A @ o.T[1]).item()
+    """A_L for any L (1×m), a number here."""
+    return error_matrix(o, L).item()
 
 
 def base_of(o: BilinearObserver) -> np.ndarray:

@@ -131,6 +131,17 @@ def promises(o: BilinearObserver) -> tuple[Check, Check, Check]:
     )
 
 
+def boards_of(plant: tuple[tuple[complex, ...], Window], window: Window, title: Text, poles: tuple[complex, ...], knob: str | None,
+              fixed: tuple[complex, ...], also: tuple[tuple[str, str], ...] = ()) -> tuple[Board, Board]:
+    """The plant's poles, and those of the observer, which can be dragged where a knob holds them."""
+    (own, left), right = plant, window
+    return (
+        Board("plant", text("the plant's poles at u = 0  eig(A)"), own, side="left", re_low=left.re_low, re_high=left.re_high,
+              im_high=left.im_high),
+        Board("observer", title, poles, knob, fixed=fixed, role="estimate", side="right", re_low=right.re_low, re_high=right.re_high,
+              im_high=right.im_high, also=also))
+
+
 # --- the paper's problems --------------------------------------------------------------------------------------------
 def paper_setting(design: Design) -> Setting:
     """The problem and the pole of a design, with the numbers of ours or of the paper."""
@@ -188,18 +199,10 @@ def _told_of_error(design: Design, m: Mapping[str, float]) -> Text:
 
 
 def _boards(design: Design, o: BilinearObserver, pole: float) -> tuple[Board, Board]:
-    paper = design["problem"] == PAPER_PROBLEM
-    seen = listed(np.array([complex(pole)]))
-    title = (text("observer pole  A* − B*π") if o.case == 3
-             else text("observer pole  (V₂ − LV₁)AT₂"))
-    return (
-        Board("plant", text("the plant's poles at u = 0  eig(A)"), listed(PLANT_POLES),
-              side="left", re_low=PLANT_WINDOW.re_low, re_high=PLANT_WINDOW.re_high, im_high=PLANT_WINDOW.im_high),
-        Board("observer", title, seen if paper else (), "pole" if paper else None, fixed=() if paper or o.case == 1 else seen,
-              role="estimate", side="right", re_low=OBSERVER_WINDOW.re_low, re_high=OBSERVER_WINDOW.re_high,
-              im_high=OBSERVER_WINDOW.im_high,
-              also=(("gain", COMPUTED_GAIN),) if paper else ()),
-    )
+    paper, seen = design["problem"] == PAPER_PROBLEM, (complex(pole),)
+    title = text("observer pole  A* − B*π") if o.case == 3 else text("observer pole  (V₂ − LV₁)AT₂")
+    return boards_of((listed(PLANT_POLES), PLANT_WINDOW), OBSERVER_WINDOW, title, seen if paper else (), "pole" if paper else None,
+                     () if paper or o.case == 1 else seen, (("gain", COMPUTED_GAIN),) if paper else ())
 
 
 def _stage(problem: Problem, design: Design, L: np.ndarray, run: Record) -> Stage:

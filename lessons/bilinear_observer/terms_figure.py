@@ -42,8 +42,3 @@ def terms_figure(problem: str) -> PlaneFigure:
                        names=tuple((float(k), same(name)) for k, name in enumerate(TERMS)),
                        caption=text("Grey: without L. Circles: L leaves nothing. Terms removed: {gone} of {count}.",
                                     gone=gone, count=len(TERMS)))
-
-
-def terms_figures(problem: str) -> tuple[PlaneFigure]:
-    """The only figure of its tab."""
-    return (terms_figure(problem),)
