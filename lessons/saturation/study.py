@@ -151,7 +151,7 @@ def scenario_of(here: Setting, design: Design, K: np.ndarray, L: np.ndarray) -> 
     """The clipped loop from the design's own start."""
     model, (x0, xhat0) = here.model, here.start(design)
     return Scenario(model.plant, K, L, x0=x0, xhat0=xhat0, horizon=model.horizon, dt=model.dt, u_min=-design["u_max"],
-                    u_max=design["u_max"], fed=design["fed"], impulses=kicks(design, model, (model.dt, model.horizon)), seed=int(design["seed"]))
+                    u_max=design["u_max"], fed=design["fed"], impulses=kicks(design, model), seed=int(design["seed"]))
 
 
 def compute(here: Setting, design: Design) -> Outcome[Study]:
