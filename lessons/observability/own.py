@@ -8,20 +8,16 @@ from functools import partial
 import numpy as np
 
 from observer_lab.course.knobs import Knob, KnobError, Number, Switch
-from observer_lab.course.lesson import Design, Lesson, Outcome, Stage
+from observer_lab.course.lesson import Design, Lesson
 from observer_lab.plants import Model
 from observer_lab.plants.signal_names import signal_name
 from observer_lab.text import text
 
 from ..toolkit.gains import sizes
-from .bodies import body_of
 from .cases import Case, sensed_by
-from .criteria import criteria
 from .derive import derived
-from .initial_state import learn, rebuild
 from .knobs import KNOBS
-from .study import Study, checks_of, cloud_of, formulas_of, live_of, metrics_of
-from .two_starts import two_starts
+from .study import Setting, compute
 
 SWITCHES = 6  # outputs with a switch; what a plant has beyond these stays on
 OBSERVED_INSTANTS, FEW_INSTANTS = 120, 50  # instants, for few states and for many
@@ -66,36 +62,17 @@ def own_knobs(model: Model) -> tuple[Knob, ...]:
     )
 
 
-def compute(model: Model, case: Case, design: Design) -> Outcome[Study]:
-    """The same questions as to the lesson's plants, in typical sizes. Raises EngineError where powers of A overflow."""
-    plant, n, seed = model.plant, model.plant.n, int(design["seed"])
-    scale = np.array(case.scale)
+def own_setting(model: Model, case: Case, design: Design) -> Setting:
+    """The plant with the outputs that are on, states and readings in typical sizes."""
+    plant, scale = model.plant, np.array(case.scale)
     on = [i for i in range(plant.p) if i >= SWITCHES or design[f"on{i}"]]
-    C = plant.C[on] * scale / sizes(model)[on][:, None] if on else np.zeros((1, n))
-    s = sensed_by(case, n, np.ascontiguousarray(plant.A * scale / scale[:, None]).tobytes(), np.ascontiguousarray(C).tobytes())
-    start = np.array(case.start)
-    full = s.seen.matrix_rank(design["tolerance"]) if s.seen.singular_values[0] > 0 else 0
-    found = Study(case, s, rebuild(s, start, int(design["rows"]), design["reading"], design["tolerance"], seed),
-                  learn(s, start, design["noise"], seed), start, criteria(s, full),
-                  min(s.seen.modes, key=lambda m: (m.visible, m.distance)),
-                  full, None, two_starts(s, start, design))
-    metrics = metrics_of(found)
-    return Outcome(design, {}, {"plant": np.array([m.pole for m in s.seen.modes])}, metrics, checks_of(metrics),
-                   stage=_stage(model, found), formulas=formulas_of(found), words=live_of(found, metrics), study=found)
-
-
-def _stage(model: Model, found: Study) -> Stage:
-    """Columns in typical sizes with the needle along the first sensor that is on, and the cloud of states."""
-    s, n = found.sensed, found.sensed.plant.n
-    row = s.plant.C[0] / max(float(np.linalg.norm(s.plant.C[0])), 1e-300)
-    needle = [0.0 if i is None else float(row[i]) for i in found.case.drawn]
-    tail = np.hstack([np.tile(needle, (len(s.t), 1)), cloud_of(found)])
-    true = np.hstack([s.powers @ found.start, tail])
-    guess = np.hstack([np.einsum("kij,kj->ki", s.powers, found.belief.mean), tail])
-    return Stage(body_of("own", n), s.t, true, guess)
+    C = plant.C[on] * scale / sizes(model)[on][:, None] if on else np.zeros((1, plant.n))
+    A = plant.A * scale / scale[:, None]
+    return Setting(case, sensed_by(case, plant.n, np.ascontiguousarray(A).tobytes(), np.ascontiguousarray(C).tobytes()),
+                   int(design["rows"]))
 
 
 def adapted(lesson: Lesson, model: Model) -> Lesson:
     """The lesson on a person's own plant; the tasks turn sensors of the lesson's plants and stay with them."""
-    return replace(lesson, knobs=own_knobs(model), compute=partial(compute, model, case_of(model)), tasks=(),
+    return replace(lesson, knobs=own_knobs(model), compute=partial(compute, partial(own_setting, model, case_of(model))), tasks=(),
                    derived=partial(derived))

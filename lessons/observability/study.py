@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,6 +22,16 @@ from .knobs import DECK_CASE, MANY_MASSES
 from .two_starts import TwoStarts, two_starts
 
 NEARLY_HIDDEN_DISTANCE = 0.02  # a mode nearer than this to being hidden (in typical sizes) is called nearly hidden
+
+
+@dataclass(frozen=True, eq=False)
+class Setting:
+    """A design on one of the lesson's plants or on a person's own: the plant, its sensors, block rows of O, the sweep of a knob."""
+
+    case: Case
+    sensed: Sensed
+    rows: int
+    sweep: Sweep | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,27 +59,29 @@ def judged(found: Study) -> str:
     return "clear" if found.belief.known == found.sensed.plant.n else "unresolved"
 
 
-def _blocks(design: Design, n: int) -> int:
-    name = {DECK_CASE: "rows_deck", MANY_MASSES: "rows_many"}.get(design["plant"], "rows_two")
-    return min(int(design[name]), n)
+def cases_setting(design: Design) -> Setting:
+    """The lesson's own plants."""
+    case = PLANT_CASES[design["plant"]]
+    name = {DECK_CASE: "rows_deck", MANY_MASSES: "rows_many"}.get(case.id, "rows_two")
+    return Setting(case, sensed(design), int(design[name]), sweep(design))
 
 
-def compute(design: Design) -> Outcome[Study]:
+def compute(setting_of: Callable[[Design], Setting], design: Design) -> Outcome[Study]:
     """O and its rank, every mode's distance, x(0) from derivatives, and x(0) from noisy y over a growing window."""
-    case, s = PLANT_CASES[design["plant"]], sensed(design)
-    n, seed = s.plant.n, int(design["seed"])
-    start = np.array(case.start[:n])
-    built = rebuild(s, start, _blocks(design, n), design["reading"], design["tolerance"], seed)
+    here = setting_of(design)
+    case, s, seed = here.case, here.sensed, int(design["seed"])
+    start = np.array(case.start[:s.plant.n])
+    built = rebuild(s, start, min(here.rows, s.plant.n), design["reading"], design["tolerance"], seed)
     belief = learn(s, start, design["noise"], seed)
     weakest = min(s.seen.modes, key=lambda m: (m.visible, m.distance))
     full = s.seen.matrix_rank(design["tolerance"]) if s.seen.singular_values[0] > 0 else 0
-    found = Study(case, s, built, belief, start, criteria(s, full), weakest, full, sweep(design), two_starts(s, start, design))
-    metrics = metrics_of(found)
-    return Outcome(design, {}, {"plant": np.array([m.pole for m in s.seen.modes])}, metrics, checks_of(metrics),
-                   stage=_stage(design, found), formulas=formulas_of(found), words=live_of(found, metrics), study=found)
+    found = Study(case, s, built, belief, start, criteria(s, full), weakest, full, here.sweep, two_starts(s, start, design))
+    metrics = _metrics(found)
+    return Outcome(design, {}, {"plant": np.array([m.pole for m in s.seen.modes])}, metrics, _checks(metrics),
+                   stage=_stage(design, found), formulas=_formulas(found), words=_live(found, metrics), study=found)
 
 
-def cloud_of(found: Study) -> np.ndarray:
+def _cloud(found: Study) -> np.ndarray:
     """Middle, half axes, rotation and truth of the drawn 95 % ellipsoid over time (n_t, 13): right, away, up."""
     count = len(found.belief.mean)
     cov, mean = np.zeros((count, 3, 3)), np.zeros((count, 3))
@@ -94,10 +107,10 @@ def _stage(design: Design, found: Study) -> Stage:
     if case.id == DECK_CASE:
         extra = [design["left"], design["right"], *(float(design[f"{k}_on"]) for k in ("left", "right", "across"))]
     else:
-        row = s.plant.C[0] / np.linalg.norm(s.plant.C[0])
+        row = s.plant.C[0] / max(float(np.linalg.norm(s.plant.C[0])), 1e-300)
         extra = [0.0 if i is None or i >= n else float(row[i]) for i in case.drawn]
-    size = np.array(case.scale[:n])
-    tail = np.hstack([np.tile(extra, (len(s.t), 1)), cloud_of(found)])
+    size = np.array(case.scale) if case.id == DECK_CASE else np.ones(n)  # columns stand in typical sizes
+    tail = np.hstack([np.tile(extra, (len(s.t), 1)), _cloud(found)])
     true = np.hstack([s.powers @ found.start * size, tail])
     if case.id == DECK_CASE and design["twin"]:
         return Stage(body_of(case.id, n, two=True), s.t, np.hstack([true, found.twins.states[1] * size]))
@@ -105,8 +118,7 @@ def _stage(design: Design, found: Study) -> Stage:
     return Stage(body_of(case.id, n), s.t, true, guess)
 
 
-def metrics_of(found: Study) -> dict[str, float]:
-    """The numbers of a design."""
+def _metrics(found: Study) -> dict[str, float]:
     s, n = found.sensed, found.sensed.plant.n
     return {
         "rank": float(found.rank), "states": float(n), "rows": float(found.rebuilt.rows), "rank_built": float(found.rebuilt.rank),
@@ -117,8 +129,7 @@ def metrics_of(found: Study) -> dict[str, float]:
     }
 
 
-def checks_of(m: dict[str, float]) -> tuple[Check, ...]:
-    """What the rank says, and what the distances and the data say."""
+def _checks(m: dict[str, float]) -> tuple[Check, ...]:
     return (
         Check("rank", text("rank(O) = n at this tolerance"), m["rank"] == m["states"], m["rank"], informative=True),
         Check("seen", text("every mode leaves a trace"), m["hidden"] == 0, m["weakest"], informative=True),
@@ -128,8 +139,7 @@ def checks_of(m: dict[str, float]) -> tuple[Check, ...]:
     )
 
 
-def formulas_of(found: Study) -> tuple[Formula, ...]:
-    """O as far as it is built, and what is solved with it."""
+def _formulas(found: Study) -> tuple[Formula, ...]:
     s, built = found.sensed, found.rebuilt
     n, p, k = s.plant.n, s.plant.p, built.rows
     power = "" if k == 1 else "A" if k == 2 else rf"A^{{{k - 1}}}"
@@ -142,8 +152,7 @@ def formulas_of(found: Study) -> tuple[Formula, ...]:
             Formula("P", r"P(t) = \left( I + W(t)/v \right)^{-1}"))
 
 
-def live_of(found: Study, m: dict[str, float]) -> Text:
-    """One sentence on what is seen now."""
+def _live(found: Study, m: dict[str, float]) -> Text:
     n, rank, known = int(m["states"]), int(m["rank"]), int(m["known"])
     verdict, d = judged(found), format_number(m["weakest"], ".2g")
     if verdict == "hidden":
