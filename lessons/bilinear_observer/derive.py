@@ -8,63 +8,61 @@ import numpy as np
 
 from observer_lab.course.exercises.derivation import Value
 from observer_lab.course.lesson import Outcome
+from observer_lab.engine.observers import BilinearObserver
 from observer_lab.plants.bilinear import X0
 
 from ..toolkit.latex import MOST_ENTRIES
 from .input_signals import FILTERED_DERIVATIVE, form_index
-from .own_plant import setting_of
+from .own_plant import Here
 from .paper_example import base_of, pole_of
 from .problems import COMPUTED_GAIN
-from .study import DT, Study
+from .study import Study
 
 LATER = 20  # steps after which the error of the run is compared
+ROUNDING = 1e-9  # of the largest estimate: a smaller error is rounding
 
 
 def derived(outcome: Outcome[Study]) -> Mapping[str, Value]:
     """Both parts of g, L Q beside W, the family of L in its last entry, the pole, and the error of the run; what there is of it."""
-    o, run, design = outcome.study.observer, outcome.study.run, outcome.design
-    x0 = np.array(X0)
-    known: dict[str, Value] = {
-        "g_seen": (o.K @ o.T[0] @ o.V[0] @ x0).item(), "g_rest": (o.K @ o.T[1] @ o.V[1] @ x0).item(), "g": (o.K @ x0).item(),
-        "rows": float(o.Q.shape[0]), "columns": float(o.Q.shape[1])}
-    if o.L is not None:
-        known |= {"LQ": o.L @ o.Q, "W": o.right, "L": o.L}
-    if o.L is not None and o.pi is not None:
-        pole = pole_of(o, o.L)
-        known |= {"base4": float(base_of(o)[0, -1]), "pi": o.pi.item(), "free4": float(o.canonical_Q.zero_left[0, -1]),
-                  "L4": float(o.L[0, -1]), "A_star": o.A_star.item(), "B_star": o.B_star.item(), "pole": pole, "p": float(o.asked[0].real)}
-        if (
-            design["gain"] == COMPUTED_GAIN
-            and not design["noise"]
-            and design["form"] != FILTERED_DERIVATIVE
-            and design["kick"] < 0
-            and len(run.t) > LATER
-        ):
-            errors = run.errors[:, form_index(design), 0]
-            known |= {"time": LATER * DT, "eps0": float(errors[0]), "eps1": float(errors[LATER])}
-    return known
+    o, design = outcome.study.observer, outcome.design
+    known = _parts(o, np.array(X0), o.L)
+    if o.L is None or o.pi is None:
+        return known
+    family = {"base4": float(base_of(o)[0, -1]), "pi": o.pi.item(), "free4": float(o.canonical_Q.zero_left[0, -1]),
+              "L4": float(o.L[0, -1]), "A_star": o.A_star.item(), "B_star": o.B_star.item(), "pole": pole_of(o, o.L),
+              "p": float(o.asked[0].real)}
+    return {**known, **family, **(_errors(outcome) if design["gain"] == COMPUTED_GAIN else {})}
 
 
-def own_derived(outcome: Outcome[Study]) -> Mapping[str, Value]:
+def own_derived(here: Here, outcome: Outcome[Study]) -> Mapping[str, Value]:
     """The same on a person's own plant, as far as an equation of the derivation is about what this plant has: one row, one state."""
-    s, run, design = setting_of(outcome), outcome.study.run, outcome.design
-    o, x0 = s.solved, s.x0 * s.scale
-    seen, rest = o.K @ o.T[0] @ o.V[0] @ x0, o.K @ o.T[1] @ o.V[1] @ x0
+    s, o, wanted = outcome.study.setting, outcome.study.observer, here.of(outcome.design["wanted"])
+    known = _parts(o, s.x0 * s.scale, None if o.case == 1 else s.L)
+    if o.case == 1 or o.order != 1:
+        return known
+    pi, pole = wanted.pi(outcome.design[f"poles_{wanted.id}"] if wanted.poles else ()), float(s.poles[0].real)
+    if pi is not None and o.B_star.size == 1 and np.any(o.B_star):
+        known |= {"pi": pi.item(), "A_star": o.A_star.item(), "B_star": o.B_star.item(), "pole": pole}
+    return {**known, "p": pole, **(_errors(outcome) if len(o.K) == 1 else {})}
+
+
+def _parts(o: BilinearObserver, x0: np.ndarray, L: np.ndarray | None) -> dict[str, Value]:
+    """Both parts of g at the start, if it is one number; L Q beside W, if there is such an L and it is small."""
+    seen, rest = (o.K @ o.T[k] @ o.V[k] @ x0 for k in (0, 1))
     known: dict[str, Value] = {"rows": float(o.Q.shape[0]), "columns": float(o.Q.shape[1])}
     if len(o.K) == 1:
         known |= {"g_seen": seen.item(), "g_rest": rest.item(), "g": (seen + rest).item()}
-    if o.case == 1:
-        return known
-    if o.Q.shape[1] * o.order <= MOST_ENTRIES and s.L.size <= MOST_ENTRIES:
-        known |= {"LQ": s.L @ o.Q, "W": o.right, "L": s.L}
-    pi = s.wanted.pi(design[f"poles_{s.wanted.id}"] if s.wanted.poles else ())
-    pole = float(s.poles[0].real)
-    if pi is not None and o.order == 1 and o.B_star.size == 1 and np.any(o.B_star):
-        known |= {"pi": pi.item(), "A_star": o.A_star.item(), "B_star": o.B_star.item(), "pole": pole}
-    if o.order == 1:
-        known |= {"p": pole}
-        if len(o.K) == 1 and design["form"] != FILTERED_DERIVATIVE and not design["noise"] and design["kick"] < 0 and len(run.t) > LATER:
-            errors = run.errors[:, form_index(design), 0]
-            if abs(errors[LATER]) > 1e-9 * float(np.abs(run.estimates).max()):  # beyond that it is rounding
-                known |= {"time": LATER * s.dt, "eps0": float(errors[0]), "eps1": float(errors[LATER])}
+    if L is not None and o.Q.shape[1] * o.order <= MOST_ENTRIES and L.size <= MOST_ENTRIES:
+        known |= {"LQ": L @ o.Q, "W": o.right, "L": L}
     return known
+
+
+def _errors(outcome: Outcome[Study]) -> Mapping[str, Value]:
+    """The error at the start and a little later, of a run that follows its law by more than rounding."""
+    run, design = outcome.study.run, outcome.design
+    if design["noise"] or design["form"] == FILTERED_DERIVATIVE or design["kick"] >= 0 or len(run.t) <= LATER:
+        return {}
+    errors = run.errors[:, form_index(design), 0]
+    if abs(errors[LATER]) <= ROUNDING * float(np.abs(run.estimates).max()):
+        return {}
+    return {"time": LATER * outcome.study.setting.dt, "eps0": float(errors[0]), "eps1": float(errors[LATER])}

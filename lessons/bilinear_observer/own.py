@@ -26,9 +26,9 @@ from .figures import figures
 from .input_signals import FILTERED_DERIVATIVE, columns, form_index, number_of, signal, together
 from .knobs import FIRST_LABELS, FORM, STEP, input_knobs
 from .own_figures import own_cases, own_steps
-from .own_plant import Here, OwnSetting, Wanted, fitted, omega_of
+from .own_plant import Here, Wanted, fitted, omega_of
 from .paper_example import error_matrix
-from .run_record import Record, Row, end_to_end
+from .run_record import Record, Row, Setting, end_to_end
 from .study import FORM_NAMES, LAW_TOLERANCE, WINDOWS, boards_of, bound, compute, counts
 
 STRONGEST = 4.0  # times the natural input
@@ -71,7 +71,7 @@ def _drive(here: Here, which: int) -> tuple[Knob, ...]:
                        (strength, most, most / 100), omega_of(here.horizon, which))
 
 
-def own_setting(here: Here, design: Design) -> OwnSetting:
+def own_setting(here: Here, design: Design) -> Setting:
     """The eight steps for what is wanted, L with the poles asked for; the run goes from the model's x(0) and χ(0) = 0."""
     wanted, model, scale, index = here.of(design["wanted"]), here.model, here.scale, form_index(design)
     asked = design[f"poles_{wanted.id}"] if wanted.poles else ()
@@ -82,7 +82,7 @@ def own_setting(here: Here, design: Design) -> OwnSetting:
     start = wanted.start
     rows = tuple(Row(name, text("{name}, estimated {form}", name=name, form=FORM_NAMES[index]), text("|ε| of {name}", name=name),
                      text("law of {name}", name=name), unit) for name, unit in zip(wanted.rows, wanted.units, strict=True))
-    return OwnSetting(
+    return Setting(
         True, o, L, exact, plain, poles, plant_poles, here.inner, scale, np.array(model.x0) / scale, np.zeros(o.order),
         np.array(model.kick) / scale, here.horizon, here.dt, together([signal(design, horizon=here.horizon, which=j)
                                                                        for j in range(here.plant.inputs)]),
@@ -92,7 +92,7 @@ def own_setting(here: Here, design: Design) -> OwnSetting:
         (start is not None and not len(start.bolted), 0.0 if start is None else float(len(start.moved))),
         partial(_law, here, wanted, L, index), partial(_told, wanted, poles, index), partial(_told_of_error, wanted),
         partial(_stage, wanted, index), lambda: own_formulas(o, L, plain, wanted.pi(asked), poles, int(design["step"])),
-        partial(_live, design, wanted, poles), here, wanted)
+        partial(_live, design, wanted, poles))
 
 
 def _told(wanted: Wanted, poles: np.ndarray, index: int, run: Record, worst: np.ndarray) -> dict[str, float]:
@@ -184,5 +184,5 @@ def adapted(lesson: Lesson, model: Model) -> Lesson:
     here = fitted(model)
     aside = [name + number_of(j) for j in range(here.plant.inputs) for name in ("amplitude", "omega", "seed")]
     return replace(lesson, knobs=own_knobs(here), compute=partial(compute, partial(own_setting, here)),
-                   figures=partial(figures, own_steps, own_cases, lambda _: ()), tasks=(), code=own_code, derived=own_derived,
-                   key=("step", "wanted", "input"), aside=(*aside, "tau"))
+                   figures=partial(figures, own_steps, partial(own_cases, here), lambda _: ()), tasks=(), code=own_code,
+                   derived=partial(own_derived, here), key=("step", "wanted", "input"), aside=(*aside, "tau"))

@@ -6,12 +6,14 @@ import numpy as np
 
 from observer_lab.course.figures.records import TableFigure
 from observer_lab.course.lesson import Outcome
+from observer_lab.engine.observers import BilinearObserver
 from observer_lab.text import Text, format_number, joined, listed, same, text
 
 from ..toolkit.boards import listed as in_pairs
 from ..toolkit.latex import pole_words
 from .figures import CASES_TAB, HEADINGS, STEPS_TAB, problems_table
-from .own_plant import OwnSetting, Wanted, setting_of
+from .own_plant import Here, Wanted
+from .run_record import Setting
 from .study import Study
 
 MOST_CELLS = 12  # entries of a matrix that a table writes out
@@ -20,16 +22,15 @@ LOWERED = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 
 def own_steps(outcome: Outcome[Study]) -> tuple[TableFigure, ...]:
     """The matrices of the step shown."""
-    return (_step(setting_of(outcome), int(outcome.design["step"])),)
+    return (_step(outcome.study.setting, int(outcome.design["step"])),)
 
 
-def own_cases(outcome: Outcome[Study]) -> tuple[TableFigure, ...]:
+def own_cases(here: Here, outcome: Outcome[Study]) -> tuple[TableFigure, ...]:
     """Sizes and conditions, and what may be wanted of this plant."""
-    s = setting_of(outcome)
-    return _conditions(s), _wanted(s)
+    return _conditions(here, outcome.study.observer), _wanted(here, outcome.design["wanted"])
 
 
-def _step(s: OwnSetting, step: int) -> TableFigure:
+def _step(s: Setting, step: int) -> TableFigure:
     """The matrices of the step shown: their sizes, and their entries where they are few."""
     o, c = s.solved, s.solved.canonical_Q
     shown = {1: (("V₂", o.V[1]), ("T₂ᵀ", o.T[1].T), ("T₃ᵀ", o.T[2].T)), 2: (("Q", o.Q), ("Q̄ᴸ", c.zero_left)),
@@ -45,13 +46,12 @@ def _cells(M: np.ndarray) -> str:
     return "—" if not M.size or M.size > MOST_CELLS else ", ".join(format_number(v, ".4g") for v in M.ravel()).replace("-", "−")
 
 
-def _conditions(s: OwnSetting) -> TableFigure:
-    o = s.solved
+def _conditions(here: Here, o: BilinearObserver) -> TableFigure:
     n, m, q = o.plant.n, o.plant.m, o.order
     left = len(o.canonical_Q.zero_left)
     rows = (
-        (text("input u"), listed(s.here.names)),
-        (text("what u multiplies"), text("nothing: F is zero") if s.here.linear else same(_terms(o.plant.inputs))),
+        (text("input u"), listed(here.names)),
+        (text("what u multiplies"), text("nothing: F is zero") if here.linear else same(_terms(o.plant.inputs))),
         (text("states n, sensors m, numbers wanted r"), f"{n}, {m}, {len(o.K)}"),
         (text("order q of the observer"), str(q)),
         (text("order n − m of Luenberger's reduced observer"), str(n - m)),
@@ -72,15 +72,15 @@ def _terms(inputs: int) -> str:
     return "F x" if inputs == 1 else ", ".join(f"F{str(j + 1).translate(LOWERED)} x" for j in range(inputs))
 
 
-def _wanted(s: OwnSetting) -> TableFigure:
+def _wanted(here: Here, chosen: str) -> TableFigure:
     def pole(w: Wanted) -> Text:
         o = w.solved
         if o.case == 3 and not w.bolted:
             return text("any")
         fixed = w.bolted if o.case == 3 else tuple(in_pairs(o.reached))
         return same("—" if o.case == 1 else pole_words(fixed[:4]))
-    wanted = s.here.wanted
+    wanted = here.wanted
     met = sum(w.solved.case != 1 for w in wanted)
     return problems_table(text("what may be wanted of this plant"), text("wanted"), [(w.label, w.solved, pole(w)) for w in wanted],
-                          wanted.index(s.wanted), text("{met} of {count} have an L that frees ε from u and x.", met=met, count=len(wanted)),
+                          wanted.index(here.of(chosen)), text("{met} of {count} have an L that frees ε from u and x.", met=met, count=len(wanted)),
                           orders=True)

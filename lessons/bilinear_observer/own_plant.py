@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from observer_lab.course.knobs import KnobError
-from observer_lab.course.lesson import Outcome
 from observer_lab.engine import BilinearPlant, EngineError, Plant, bilinear_functional_observer, simulate_bilinear
 from observer_lab.engine.design import StartingGain, shift_poles, starting_feedback, typical_rate
 from observer_lab.engine.observers import BilinearForm, BilinearObserver
@@ -21,8 +20,6 @@ from observer_lab.text import Text, same, subscript, text
 
 from .input_signals import columns, together, wave
 from .paper_example import base_of, error_matrix
-from .run_record import Setting
-from .study import Study
 
 RUN_STEPS = 400  # of a run
 MOST_SINGLE = 8  # states that may be wanted one by one
@@ -129,21 +126,6 @@ class Here:
         """The plant in states of like size, in which it is simulated."""
         p, D = self.plant, self.scale
         return BilinearPlant(p.A * D / D[:, None], p.B / D[:, None], np.hstack([F * D / D[:, None] for F in p.parts]), p.C * D)
-
-
-@dataclass(frozen=True, eq=False)
-class OwnSetting(Setting):
-    """With the plant and what is wanted of it."""
-
-    here: Here
-    wanted: Wanted
-
-
-def setting_of(outcome: Outcome[Study]) -> OwnSetting:
-    """The setting of an outcome on a person's own plant."""
-    s = outcome.study.setting
-    assert isinstance(s, OwnSetting)
-    return s
 
 
 def fitted(model: Model) -> Here:

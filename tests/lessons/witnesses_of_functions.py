@@ -53,10 +53,13 @@ def _dies_out(shown: Shown, _: Text) -> None:
 def _noise_of(shown: Shown, words: Text) -> None:
     """The promise at u = 0 as a sum over all past steps of what one held value does, by matrix exponentials."""
     study = shown.outcome.study
-    own = hasattr(study.setting, "here")
+    own = study.setting.own
     L = shown.outcome.gains["L"]
     exact, plain = study.observer.forms(L)
-    sigma = shown["noise"] / 100 * study.setting.here.readings if own else np.full(L.shape[1], shown["noise"])
+    sigma = np.full(L.shape[1], shown["noise"])
+    if own:  # a share of what each sensor reads at most in the run at the start
+        first = shown.lesson.compute(shown.lesson.start()).study.run.x @ study.observer.plant.C.T
+        sigma = sigma / 100 * np.abs(first).max(axis=0)
     size = np.maximum(np.abs(study.run.g).max(axis=0), 1e-300) if own else np.ones(1)
     form, tau, h, q, m = shown["form"], shown["tau"], float(study.run.t[1]), len(L), L.shape[1]
     if not own and (shown["problem"], shown["gain"]) == ("paper", "rounded"):  # what runs then is step 8 as the paper prints it
