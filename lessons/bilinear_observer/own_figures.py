@@ -82,5 +82,5 @@ def _wanted(here: Here, chosen: str) -> TableFigure:
     wanted = here.wanted
     met = sum(w.solved.case != 1 for w in wanted)
     return problems_table(text("what may be wanted of this plant"), text("wanted"), [(w.label, w.solved, pole(w)) for w in wanted],
-                          wanted.index(here.of(chosen)), text("{met} of {count} have an L that frees ε from u and x.", met=met, count=len(wanted)),
-                          orders=True)
+                          wanted.index(here.of(chosen)),
+                          text("{met} of {count} have an L that frees ε from u and x.", met=met, count=len(wanted)), orders=True)
