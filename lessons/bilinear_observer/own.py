@@ -21,8 +21,8 @@ from ..toolkit.knobs import run_knobs
 from ..toolkit.latex import pole_words
 from .code import own_code
 from .derive import own_derived
-from .formulas import own_formulas
 from .figures import figures
+from .formulas import own_formulas
 from .input_signals import FILTERED_DERIVATIVE, columns, form_index, number_of, signal, together
 from .knobs import FIRST_LABELS, FORM, STEP, input_knobs
 from .own_figures import own_cases, own_steps
