@@ -71,7 +71,7 @@ def piped_body(problem: str, lag: bool) -> Body:
     p = PROBLEMS[problem]
     alone = unknown_terms(p.solved, np.zeros((1, p.plant.m)))[0]
     n, missed = p.plant.n + 1, text("lag of ẏ") if lag else None
-    body = with_pipes(gauge_body(p.plant.n, p.measured, ROOM), n, tuple(zip(TERMS, alone / alone.max(), strict=True)), missed)
+    body = with_pipes(gauge_body(p.plant.n, p.measured, ROOM), n, tuple(zip(TERMS, alone / alone.max(), strict=True)), missed, LAG_FULL)
     return _behind_bars(body, n + len(TERMS) + lag)
 
 

@@ -80,10 +80,12 @@ def with_bars(body: Body, states: int, bars: Sequence[Bar], marks: Sequence[tupl
 
     def sizes(x: Sequence[float], xhat: Sequence[float], gain: float) -> ErrorMarks:
         assert decades is not None
+        own = () if body.marks is None else body.marks(x[:states], xhat[:states], gain).words
         places = tuple((BEGIN + LONG * float(share) + SIZE_AT, y - THICK, high + 1.3 * THICK)
                        for (y, high), share in zip(rows, x[states:states + count], strict=True))
-        return ErrorMarks((), tuple((size_words(float(share), *decades), at, "center-left")
-                                    for share, at in zip(x[states:], places, strict=False)))
+        return ErrorMarks((), (*((words, moved_back(at, by, up), side) for words, at, side in own),
+                               *((size_words(float(share), *decades), at, "center-left")
+                                 for share, at in zip(x[states:], places, strict=False))))
 
     parts = (*body.parts, *plinth, *(Part(f"step {k}", Box((end - LEFT, PITCH, high)), BENCH) for k, (_, high) in enumerate(rows)),
              *(Part(f"bar mark {k}", Box((0.025, 0.03, FLOOR)), DARK_GREY) for k in range(len(marks))),

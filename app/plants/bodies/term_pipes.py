@@ -7,12 +7,13 @@ from dataclasses import replace
 from math import sqrt
 
 from ...colours import COLOURS
-from ...text import Text, joined, text
-from .body import METAL, PLANT_COLOUR, STEEL, Body, Box, Part, Pose, Rod, Vector, pose_between
+from ...text import Text, format_number, joined, text
+from .body import METAL, PLANT_COLOUR, STEEL, Body, Box, ErrorMarks, Part, Pose, Rod, Vector, pose_between
 
 BEGIN, PLATE, END = -0.75, 0.32, 0.86  # across: behind the dark gauges, the plate, behind the large gauge
 BACK, TOP, PITCH = 0.3, 1.86, 0.45  # y of the pipes; how high the first one is, and down to the next
 FULL, GLASS, LEAST = 0.18, 1.12, 1e-3  # radius of a pipe whose share is one; of the glass around it; what is next to nothing
+SIZE_AT = 0.5  # across: the size of what a differentiator misses
 NAME_AT, NAME_ABOVE = -0.02, 0.13  # across: the names of the pipes; stage units from a pipe to the upper edge of its name
 MOST = 1.4  # of a share that is drawn
 
@@ -22,11 +23,11 @@ def thickness(share: float) -> float:
     return max(sqrt(min(max(share, 0.0), MOST)), LEAST)
 
 
-def with_pipes(body: Body, states: int, terms: Sequence[tuple[str, float]], lag: Text | None = None) -> Body:
+def with_pipes(body: Body, states: int, terms: Sequence[tuple[str, float]], lag: Text | None = None, full: float = 1.0) -> Body:
     """The body with a blue pipe for each of the named `terms`, as thick as its share, up to the plate.
 
     After the body's states come the shares that the gain leaves, pink behind the plate, and with a `lag` that of what a
-    differentiator misses: a pipe of its own, past the plate.
+    differentiator misses: a pipe of its own, past the plate, with its size on it; `full` is the size of share one.
     """
     heights = [TOP - PITCH * k for k in range(len(terms) + (lag is not None))]
     ends = [tuple((across, BACK, z) for across in (BEGIN, PLATE, END)) for z in heights]
@@ -47,6 +48,10 @@ def with_pipes(body: Body, states: int, terms: Sequence[tuple[str, float]], lag:
     def anchors(x: Sequence[float], gain: float) -> tuple[Vector, ...]:
         return body.anchors(x[:states], gain)
 
+    def marks(x: Sequence[float], xhat: Sequence[float], gain: float) -> ErrorMarks:
+        size = format_number(full * float(x[states + len(terms)]), ".2g")
+        return ErrorMarks((), ((size, (SIZE_AT, BACK - 1.3 * FULL, heights[-1]), "center-center"),))
+
     named = [name for name, _ in terms] + ([] if lag is None else [lag])
     parts = (*(Part(f"term {k}", Rod(FULL), PLANT_COLOUR) for k in range(len(terms))),
              *(Part(f"left {k}", Rod(FULL), COLOURS["error"]) for k in range(len(heights))),
@@ -56,4 +61,5 @@ def with_pipes(body: Body, states: int, terms: Sequence[tuple[str, float]], lag:
               ("L", (PLATE, BACK, heights[0] + 0.25 + NAME_ABOVE)))
     told = text("Pipes from the dark gauges: unknown terms of the error, blue as they are, pink what L leaves of them.")
     return replace(body, parts=(*body.parts, *parts), pose=pose, anchors=anchors, labels=labels, caption=joined(body.caption, told),
+                   marks=body.marks if lag is None else marks,
                    arrows=lambda x, u, gain: body.arrows(x[:states], u, gain))
