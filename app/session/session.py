@@ -23,8 +23,7 @@ from ..course.lectures import Lecture
 from ..course.lesson import Lesson
 from ..course.scenes import Mode
 from ..engine import EngineError
-from .commands.base import Notice
-from .commands.commands import Edit, MemoryRecalled
+from .commands.commands import Edit, MemoryRecalled, Notice
 from .commands.files import LessonsRead
 from .handlers import design, guide, lectures, playback, room, sharing, tasks
 from .handlers.many_seeds import SeedRunner

@@ -6,9 +6,8 @@ is a sentence. The English is the id that translators see.
 
 from .languages import languages
 from .message import NO_WORDS, SaidError, Text, error_words, joined, label_in_language, listed, name_of, same, text, text_in
-from .numbers import format_number, superscript
+from .numbers import format_number, squared_unit, subscript, superscript, symbol
 from .outside_files import OutsideFileError, read_outside_bytes, read_outside_json, read_outside_toml, replace_surrogates
-from .symbols import squared_unit, subscript, symbol
 
 __all__ = [
     "NO_WORDS",

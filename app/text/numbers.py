@@ -1,14 +1,15 @@
-"""Write numbers as a language does: true minus, powers of ten, decimal sign."""
+"""Write numbers as a language does, and the symbols of signals and units as formulas have them."""
 
 from __future__ import annotations
 
 import re
 from decimal import Decimal
 from numbers import Number as Written
+from types import MappingProxyType
 
 from .languages import decimal_sign
 
-__all__ = ["Written", "format_number", "has_powers", "superscript"]
+__all__ = ["GREEK", "LOWERED", "Written", "format_number", "has_powers", "squared_unit", "subscript", "superscript", "symbol"]
 
 TO_SUPERSCRIPT = str.maketrans("-−0123456789", "⁻⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 EXPONENT_NUMBER = re.compile(r"(\d+(?:\.\d+)?)e([+-]\d+)")
@@ -18,6 +19,8 @@ SENTENCE_DIGITS = 4  # digits of a number in a sentence whose format asks for as
 LARGE_NUMBER, INFINITE = 1e6, float("inf")  # from here on decimals would only be noise: −4.37·10¹⁰ instead of −43718053745.3
 NEGATIVE_ZERO = re.compile(r"-(?=0(?:\.0*)?(?:e[+-]00)?%?$)")  # −0.04 rounded to one decimal is 0.0
 POWERS = re.compile("10[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]")
+LOWERED = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
+GREEK = MappingProxyType({"theta": "θ", "omega": "ω", "phi": "φ", "alpha": "α", "beta": "β"})
 
 
 def superscript(number: int | str) -> str:
@@ -53,3 +56,21 @@ def _power(found: re.Match[str], plain: range) -> str:
     if power in plain:
         return f"{Decimal(f'{mantissa}e{power}'):f}"
     return ("" if mantissa == "1" else f"{mantissa}·") + "10" + superscript(power)
+
+
+def subscript(words: str) -> str:
+    """Digits as subscripts: σ12 → σ₁₂."""
+    return words.translate(LOWERED)
+
+
+def squared_unit(unit: str) -> str:
+    """The square of a unit: A², (m/s)²; 1 where there is none."""
+    return "1" if not unit else f"{unit}²" if unit.isalpha() else f"({unit})²"
+
+
+def symbol(name: str) -> str:
+    """The name of a signal as a formula has it: z12 → z₁₂, theta → θ. Other names stay as they are."""
+    if name in GREEK:
+        return GREEK[name]
+    head = name.rstrip("0123456789")
+    return head + subscript(name[len(head):]) if 1 <= len(head) <= 2 else name

@@ -11,8 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from observer_lab.course.knobs import ByHand
-from observer_lab.session.commands.base import Command, Notice
-from observer_lab.session.commands.commands import SetKnobs
+from observer_lab.session.commands.commands import Command, Notice, SetKnobs
 from observer_lab.session.commands.written import MIRRORED, read_edit, write_edit
 from observer_lab.session.handlers.table import HANDLERS
 

@@ -20,7 +20,7 @@ from observer_lab.plants import MODELS
 from observer_lab.plants.examples import EXAMPLES, example
 from observer_lab.session.commands.commands import OpenLesson, SetLanguage, Undo
 from observer_lab.session.commands.files import GoToStep, OpenPin, PinDesign, ToggleGhost, Unpin
-from observer_lab.session.handlers.pins import NO_PIN, NO_STEP, TOO_MANY_PINS
+from observer_lab.session.handlers.kept_designs import NO_PIN, NO_STEP, TOO_MANY_PINS
 from observer_lab.session.session import Session
 from observer_lab.session.state.history import MAX_HISTORY_CHARACTERS, MAX_UNDO_DESIGNS, History, read_steps, write_steps
 from observer_lab.session.state.saved_state import design_as_plain_data

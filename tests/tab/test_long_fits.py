@@ -13,7 +13,7 @@ from test_own_records import file_of, heater
 from observer_lab.course.knobs import KnobError
 from observer_lab.engine import EngineError
 from observer_lab.lessons import LESSONS
-from observer_lab.session.commands.base import Notice
+from observer_lab.session.commands.commands import Notice
 from observer_lab.session.commands.records import DropRecord, SetColumnRole, StopFit, UploadRecord, UseRecord
 from observer_lab.session.handlers.tasks import CANCELLED
 from observer_lab.session.runtime.background_jobs import BackgroundJobs

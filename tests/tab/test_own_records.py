@@ -12,8 +12,7 @@ from fakes import Tab
 
 from observer_lab.lessons import LESSONS
 from observer_lab.page.column.record_picker import preview_html
-from observer_lab.session.commands.base import Notice
-from observer_lab.session.commands.commands import Command, OpenLesson, Predict
+from observer_lab.session.commands.commands import Command, Notice, OpenLesson, Predict
 from observer_lab.session.commands.files import DownloadFile
 from observer_lab.session.commands.records import DropRecord, SetColumnRole, TellOfRecord, UploadRecord, UseRecord
 from observer_lab.session.state.record_file import MAX_COLUMNS, MAX_RECORD_BYTES, RecordFile

@@ -8,7 +8,7 @@ from fakes import BROKEN, FakeView, Tab, toy
 
 from observer_lab.session.commands.commands import MemoryRecalled, OpenLesson, OpenState, Predict, SetLanguage, Undo
 from observer_lab.session.commands.files import ClearBrowser, DeleteSavedDesign, OpenSavedDesign, PinDesign, SaveDesign
-from observer_lab.session.handlers.pins import NAME_IT, NO_ROOM, NO_SUCH, TOO_MANY_SAVED
+from observer_lab.session.handlers.kept_designs import NAME_IT, NO_ROOM, NO_SUCH, TOO_MANY_SAVED
 from observer_lab.session.session import Session
 from observer_lab.session.state.saved_designs import MAX_SAVED_DESIGNS, read_saved_designs
 from observer_lab.session.state.saved_state import SavedState

@@ -16,9 +16,9 @@ from observer_lab.course.handin.ledger import Ledger
 from observer_lab.lessons import LESSONS
 from observer_lab.page.access.addresses import listen
 from observer_lab.page.lti.doors import LtiDoors
+from observer_lab.page.lti.fetching import LtiRefused
 from observer_lab.page.lti.key_sets import ASK_AGAIN_S, KEPT_S, STALE_S, KeySets, KeysWantedError
 from observer_lab.page.lti.keys import ToolKeys
-from observer_lab.page.lti.refusals import LtiRefused
 from observer_lab.page.lti.settings import Platform, read_settings
 from observer_lab.page.screen.server import LabServer
 

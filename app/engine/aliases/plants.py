@@ -11,8 +11,7 @@ from ..systems.arrays import as_checked
 from ..systems.errors import EngineError, ShapeError
 from ..systems.fractions import Fraction, realised_by_entries
 from ..systems.gates.argument_checks import PERIOD, SECONDS, Sizes, choice, matrix, takes, vector
-from ..systems.gates.plant_gate import PLANT
-from ..systems.libraries import plant_like
+from ..systems.gates.plant_gate import PLANT, plant_like
 from ..systems.plant import Plant
 from ..systems.sampling import continuous_of, discretise, from_tustin, tustin
 

@@ -4,7 +4,7 @@ Nothing here is needed for an answer: each has a plain way beside it, in the roo
 """
 
 from .compile_cache import COMPILE_CACHE, as_kernel_array, compiled_kernel, kernels_off, kernels_ready, prepare_kernels, user_cache
-from .friction import Actuators, Rubbing, friction_steps
+from .sampled import Actuators, Rubbing, friction_steps
 from .threads import run_in_threads
 
 __all__ = [

@@ -24,7 +24,7 @@ from typing import Any
 
 import numpy as np
 
-from . import clipped, friction, geared, limit_crossings, recursion, sampled, small_matrices
+from . import clipped, geared, limit_crossings, recursion, sampled, small_matrices
 
 __all__ = ["COMPILE_CACHE", "CompileCache", "as_kernel_array", "compiled_kernel", "kernels_off", "kernels_ready", "prepare_kernels",
            "user_cache"]
@@ -40,8 +40,8 @@ GROUPS: Mapping[type, str] = MappingProxyType(  # the types of the fields of eac
         geared.Rounding: f"{_2},{_2},f8",
         geared.Clipping: f"{_2},{_2},{_1},{_1},{_1}",
         geared.Play: f"{_1},{_1},{_1},i8[::1],f8",
-        friction.Actuators: f"{_2},{_2},{_2},f8",
-        friction.Rubbing: f"{_2},{_2},{_2},f8,i8,f8",
+        sampled.Actuators: f"{_2},{_2},{_2},f8",
+        sampled.Rubbing: f"{_2},{_2},{_2},f8,i8,f8",
     }
 )
 SIGNATURES: Mapping[Kernel, tuple[str | type, ...]] = MappingProxyType(  # the arguments in turn: types, or a group of them
@@ -54,10 +54,10 @@ SIGNATURES: Mapping[Kernel, tuple[str | type, ...]] = MappingProxyType(  # the a
         ),
         geared.contact_steps: (geared.GearPath, f"{_3},{_2}", geared.Rounding, geared.Clipping, geared.Play, "i8,f8,i8,i8"),
         sampled.sampled_steps: (f"{_2},{_3},{_2},{_2},f8,b1,{_3},{_1},i8,i8",),
-        friction.friction_steps: (f"{_2},{_2},{_2},{_2}", friction.Actuators, friction.Rubbing, "f8"),
+        sampled.friction_steps: (f"{_2},{_2},{_2},{_2}", sampled.Actuators, sampled.Rubbing, "f8"),
     }
 )
-MODULES = clipped, friction, geared, limit_crossings, recursion, sampled, small_matrices  # their other functions are parts of the kernels
+MODULES = clipped, geared, limit_crossings, recursion, sampled, small_matrices  # their other functions are parts of the kernels
 OPTIONS: Mapping[str, Any] = MappingProxyType({"nogil": True, "error_model": "numpy", "fastmath": {"contract"}})
 KERNELS_VARIABLE = "OBSERVER_LAB_KERNELS"  # "off" in the environment: the plain ways only
 DONE = "complete"  # a file in the cache that says that all kernels are in it

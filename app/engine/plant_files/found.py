@@ -9,8 +9,7 @@ from types import MappingProxyType
 import numpy as np
 
 from ..systems.errors import EngineError
-from .input_gate import matrix, scalar, vector
-from .values import OBJECT, Entry, Unread
+from .input_gate import OBJECT, Entry, Unread, matrix, scalar, vector
 
 __all__ = ["HARMLESS", "MATRICES", "MEANINGS", "NOT_SUPPORTED", "RATES", "Found", "meaning", "plain"]
 

@@ -7,8 +7,7 @@ import numpy as np
 from ..systems.errors import EngineError
 from ..systems.fractions import Fraction, zeros_and_poles
 from .found import Found
-from .input_gate import number, scalar
-from .values import Entry, Unread
+from .input_gate import Entry, Unread, number, scalar
 
 __all__ = ["fractions"]
 

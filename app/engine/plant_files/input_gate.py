@@ -4,17 +4,34 @@ from __future__ import annotations
 
 import json
 import os
+from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from ..systems.errors import EngineError, Phrase, phrase
-from .values import Entry, Unread
 
-__all__ = ["MAX_BYTES", "MAX_STATES", "bytes_of", "check_size", "kind_of", "matrix", "number", "parse", "scalar", "text_of", "vector"]
+__all__ = [
+    "MAX_BYTES",
+    "MAX_STATES",
+    "OBJECT",
+    "Entry",
+    "Unread",
+    "bytes_of",
+    "check_size",
+    "kind_of",
+    "matrix",
+    "number",
+    "parse",
+    "scalar",
+    "text_of",
+    "vector",
+]
 
 MAX_STATES, MAX_BYTES = 200, 1_000_000
+OBJECT = phrase("an object")
 
 
 def check_size(count: int) -> None:
@@ -177,3 +194,15 @@ def text_of(data: bytes) -> str:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as problem:
         raise EngineError("The JSON file must be UTF-8 text; choose UTF-8 as its encoding when you save it in your editor.") from problem
+
+
+@dataclass(frozen=True)
+class Unread:
+    """A variable that is there but cannot be read: `what` it is in words, and the class `of` an object."""
+
+    what: str
+    of: str = ""
+
+
+# float array (r×c), text, number or truth of JSON, None, list, fields by name, or what cannot be read
+Entry = np.ndarray | str | float | bool | None | list | Mapping | Unread

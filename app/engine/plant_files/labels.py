@@ -11,7 +11,7 @@ import numpy as np
 from ..systems.errors import EngineError, phrase
 from ..systems.plant import Plant
 from .found import Found
-from .values import Entry
+from .input_gate import Entry
 
 __all__ = ["MAX_NAME", "labels_of", "labels_record"]
 

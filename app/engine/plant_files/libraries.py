@@ -10,8 +10,7 @@ import numpy as np
 
 from ..systems.errors import EngineError
 from ..systems.gates.argument_checks import takes
-from ..systems.gates.plant_gate import PLANT
-from ..systems.libraries import fractions_of, period_of
+from ..systems.gates.plant_gate import PLANT, fractions_of, period_of
 from ..systems.plant import Plant
 from .build import bounded, realised
 

@@ -10,9 +10,8 @@ from types import MappingProxyType
 import numpy as np
 
 from ..systems.errors import phrase
-from .input_gate import MAX_STATES
+from .input_gate import MAX_STATES, Entry, Unread
 from .mat_level5 import unreadable
-from .values import Entry, Unread
 
 __all__ = ["is_level4", "read_level4"]
 

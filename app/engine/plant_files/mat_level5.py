@@ -14,8 +14,7 @@ from types import MappingProxyType
 import numpy as np
 
 from ..systems.errors import EngineError, phrase
-from .input_gate import MAX_STATES
-from .values import OBJECT, Entry, Unread
+from .input_gate import MAX_STATES, OBJECT, Entry, Unread
 
 __all__ = ["read_level5", "unreadable"]
 

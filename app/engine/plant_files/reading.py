@@ -14,12 +14,11 @@ from ..systems.gates.argument_checks import NAME, instance, takes
 from ..systems.plant import Plant
 from .build import Content, built
 from .found import Found
-from .input_gate import MAX_BYTES, bytes_of, kind_of, parse, text_of
+from .input_gate import MAX_BYTES, Entry, bytes_of, kind_of, parse, text_of
 from .labels import spread
 from .mat_level4 import is_level4, read_level4
 from .mat_level5 import read_level5
 from .octave_text import is_octave_text, read_octave_text
-from .values import Entry
 
 __all__ = ["from_json", "from_mat", "load_plant", "read_content", "read_plant"]
 

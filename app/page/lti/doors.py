@@ -33,10 +33,10 @@ from ..access.handshake import DoorRequest, plain_answer, text_answer
 from ..words import phrases
 from .browser_cookies import SealedCookies
 from .deep_link import choice_page, form_origin, points_of
+from .fetching import LtiRefused
 from .key_sets import KeySets, KeysWantedError
 from .keys import ToolKeys
 from .launch import Launch, read_launch, verified_claims
-from .refusals import LtiRefused
 from .scores import Scores
 from .settings import LtiSettings, Platform
 

@@ -1,4 +1,4 @@
-"""Ask a platform for keys and access tokens, and give it points; bounded in time and size."""
+"""Ask a platform for keys and access tokens, and give it points, bounded in time and size; or refuse."""
 
 from __future__ import annotations
 
@@ -11,11 +11,19 @@ from collections.abc import Mapping
 from typing import Any
 from urllib.parse import urlencode
 
-from .refusals import LtiRefused
+from ..access.access_policy import Refusal
 
 TIMEOUT_S = 5.0  # s for an answer of a platform
 MAX_ANSWER_BYTES = 256 * 1024  # bytes of an answer that are read
 BAD_GATEWAY = 502
+
+
+class LtiRefused(Exception):
+    """A launch, or an answer of a platform, that is not accepted; one sentence says why."""
+
+    def __init__(self, words: str, status: int = 403) -> None:
+        super().__init__(words)
+        self.refusal = Refusal(status, words)
 
 
 class _NoRedirect(urllib.request.HTTPRedirectHandler):

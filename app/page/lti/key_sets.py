@@ -16,9 +16,8 @@ from typing import Any
 
 import jwt
 
-from .fetching import BAD_GATEWAY, TIMEOUT_S, fetch_json
+from .fetching import BAD_GATEWAY, TIMEOUT_S, LtiRefused, fetch_json
 from .keys import ALGORITHM
-from .refusals import LtiRefused
 from .settings import Platform
 
 KEPT_S = 3600.0  # s for which a key set is not asked for again

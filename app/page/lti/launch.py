@@ -13,9 +13,9 @@ from urllib.parse import parse_qs, urlsplit
 
 import jwt
 
+from .fetching import LtiRefused
 from .key_sets import KeySets
 from .keys import ALGORITHM
-from .refusals import LtiRefused
 from .settings import MAX_NAME_CHARACTERS, Platform, is_web_address
 
 CLAIM = "https://purl.imsglobal.org/spec/lti/claim/"

@@ -12,10 +12,9 @@ from collections.abc import Callable
 from datetime import UTC, datetime
 from urllib.parse import urlsplit, urlunsplit
 
-from .fetching import BAD_GATEWAY, post_form, post_json
+from .fetching import BAD_GATEWAY, LtiRefused, post_form, post_json
 from .keys import ToolKeys
 from .launch import SCORE_SCOPE
-from .refusals import LtiRefused
 from .settings import Platform
 
 SCORE_TYPE = "application/vnd.ims.lis.v1.score+json"

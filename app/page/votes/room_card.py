@@ -11,7 +11,7 @@ import viser
 from ...classroom.room import RoomView
 from ...classroom.votes import DISCUSS_S, Vote
 from ...course.scenes import Choose, Move
-from ...session.commands.base import Command
+from ...session.commands.commands import Command
 from ...session.commands.room import (
     AskPole,
     AskSketch,

@@ -10,8 +10,14 @@ from collections.abc import Callable, Mapping
 import msgspec
 
 from ...text import Text
-from .base import Command as Command
-from .base import Notice
+
+
+class Command(msgspec.Struct, frozen=True):
+    """What a person asks of a tab."""
+
+
+class Notice(Command, frozen=True):
+    """What a browser, the room or a background job says by itself: nobody has asked for anything."""
 
 
 class SetKnobs(msgspec.Struct, frozen=True):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ...course.handin.course_file import Kind
 from ...course.handin.learner import Report
-from .base import Command, Notice
+from .commands import Command, Notice
 
 
 class AnswerExam(Command, frozen=True):

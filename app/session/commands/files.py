@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 
 from ...course.lesson import Lesson
 from ...text import Text
-from .base import Command, Notice
+from .commands import Command, Notice
 
 
 class DownloadFile(Command, frozen=True):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .base import Command
+from .commands import Command
 
 
 class SetMode(Command, frozen=True):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ...course.lesson import Lesson
-from .base import Command, Notice
+from .commands import Command, Notice
 
 
 class UploadRecord(Command, frozen=True):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ...classroom.room import RoomView
-from .base import Command, Notice
+from .commands import Command, Notice
 
 
 class OpenVote(Command, frozen=True):

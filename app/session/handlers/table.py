@@ -12,8 +12,8 @@ from types import MappingProxyType
 import msgspec
 
 from ..commands import commands, exams, files, guide, records, room
-from ..commands.base import Command
-from . import design, downloads, lectures, lesson_reload, page, pins, playback, sharing, tasks
+from ..commands.commands import Command
+from . import design, downloads, kept_designs, lectures, lesson_reload, page, playback, sharing, tasks
 from . import exams as exam
 from . import guide as path
 from . import records as record
@@ -67,15 +67,15 @@ HANDLERS: Mapping[type[Command], Callable[..., object]] = MappingProxyType({
     commands.SaveState: sharing.save_state,
     files.DownloadFile: downloads.download_file,
     files.FileReady: downloads.take_file,
-    files.PinDesign: pins.pin,
-    files.Unpin: pins.unpin,
-    files.OpenPin: pins.open_pin,
-    files.ToggleGhost: pins.toggle_ghost,
-    files.GoToStep: pins.go_to_step,
-    files.SaveDesign: pins.save_design,
-    files.OpenSavedDesign: pins.open_saved_design,
-    files.DeleteSavedDesign: pins.delete_saved_design,
-    files.ClearBrowser: pins.clear_browser,
+    files.PinDesign: kept_designs.pin,
+    files.Unpin: kept_designs.unpin,
+    files.OpenPin: kept_designs.open_pin,
+    files.ToggleGhost: kept_designs.toggle_ghost,
+    files.GoToStep: kept_designs.go_to_step,
+    files.SaveDesign: kept_designs.save_design,
+    files.OpenSavedDesign: kept_designs.open_saved_design,
+    files.DeleteSavedDesign: kept_designs.delete_saved_design,
+    files.ClearBrowser: kept_designs.clear_browser,
     commands.OpenLesson: page.open_lesson,
     commands.TurnPage: page.turn_page,
     files.LessonsChanged: lesson_reload.take_changed_lessons,

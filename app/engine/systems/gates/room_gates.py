@@ -10,10 +10,9 @@ from typing import Any, ParamSpec, TypeVar
 import numpy as np
 
 from ..errors import EngineError
-from ..libraries import plant_like
 from ..plant import Plant
 from .checked_calls import Taken, with_checks
-from .plant_gate import PlantGate
+from .plant_gate import PlantGate, plant_like
 
 __all__ = ["with_gates"]
 
