@@ -1,4 +1,4 @@
-"""Show below a record on its panel innovations, an error, a standard deviation or singular values."""
+"""Paint values over the rows of a record, and show below it what a filter says of them."""
 
 from __future__ import annotations
 
@@ -13,13 +13,17 @@ from observer_lab.text import NO_WORDS, Text, text
 
 from .fusion import EVERY
 from .knobs import DEVIATION, ERROR, INNOVATIONS, VALUES
-from .painting import FREE, band_colour, paint, paler
 
 SHARE = 0.4  # of the panel's height
 SPREADS, REACH = 2.0, 6.0  # standard deviations of an innovation: of the band, and of the upper edge as the fit has it
 HEADROOM, MOST = 1.25, 10  # from the largest value to the upper edge; singular values that are shown
 HIGHEST = 1.05  # a correlation that reaches the upper edge
 RULE = 0.5  # how far the line at 0 goes toward white
+COLUMNS, ROWS = 1040, 500  # pixels of the panel
+HALF, FINE = 4, 8  # pixels to either side of the trace; places in a column at which it is read
+FREE = 0.08  # of a picture's height, above and below
+EXPECTED, TINT = "estimate", 0.35  # of a band of what is expected: role, share of its colour
+GROUND, FITTED, RULED, RULES = "paper", "floor", "chart-grid", 20  # of the panel, of the part of the fit, of its rules; how many there are
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,3 +115,44 @@ def paint_below(image: np.ndarray, below: Below, first: int, start: float) -> No
         paint(image, inner, level, level, start, paler("dark", RULE))
     for line in below.lines:
         paint(image, inner, rows(line.values), rows(line.values), start, np.array(rgb(COLOURS[line.role]), np.uint8))
+
+
+def paler(role: str, share: float) -> np.ndarray:
+    """A role's colour, by a share toward white."""
+    return (np.array(rgb(COLOURS[role])) * (1 - share) + 255 * share).astype(np.uint8)
+
+
+def band_colour() -> np.ndarray:
+    """The estimate's colour, as it looks on paper."""
+    return paler(EXPECTED, 1 - TINT)
+
+
+def ruled(split: float) -> np.ndarray:
+    """The panel's pixels before anything is painted: paper with upright rules, greyer over this share of the width from the left."""
+    image = np.empty((ROWS, COLUMNS, 3), np.uint8)
+    image[:] = rgb(COLOURS[GROUND])
+    image[:, np.arange(1, RULES) * COLUMNS // RULES] = rgb(COLOURS[RULED])
+    image[:, : round(split * COLUMNS)] = rgb(COLOURS[FITTED])
+    return image
+
+
+def row_of(image: np.ndarray, y: np.ndarray, ends: tuple[float, float]) -> np.ndarray:
+    """On which row of pixels values stand."""
+    low, high = ends
+    return ((high - y) / (high - low) * (1 - 2 * FREE) + FREE) * len(image)
+
+
+def paint(image: np.ndarray, ends: tuple[float, float], low: np.ndarray, high: np.ndarray, start: float, colour: np.ndarray) -> None:
+    """Fill the space between two traces of all rows of the record, or draw one, from a share of the width on."""
+    count, left = len(low), round(start * COLUMNS)
+    places = (np.arange(COLUMNS)[:, None] + np.linspace(0, 1, FINE)) / COLUMNS * (count - 1)
+    samples = np.arange(count)
+    top = row_of(image, np.interp(places, samples, high), ends).min(axis=1)
+    foot = row_of(image, np.interp(places, samples, low), ends).max(axis=1)
+    column = np.minimum(samples * COLUMNS // max(count - 1, 1), COLUMNS - 1)
+    np.minimum.at(top, column, row_of(image, high, ends))
+    np.maximum.at(foot, column, row_of(image, low, ends))
+    rows = np.arange(len(image))[:, None]
+    inside = (rows >= np.maximum(top.astype(int) - HALF, 0)) & (rows <= foot.astype(int) + HALF)
+    inside[:, :left] = False
+    image[inside] = colour

@@ -28,8 +28,7 @@ from observer_lab.plants.bodies.body import (
 from observer_lab.plants.bodies.own_body import GLASS_COLOUR, MOST_ARROWS
 from observer_lab.text import text
 
-from .below import NOTHING_BELOW, Below, paint_below
-from .painting import COLUMNS, FREE, ROWS, band_colour, paint, row_of, ruled
+from .below import COLUMNS, FREE, NOTHING_BELOW, ROWS, Below, band_colour, paint, paint_below, row_of, ruled
 
 PANEL_WIDTH, PANEL_HIGH, PANEL_FOOT = 5.2, 2.5, 0.3  # stage units: of the panel, a little above the floor
 PANEL_DEEP, FRAME = 0.78, 0.07  # stage units: how far behind the middle of the stage it stands; of its frame

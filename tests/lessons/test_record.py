@@ -19,9 +19,9 @@ from observer_lab.course.scenes import entry_values
 from observer_lab.engine import Plant, to_json
 from observer_lab.engine.identification import read_record
 from observer_lab.lessons import LESSONS
+from observer_lab.lessons.record.below import COLUMNS, band_colour
 from observer_lab.lessons.record.data import TRUTHS, record_of
 from observer_lab.lessons.record.own import with_record
-from observer_lab.lessons.record.painting import COLUMNS, band_colour
 from observer_lab.lessons.record.study import Study
 from observer_lab.lessons.record.trace import ASIDE, EXACT, FAULT, OUTPUT, READINGS, RING, STRIP
 from observer_lab.page.stage.body_extent import reach

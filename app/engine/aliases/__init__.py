@@ -1,9 +1,8 @@
 """Answer to the field's common names as python-control or MATLAB does: ss, tf, care, gram, kalman, …"""
 
 from ..systems.gates.room_gates import with_gates
-from .estimators import estim, kalman
 from .field_names import acker, care, ctrb, dare, dlyap, gram, hsvd, lyap, obsv, poles, zeros
-from .plants import c2d, d2c, ss, tf
+from .plants import c2d, d2c, estim, kalman, ss, tf
 
 __all__ = [
     "acker",
