@@ -31,7 +31,7 @@ from observer_lab.engine import Plant, Scenario, simulate
 from observer_lab.export.data.data import HEADER, csv_rows, plain, run_record, save_csv
 from observer_lab.export.figures import fonts
 from observer_lab.export.figures.figure import SUFFIXES, ExportError, draw_page, save_figures
-from observer_lab.export.figures.line_breaks import text_width_em, wrap
+from observer_lab.export.figures.style import text_width_em, wrap
 from observer_lab.text import label_in_language, same, text
 
 T = np.linspace(0.0, 2.0, 120)

@@ -12,8 +12,7 @@ from observer_lab.course.knobs import KnobError
 from observer_lab.lessons import LESSONS
 from observer_lab.page.viser_private.browser_storage import check_browser_memory
 from observer_lab.page.viser_private.message_transport import pack_any_text
-from observer_lab.session.state.saved_designs import read_saved_designs
-from observer_lab.session.state.saved_state import VERSION, check_state, read_state
+from observer_lab.session.state.saved_state import VERSION, check_state, read_saved_designs, read_state
 from observer_lab.session.state.tab_memory import read_memory
 from observer_lab.session.state.token import packed, read_token
 from observer_lab.text import read_outside_json, replace_surrogates

@@ -2,13 +2,12 @@
 
 from .bank import bank_routine
 from .design import DeviceDesign, design_of_controller, design_of_filter, design_of_run, watching
-from .device import Device
 from .extended import Equations, extended_routine
 from .kalman import kalman_routine
 from .language import StepError, check_step
 from .linear import HELD_READINGS, linear_routine, sampled_observer
 from .observer import observer_routine
-from .routine import Routine, Table
+from .routine import Device, Routine, Table
 from .sampling import DeviceError, SampledDesign, sample_design
 
 __all__ = [

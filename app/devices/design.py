@@ -14,11 +14,10 @@ from ..engine.simulation import Run
 from ..engine.systems import discretise
 from ..text import Text, text
 from . import kalman, observer
-from .device import Device
 from .kalman import kalman_routine
 from .linear import linear_routine
 from .observer import observer_routine
-from .routine import Routine
+from .routine import Device, Routine
 from .sampling import DeviceError, SampledDesign, sample_design
 
 __all__ = ["DeviceDesign", "design_of_controller", "design_of_filter", "design_of_run", "watching"]

@@ -11,7 +11,7 @@ from observer_lab.course.figures.records import Curve, LineFigure
 from observer_lab.engine import Plant
 from observer_lab.text import joined, same, text
 
-from ..toolkit.shares import percent
+from ..toolkit.latex import percent
 
 HORIZON_STEPS = 80
 HORIZON_TAB = text("Finite horizon")

@@ -17,7 +17,7 @@ from observer_lab.plants import Signal
 from observer_lab.text import Text, format_number, same, text, text_in
 
 from ..toolkit.figures import TIME_TAB
-from ..toolkit.shares import apart
+from ..toolkit.latex import apart
 from .knobs import UPDATE
 from .study import Look, S, Setting, Study, bias_is_judged, holds
 

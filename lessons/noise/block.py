@@ -25,8 +25,7 @@ from observer_lab.text import Text, text
 
 from ..toolkit.diagram import loop
 from ..toolkit.knobs import held, untouched
-from ..toolkit.latex import matrix, number
-from ..toolkit.shares import percent
+from ..toolkit.latex import matrix, number, percent
 from .knobs import BY_SPEED, DT, HORIZON, IM_HIGH, MODEL, POLES, RE_HIGH, RE_LOW, SPRING_PLANT, VELOCITY
 from .study import Look, Setting, Study, Sweep, Trials
 

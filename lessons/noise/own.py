@@ -20,8 +20,7 @@ from observer_lab.text import Text, text
 from ..toolkit.boards import stage
 from ..toolkit.gains import injection, judged, noise_units
 from ..toolkit.knobs import run_knobs
-from ..toolkit.latex import gain_words
-from ..toolkit.shares import percent
+from ..toolkit.latex import gain_words, percent
 from .figures import figures
 from .knobs import BY_POLES
 from .study import Look, Setting, Study, Sweep, compute

@@ -14,8 +14,7 @@ from observer_lab.plants.signal_names import signal_name
 from observer_lab.text import NO_WORDS, Text, format_number, joined, same, text, text_in
 
 from ..toolkit.figures import block_colours
-from ..toolkit.latex import tiny
-from ..toolkit.shares import apart
+from ..toolkit.latex import apart, tiny
 from .analyses import Margins, Noise, Refusal, Trial
 from .study import largest
 

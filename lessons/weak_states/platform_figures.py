@@ -10,7 +10,7 @@ from observer_lab.course.lazy import TabFigures, tab_figures
 from observer_lab.course.lesson import Outcome
 from observer_lab.text import Text, format_number, same, subscript, text, text_in
 
-from ..toolkit.shares import apart, more
+from ..toolkit.latex import apart, more
 from .balanced_platform import STATE_COUNT, believed, closed_forms, relative, sigmas
 from .body import MAX_DRAWN_MOTION, PARTS, share, swing
 from .figures import HANKEL_TAB, MOTION_TAB, bars, show

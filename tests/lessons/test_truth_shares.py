@@ -17,7 +17,7 @@ from observer_lab.course.lesson import Lesson
 from observer_lab.lessons.kalman.lesson import LESSON as KALMAN
 from observer_lab.lessons.noise.lesson import LESSON as NOISE
 from observer_lab.lessons.sandbox.lesson import LESSON as SANDBOX
-from observer_lab.lessons.toolkit.shares import percent
+from observer_lab.lessons.toolkit.latex import percent
 from observer_lab.lessons.virtual_sensor.lesson import LESSON as CORE
 
 ROUNDED = re.compile(r"\{(\w+):\.0f\} ?%")

@@ -10,8 +10,7 @@ from observer_lab.session.commands.commands import MemoryRecalled, OpenLesson, O
 from observer_lab.session.commands.files import ClearBrowser, DeleteSavedDesign, OpenSavedDesign, PinDesign, SaveDesign
 from observer_lab.session.handlers.kept_designs import NAME_IT, NO_ROOM, NO_SUCH, TOO_MANY_SAVED
 from observer_lab.session.session import Session
-from observer_lab.session.state.saved_designs import MAX_SAVED_DESIGNS, read_saved_designs
-from observer_lab.session.state.saved_state import SavedState
+from observer_lab.session.state.saved_state import MAX_SAVED_DESIGNS, SavedState, read_saved_designs
 from observer_lab.session.state.token import write_token
 
 LESSONS = {name: toy(name) for name in ("first", "second")}

@@ -1,4 +1,4 @@
-"""Choose the range that the vertical axis of a chart shows, and keep it while a knob moves."""
+"""Choose the range that an axis shows, keep it while a knob moves, and number a logarithmic one."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ...text import superscript
 from .curves import finite
 from .records import LineFigure
 
 LOG_AXIS_FLOOR = 1e-12  # the lowest value that a logarithmic axis shows
-
 
 NICE_STEPS, FINE_STEPS = (1.0, 2.0, 2.5, 5.0, 10.0), (1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)
 
@@ -74,3 +74,27 @@ def steady_range(figure: LineFigure, last: tuple[float, float] | None, resting: 
         inside = last[0] <= wanted[0] and wanted[1] <= last[1]
         loose = last[1] - last[0] > 4.1 * (wanted[1] - wanted[0])
     return last if inside and not loose else wanted
+
+
+def decades(low: float, high: float, most: int = 6) -> tuple[tuple[float, ...], tuple[str, ...]]:
+    """Powers of ten within [low, high], about `most` of them at most, and their names: 0.1, 1, 10, 10³.
+
+    A range that holds fewer than three of them, which would hardly be a scale, is marked at 1, 2 and 5 as well.
+    """
+    first, last = math.ceil(math.log10(low) - 1e-9), math.floor(math.log10(high) + 1e-9)
+    if last - first < 2:
+        finer = [m * 10.0 ** k for k in range(first - 1, last + 1) for m in (1, 2, 5)]
+        kept = tuple(v for v in finer if low * (1 - 1e-9) <= v <= high * (1 + 1e-9))
+        return kept, tuple(named(v) for v in kept)
+    step = max(1, math.ceil((last - first + 1) / most))
+    powers = range(last - (last - first) // step * step, last + 1, step)
+    return tuple(10.0 ** k for k in powers), tuple(named(10.0 ** k) for k in powers)
+
+
+def named(value: float) -> str:
+    """0.02, 5, 100, 10³, 2·10⁻⁴."""
+    power = math.floor(math.log10(value) + 1e-9)
+    if -2 <= power <= 2:
+        return f"{value:.6g}"
+    times = round(value / 10.0 ** power)
+    return ("" if times == 1 else f"{times}·") + "10" + superscript(power)

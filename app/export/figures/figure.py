@@ -18,9 +18,8 @@ from ...colours import COLOURS
 from ...course.figures.diagram import SIZE
 from ...course.figures.records import DiagramFigure, Figure, GaugeFigure, LineFigure, MapFigure, MatrixFigure, PlaneFigure, TableFigure
 from ...text import label_in_language
-from .line_breaks import wrap
 from .panels import draw_gauges, draw_lines, draw_map, draw_matrix, draw_plane, draw_table
-from .style import INK_COLOUR, SMALL_PT, TITLE_PT, escape_mathtext, export_style
+from .style import INK_COLOUR, SMALL_PT, TITLE_PT, escape_mathtext, export_style, wrap
 
 __all__ = [
     "SUFFIXES",

@@ -13,14 +13,12 @@ from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter
 from scipy.ndimage import distance_transform_cdt
 
 from ...colours import COLOURS
-from ...course.figures.decade_axes import decades
 from ...course.figures.matrix_figure import FULL
-from ...course.figures.ranges import LOG_AXIS_FLOOR, axis_range
+from ...course.figures.ranges import LOG_AXIS_FLOOR, axis_range, decades
 from ...course.figures.records import Curve, GaugeFigure, LineFigure, MapFigure, MatrixFigure, PlaneFigure, TableFigure, finite
 from ...text import format_number, label_in_language, symbol
 from .curve_labels import label_curves
-from .line_breaks import text_width_em
-from .style import GRID_COLOUR, INK_COLOUR, RULE_COLOUR, SMALL_PT, curve_style, escape_mathtext
+from .style import GRID_COLOUR, INK_COLOUR, RULE_COLOUR, SMALL_PT, curve_style, escape_mathtext, text_width_em
 
 __all__ = ["draw_gauges", "draw_lines", "draw_map", "draw_matrix", "draw_plane", "draw_table", "shade"]
 

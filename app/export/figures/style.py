@@ -1,8 +1,10 @@
-"""Set the look of exported figures: thin axes, serif mathematics, the page's colours."""
+"""Set the look of exported figures: thin axes, serif mathematics, the page's colours, caption lines."""
 
 from __future__ import annotations
 
+import re
 import threading
+import unicodedata
 import warnings
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -24,6 +26,7 @@ MATPLOTLIB_DASHES: Mapping[Dash, Any] = MappingProxyType({
     "pin3": (0, (8.0, 2.5, 1.5, 2.5)), "pin4": (0, (5.0, 1.6, 1.6, 1.6, 1.6, 1.6))})
 
 _LOCK = threading.Lock()  # matplotlib's settings belong to the process: one drawing at a time
+NEVER_FIRST = "，。；：、！？）》”’,.;:!?)%"
 
 
 @contextmanager
@@ -55,3 +58,21 @@ def curve_style(curve: Curve) -> dict[str, Any]:
 def escape_mathtext(text: str) -> str:
     """A text as it stands, a dollar sign included: mathematics would take Chinese and index figures from it."""
     return text.replace("$", r"\$")
+
+
+def text_width_em(text: str) -> float:
+    """About how many em a text takes: 1 for a Chinese character, half of it for a Latin letter."""
+    return sum(1.0 if unicodedata.east_asian_width(c) in "WF" else 0.0 if unicodedata.combining(c) else 0.5
+               for c in text)
+
+
+def wrap(text: str, em: float) -> list[str]:
+    """The text in lines of at most `em` em, as far as its words allow."""
+    lines, line = [], ""
+    for piece in re.findall(r"[^\S\n]+|[\u2e80-\u9fff\uff00-\uffef“”]|[^\s\u2e80-\u9fff\uff00-\uffef“”]+", text):
+        if line and text_width_em(line + piece.rstrip()) > em and piece[0] not in NEVER_FIRST:
+            lines.append(line.rstrip())
+            line = piece.lstrip()
+        else:
+            line += piece
+    return [*lines, line.rstrip()] if line.strip() else lines

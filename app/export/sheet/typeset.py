@@ -14,8 +14,7 @@ from typing import Any
 from matplotlib.figure import Figure as Page
 from matplotlib.mathtext import MathTextParser
 
-from ..figures.line_breaks import NEVER_FIRST
-from ..figures.style import escape_mathtext
+from ..figures.style import NEVER_FIRST, escape_mathtext
 
 __all__ = ["Piece", "lines_of", "readable", "set_line"]
 

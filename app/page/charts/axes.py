@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 from ...colours import COLOURS
-from ...course.figures.decade_axes import decades
+from ...course.figures.ranges import decades
 from .text_layout import LARGE_PRINT_PX, Box, fold_lines, text_width
 
 W, H = 360, 254

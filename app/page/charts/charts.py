@@ -12,8 +12,7 @@ import viser
 
 from ...colours import COLOURS
 from ...course.figures.curves import thin_samples
-from ...course.figures.decade_axes import decades
-from ...course.figures.ranges import LOG_AXIS_FLOOR, steady_range
+from ...course.figures.ranges import LOG_AXIS_FLOOR, decades, steady_range
 from ...course.figures.records import Curve, Figure, LineFigure, same_axis, same_key
 from ...session.commands.commands import Edit, SetKnobs
 from ...session.state.view import Picture

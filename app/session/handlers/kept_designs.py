@@ -7,8 +7,7 @@ from dataclasses import replace
 from ...course.knobs import KnobError
 from ...course.pinned_designs import MAX_PINS, Pin, next_pin_letter
 from ...text import text
-from ..state.saved_designs import MAX_SAVED_BYTES, MAX_SAVED_DESIGNS, SavedDesign
-from ..state.saved_state import SavedState, read_state, write_state
+from ..state.saved_state import MAX_SAVED_BYTES, MAX_SAVED_DESIGNS, SavedDesign, SavedState, read_state, write_state
 from ..state.validate import check_name, check_number
 from .lesson_reload import drop_own_lessons
 from .presenter import Presenter

@@ -11,7 +11,7 @@ from dataclasses import replace
 
 from ...course.knobs import KnobError
 from ...text import text
-from ..state.saved_designs import read_saved_designs
+from ..state.saved_state import read_saved_designs
 from ..state.tab_memory import TabMemory, read_memory
 from ..state.validate import check_number, check_pixels
 from . import sharing

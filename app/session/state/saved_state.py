@@ -1,4 +1,4 @@
-"""Write and read a tab's state as JSON for links, files and reloads.
+"""Write and read as JSON a tab's state, for links, files and reloads, and the designs a browser keeps.
 
 One record for all of them, plain data that JSON can hold; `token` packs it for a link. It has been out of our hands when
 it comes back, so all of it is judged anew.
@@ -33,6 +33,8 @@ LESSON_FIELDS = frozenset({"predicted", "revealed", "again", "tasks", "exam", "e
 NO_STATE = text("This is not a design of Observer Lab; save one with the app and give that.")
 TOO_LARGE = text("The design holds a number or a nesting too large for a computer; simplify it.")
 OTHER_DEFAULTS = text("The lesson's defaults have changed since this was saved; what it does not name stands as it is today.")
+MAX_SAVED_DESIGNS = 60  # designs that are kept
+MAX_SAVED_BYTES = 60_000  # bytes that all of them take: what a browser keeps comes back in one message, which has its bound
 
 
 @dataclass(frozen=True)
@@ -214,3 +216,35 @@ def _shown(lesson: Lesson, design: Design) -> Iterator[tuple[str, str]]:
 def _rounded(value: float) -> float | int:
     short = round(value, 2)
     return int(short) if short == int(short) else short
+
+
+@dataclass(frozen=True)
+class SavedDesign:
+    """A design under a name: `words` are those of a saved state, judged when it is opened."""
+
+    name: str
+    lesson: str
+    words: str
+
+
+def read_saved_designs(written: str | None, lessons: Mapping[str, Lesson]) -> tuple[SavedDesign, ...]:
+    """What a browser says that it keeps; whatever is no design under a name is passed over."""
+    try:
+        data = read_outside_json(written) if written and len(written) <= 10 * MAX_SAVED_BYTES else None
+    except ValueError:
+        return ()
+    found = [SavedDesign(name, lesson, words) for name, words in data.items() if (lesson := _lesson_of(name, words, lessons))
+             ] if isinstance(data, dict) else []
+    return tuple(found[:MAX_SAVED_DESIGNS])
+
+
+def _lesson_of(name: str, words: object, lessons: Mapping[str, Lesson]) -> str | None:
+    """The lesson of what is kept under a name, None if it is not one."""
+    if not isinstance(words, str) or len(words) > MAX_STATE_CHARACTERS or not 0 < len(name) <= LONGEST_NAME or not name.isprintable():
+        return None
+    try:
+        data = read_outside_json(words)
+    except ValueError:
+        return None
+    lesson = data.get("lesson") if isinstance(data, dict) else None
+    return lesson if isinstance(lesson, str) and lesson in lessons else None

@@ -14,7 +14,7 @@ from ...course.pinned_designs import Pin
 from ...course.scenes import Mode, Scene
 from .own_lessons import OwnLessons
 from .record_file import RecordFile
-from .saved_designs import SavedDesign
+from .saved_state import SavedDesign
 from .tab_records import USUAL, ExamState, ManySeeds, Performance, ReplayLoop, TaskState
 
 
