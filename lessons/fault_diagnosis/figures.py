@@ -10,11 +10,10 @@ from observer_lab.course.lesson import Outcome
 from observer_lab.text import NO_WORDS, Text, format_number, joined, listed, same, text, text_in
 
 from .bank_figures import PAIR_TAB, VERDICT_TAB, bank, pair_figures, pair_reach, short
-from .cusum import cusum
 from .diagnosis import DETECTION_POWER
 from .observer_bank import COIL_IDS, DT, FAULT_PLACES, MEMBER_NAMES, PLACE_NAMES, SAMPLE_COUNT, guard
 from .results import BAND_PROBABILITY, Study, Trials
-from .run_length import duration, member_run
+from .run_length import cusum, duration, member_run
 from .runs import KEEP_LOOP_OPEN, NONE, SWITCH_LOOP
 from .sensitivity import TONES, least, least_force
 from .study import between, unknown_coil

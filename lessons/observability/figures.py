@@ -13,10 +13,9 @@ from observer_lab.text import format_number, same, text
 from ..toolkit.latex import pole_words
 from .cases import label, shown, unit
 from .criteria import DET
-from .initial_state import SIGMAS_FOR_95_PERCENT
+from .initial_state import SIGMAS_FOR_95_PERCENT, starts_figures
 from .knob_sweep import LOWEST, Sweep, decades
 from .study import NEARLY_HIDDEN_DISTANCE, Study
-from .two_starts import starts_figures
 
 MATRIX_TAB, CLOUD_TAB, MODES_TAB = text("Matrix"), text("Ellipsoid"), text("Modes")
 CIRCLE_ANGLES_RAD = np.linspace(0.0, 2 * np.pi, 73)

@@ -16,10 +16,9 @@ from ..toolkit.latex import matrix, number, pole_words
 from .bodies import body_of
 from .cases import PLANT_CASES, Case, Sensed, sensed
 from .criteria import Criterion, criteria
-from .initial_state import SIGMAS_FOR_95_PERCENT, Belief, Rebuilt, learn, rebuild
+from .initial_state import SIGMAS_FOR_95_PERCENT, Belief, Rebuilt, TwoStarts, learn, rebuild, two_starts
 from .knob_sweep import Sweep, sweep
 from .knobs import DECK_CASE, MANY_MASSES
-from .two_starts import TwoStarts, two_starts
 
 NEARLY_HIDDEN_DISTANCE = 0.02  # a mode nearer than this to being hidden (in typical sizes) is called nearly hidden
 

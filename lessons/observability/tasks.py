@@ -7,8 +7,8 @@ from observer_lab.course.lesson import Outcome, Task, Verdict, typed_task
 from observer_lab.text import text
 
 from .criteria import DET, GRAMIAN
+from .initial_state import SAME_READING
 from .study import Study
-from .two_starts import SAME_READING
 
 CLEARLY, MAX_WEAKEST_DISTANCE = 0.05, 0.053  # distance of the weakest mode asked of one sensor
 HALF_AXIS_BAND, MIN_NOISE = (0.09, 0.1), 0.03  # half axis of the cloud that two sensors are to leave, and the least noise they have

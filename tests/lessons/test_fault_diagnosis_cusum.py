@@ -8,11 +8,10 @@ import numpy as np
 import pytest
 from scipy.stats import chi2
 
-from observer_lab.lessons.fault_diagnosis.cusum import cusum, run_length, threshold
 from observer_lab.lessons.fault_diagnosis.diagnosis import MEAN, Rule
 from observer_lab.lessons.fault_diagnosis.lesson import LESSON
 from observer_lab.lessons.fault_diagnosis.observer_bank import FAULT_PLACES, guard
-from observer_lab.lessons.fault_diagnosis.run_length import member_run
+from observer_lab.lessons.fault_diagnosis.run_length import cusum, member_run, run_length, threshold
 from observer_lab.lessons.fault_diagnosis.runs import Case, draw, simulate
 
 RECORDS = 14

@@ -7,12 +7,11 @@ import pytest
 from scipy.signal import lfilter
 from scipy.stats import chi2
 
-from observer_lab.lessons.fault_diagnosis.cusum import cusum
 from observer_lab.lessons.fault_diagnosis.diagnosis import ENERGY, MEAN, Rule
 from observer_lab.lessons.fault_diagnosis.job import false_alarms
 from observer_lab.lessons.fault_diagnosis.lesson import LESSON
 from observer_lab.lessons.fault_diagnosis.observer_bank import DT, guard, model
-from observer_lab.lessons.fault_diagnosis.run_length import bank_run, member_run, rate_for, seconds_between
+from observer_lab.lessons.fault_diagnosis.run_length import bank_run, cusum, member_run, rate_for, seconds_between
 from observer_lab.lessons.fault_diagnosis.runs import Case, draw, simulate
 
 SAMPLED = (Rule(), Rule(MEAN, 60, 1e-3), Rule(ENERGY, 1, 1e-3), Rule(MEAN, 10, 0.05), Rule(ENERGY, 150, 3e-3), Rule(ENERGY, 4, 1e-4))
