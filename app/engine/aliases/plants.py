@@ -17,7 +17,7 @@ from ..systems.plant import Plant
 from ..systems.sampling import continuous_of, discretise, from_tustin, tustin
 
 if TYPE_CHECKING:
-    import control
+    import control  # imported where it is used: it takes a second to load
 
 __all__ = ["c2d", "d2c", "estim", "kalman", "ss", "tf"]
 
