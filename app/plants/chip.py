@@ -37,6 +37,7 @@ STAGE_SCALE = 0.02  # stage units per kelvin on the two columns
 CHIP_X, BOARD_TOP = -0.62, 0.30  # middle of the chip, top of the board
 CORE, CASE = 0.95, 1.42  # where the two columns stand
 FOOT_LABEL = -0.4, 0.24  # y and z of their names
+SCALE_X = 1.84  # of the numbers of the scale
 BAR_X, TICK = CORE - 0.31, 0.07  # where the bar of the core's error stands, half the width of its ends
 CORE_LABEL = CHIP_X, -0.42, BOARD_TOP + 0.18  # on the core: its temperature is not measured
 SENSOR_LABEL = CHIP_X + 0.14, -0.56, BOARD_TOP + 0.9  # of what is measured
@@ -86,7 +87,7 @@ def _parts() -> tuple[Part, ...]:
         Part(f"{name} column", Rod(0.085), METAL),
         Part(f"{name} level", Cylinder(0.17, 0.05), PLANT_COLOUR, twin=True),
     ))
-    ticks = tuple(Part(f"tick {i}", Box((1.0 if i == 0 else 0.8, 0.02, 0.03 if i == 0 else 0.014)), METAL)
+    ticks = tuple(Part(f"tick {i}", Box((1.0 if i == 0 else 0.8, 0.02, 0.03 if i == 0 else 0.014)), DARK_GREY)
                   for i in range(3))
     return (
         *feet,
@@ -97,7 +98,7 @@ def _parts() -> tuple[Part, ...]:
         Part("spreader", Box((1.24, 1.1, 0.1)), STEEL),
         *fins,
         Part("sensor", Cylinder(0.08, 0.1), METAL),
-        Part("scale", Box((1.16, 0.05, 1.9)), DARK_GREY),
+        Part("scale", Box((1.16, 0.05, 1.9)), COLOURS["tube"]),
         *ticks,
         *columns,
     )
@@ -168,10 +169,10 @@ def body(parameters: Parameters = Parameters()) -> Body:
 
     return Body(_parts(), pose, arrows, anchors, 1.0, text("Left column: core; right column: case, the only one "
                                                            "measured; a tick every 20 K"),
-                ((text_in("chip", "core"), (CORE, *FOOT_LABEL)), (text_in("chip", "case"), (CASE, *FOOT_LABEL))), names=(
+                ((text_in("chip", "core"), (CORE, *FOOT_LABEL)), (text_in("chip", "case"), (CASE, *FOOT_LABEL)),
+                 *((f"{20 * i} K" if i else "0", (SCALE_X, 0.26, ZERO_LEVEL + 20.0 * i * STAGE_SCALE + 0.07)) for i in range(3))), names=(
         PartName(text("core: no sensor"), "die", (-0.6, -0.75, 0.16)),
         PartName(text("sensor on the case"), "sensor", (-0.2, -0.4, 0.75)),
-        PartName(text("core temperature"), "core level", (0.05, -0.3, 0.45)),
         PartName(GHOST_NAME, "core level", (-0.6, -0.5, -0.3), True),
     ), marks=marks)
 

@@ -73,7 +73,7 @@ def _centre(run: Run, case: Case) -> LineFigure:
     return LineFigure(
         "centre", text("the motion of both blocks together"), run.t,
         (Curve(text("true"), true), Curve(text("estimate"), guess, "estimate", "dash")),
-        "[m]", window=(-0.5, 0.5), tab=TIME_TAB,
+        "[m]", window=(-0.1, 0.1), tab=TIME_TAB,
         caption=text("At the end both blocks are {end:.2g} m off their rest, the estimate is {gap:.2g} m wrong.",
                      end=end, gap=gap))
 

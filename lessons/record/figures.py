@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from observer_lab.course.figures.curves import thin_samples
+from observer_lab.course.figures.ranges import round_up_nicely
 from observer_lab.course.figures.records import Curve, LineFigure, PlaneFigure, Point, TableFigure
 from observer_lab.course.lazy import FigureSet, tab_figures
 from observer_lab.course.lesson import Outcome
@@ -19,7 +20,7 @@ RECORD_TAB, ORDER_TAB, INNOVATIONS_TAB, NIS_TAB, NUMBERS_TAB = (
 SINGLE_WIDTH = 0.6  # px: single values lie behind their mean
 MOST_VALUES = 12  # singular values that are drawn
 WHOLE_CIRCLE = 1.2  # half the side of a square around the unit circle
-TOP, MOST_ARROWS = 4.0, 40  # of the NIS figure: its upper edge, in means; arrows there
+TOP, MOST_ARROWS = 4.0, 40  # of the NIS figure: its least upper edge, in means; arrows there
 
 
 def figures(outcome: Outcome[Study]) -> FigureSet:
@@ -164,26 +165,26 @@ def _whiteness(study: Study) -> PlaneFigure:
 
 
 def _nis(study: Study) -> PlaneFigure:
-    """NIS of each row that judges, its running mean, and the band of the mean at the end; an arrow stands where a value is above TOP."""
+    """NIS of each row that judges, its running mean, and the band of the mean at the end; an arrow stands where a value is above the frame,
+    which has room for the whole mean."""
     judged = study.judged
     seen = np.isfinite(judged.nis.values)
     values = np.nan_to_num(judged.nis.values) / judged.nis.dof
     mean = np.cumsum(values) / np.maximum(np.cumsum(seen), 1)
     mean = mean * judged.mean_nis / mean[-1]  # behind a gate a good filter has a mean below 1; `mean_nis` allows for it
     t, single, running = thin_samples(study.t, values, mean)
-    ends, beyond = np.array([t[0], t[-1]]), np.flatnonzero(values > TOP)
-    arrows = tuple(Point(float(study.t[k]), TOP, "error", "up") for k in beyond[::max(1, -(-len(beyond) // MOST_ARROWS))])
-    if running[-1] > TOP:
-        arrows = (*arrows, Point(float(t[-1]), TOP, "estimate", "up"))
+    top = TOP if judged.mean_nis <= TOP else round_up_nicely(1.3 * judged.mean_nis)
+    ends, beyond = np.array([t[0], t[-1]]), np.flatnonzero(values > top)
+    arrows = tuple(Point(float(study.t[k]), top, "error", "up") for k in beyond[::max(1, -(-len(beyond) // MOST_ARROWS))])
     said = text("A consistent filter has a mean of 1. At the end it is {mean:.3g}; the 99 % band is {low:.2f} to {high:.2f}.",
                 mean=judged.mean_nis, low=judged.band[0], high=judged.band[1])
     if len(beyond):
-        said = joined(said, text("Arrows: {count} of {rows} are larger than {top:g}.", count=len(beyond), rows=len(values), top=TOP))
+        said = joined(said, text("Arrows: {count} of {rows} are larger than {top:g}.", count=len(beyond), rows=len(values), top=top))
     return PlaneFigure("nis", text("normalised innovation squared (NIS)"),
-                       (Curve(text("single NIS"), np.minimum(single, TOP), "fog", width=SINGLE_WIDTH, x=t),
-                        Curve(text("mean so far"), np.minimum(running, TOP), "estimate", width=2.6, x=t),
+                       (Curve(text("single NIS"), np.minimum(single, top), "fog", width=SINGLE_WIDTH, x=t),
+                        Curve(text("mean so far"), np.minimum(running, top), "estimate", width=2.6, x=t),
                         *(Curve(text("band of the whole mean"), np.full(2, edge), "reference", "dash", 1.6, ends) for edge in judged.band)),
-                       arrows, "t [s]", "NIS", (float(t[0]), float(t[-1])), (0.0, TOP), tab=NIS_TAB, caption=said)
+                       arrows, "t [s]", "NIS", (float(t[0]), float(t[-1])), (0.0, top), tab=NIS_TAB, caption=said)
 
 
 def _numbers(outcome: Outcome[Study]) -> TableFigure:

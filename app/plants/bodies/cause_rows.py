@@ -11,7 +11,7 @@ from ...text import Text
 from .body import BENCH, DARK_GREY, PLANT_COLOUR, STEEL, Ball, Box, Part, Pose, Rod, Vector, pose_between
 
 LEFT, RIGHT = -2.3, 2.3  # ends of the steps
-NAMES, TRACK, TRACK_HALF = -1.68, -0.6, 0.4  # x of the names, middle and half of a bead's track
+NAMES, TRACK, TRACK_HALF = -1.72, -0.82, 0.36  # x of the names, middle and half of a bead's track
 ZERO, HALF = 1.06, 1.08  # x of the value 0, and length of a bar of 1
 FIRST_Y, PITCH, STEP, FLOOR = -0.54, 0.16, 0.23, 0.3  # y of the first row; to the next one, and down to it; height of the last
 THIN, THICK, BEAD = 0.06, 0.1, 0.095  # radius of a part's bar, of the sum's, of a bead
