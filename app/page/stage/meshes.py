@@ -79,6 +79,22 @@ def bevelled_cylinder(radius: float, bottom: float, top: float, sides: int = 32)
     return vertices.astype(np.float32), np.concatenate([_strip(4, sides, closed=True), *caps]).astype(np.uint32)
 
 
+@lru_cache(maxsize=128)
+def box_edges(size: tuple[float, float, float]) -> np.ndarray:
+    """The edges of a box around the origin (12, 2, 3)."""
+    signs = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
+    pairs = [(i, j) for i in range(8) for j in range(i + 1, 8) if np.abs(signs[i] - signs[j]).sum() == 2]
+    return (signs[np.array(pairs)] * (np.array(size) / 2)).astype(np.float32)
+
+
+@lru_cache(maxsize=128)
+def rims(radius: float, height: float, sides: int = 32) -> np.ndarray:
+    """The two rims of an upright cylinder around the origin (2 sides, 2, 3)."""
+    angle = 2 * np.pi * np.arange(sides + 1) / sides
+    rings = [np.column_stack([radius * np.cos(angle), radius * np.sin(angle), np.full(sides + 1, z)]) for z in (-height / 2, height / 2)]
+    return np.concatenate([np.stack([ring[:-1], ring[1:]], axis=1) for ring in rings]).astype(np.float32)
+
+
 def _outwards(corners: np.ndarray, faces: np.ndarray) -> np.ndarray:
     """The faces of a body around the origin, each turned so that it is seen from outside."""
     a, b, c = (corners[faces[:, k]] for k in range(3))

@@ -9,7 +9,9 @@ import viser
 from ...colours import rgb
 from ...plants.bodies.body import Ball, Box, Cylinder, Part, Pose, Rod, Shape, Spring
 from ..viser_private.stage_frames import Frame
-from .meshes import Mesh, bevelled_box, bevelled_cylinder, helix
+from .meshes import Mesh, bevelled_box, bevelled_cylinder, box_edges, helix, rims
+
+EDGE, LARGE = 0.013, 0.33  # stage units: a line along an edge; a part so long or wide has them
 
 
 class Solids:
@@ -22,9 +24,13 @@ class Solids:
     def __bool__(self) -> bool:
         return bool(self._nodes)
 
-    def add(self, part: Part, colour: str, opacity: float | None) -> None:
-        """Put a part into the scene."""
-        self._nodes[part.name] = self._node(f"{self._root}/{part.name}", part.shape, colour, opacity)
+    def add(self, part: Part, colour: str, opacity: float | None, edged: bool = False) -> None:
+        """Put a part into the scene, with lines along its edges if it is `edged` and not small: by them a translucent part is seen."""
+        node, shape = f"{self._root}/{part.name}", part.shape
+        self._nodes[part.name] = self._node(node, shape, colour, opacity)
+        if edged and isinstance(shape, Box | Cylinder) and (max(shape.size) if isinstance(shape, Box) else 2 * shape.radius) >= LARGE:
+            lines = box_edges(shape.size) if isinstance(shape, Box) else rims(shape.radius, shape.height)
+            self._scene.add_line_segments(f"{node}/edges", lines, rgb(colour), thickness=EDGE)
 
     def _node(self, name: str, shape: Shape, colour: str, opacity: float | None) -> viser.SceneNodeHandle:
         scene, opaque = self._scene, opacity is None  # these cast a shadow wherever the light does, see `light.js`
