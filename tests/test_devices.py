@@ -4,6 +4,7 @@ import re
 
 import numpy as np
 import pytest
+from all_plants import random_plant
 from device_bodies import SANITIZERS, run_c, write_files
 from laws import each
 
@@ -95,6 +96,13 @@ def test_what_no_device_can_compute_is_refused_in_one_sentence() -> None:
         design_of_run(simulate(Scenario(PLANT, horizon=1.0, dt=0.1)))
     with pytest.raises(DeviceError, match=r"sampled every 0\.1 s already"):
         design_of_run(simulate(Scenario(PLANT, None, L, horizon=1.0, dt=0.1)), 0.2)
+
+
+def test_a_filter_that_rounding_stops_is_refused_in_one_sentence() -> None:
+    """A plant whose numbers span fourteen decades: a variance of its filter becomes negative by rounding."""
+    own = LESSONS["kalman"].fit(random_plant((43, 9)))
+    with pytest.raises(DeviceError, match="other units"):
+        device_files(own, own.compute(own.start()), "token", "c")
 
 
 @each("source", ["x[0] = x[0] ** 2.0", "import os", "x[0] = open('a')", "while x[0] < 1.0:\n    x[0] = 1.0", "x[0] = 1", "x[k] = 1.0",

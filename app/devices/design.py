@@ -33,6 +33,8 @@ OTHER_PERIOD = text("This controller runs every {dt:.6g} s already; leave the pe
 LOOP_UNSTABLE = text("Sampled every {ts:.3g} s the loop is unstable: its largest pole has modulus {radius:.6g}. Choose a shorter period, "
                      "or another controller.")
 LOOP_POLES = text("The largest pole of the sampled loop has modulus {radius:.6g}.")
+ROUNDED_AWAY = text("On this plant rounding makes a variance negative, so a device cannot compute this filter. Write states and outputs in "
+                    "other units, so that their numbers are of similar size.")
 NO_CONTROLLER = text("This controller does nothing, so there is nothing for a device to compute.")
 NOTHING_TO_WATCH = text("This design is a controller without an estimate of the plant's state, so there is nothing to compare "
                         "with a plant.")
@@ -54,8 +56,11 @@ class DeviceDesign:
     loss: tuple[Text, ...] = field(default=())
 
     def expected(self, *, single: bool = False) -> dict[str, np.ndarray]:
-        """The watched tables after each sample, as the plain Python form gives them."""
-        return Device(self.routine, single=single).run(self.y, self.u, self.r, self.routine.watched)
+        """The watched tables after each sample, as the plain Python form gives them. Raises DeviceError where rounding stops it."""
+        try:
+            return Device(self.routine, single=single).run(self.y, self.u, self.r, self.routine.watched)
+        except (ArithmeticError, ValueError) as problem:  # the root of a variance that rounding has made negative, or a division by it
+            raise DeviceError(ROUNDED_AWAY) from problem
 
     def gap(self) -> float | None:
         """The largest difference from the page's estimate over the run, as a share of its largest entry; None where the page has none."""
