@@ -66,13 +66,13 @@ class Curve:
 
 @dataclass(frozen=True, eq=False)
 class Point:
-    """A mark in a plane: a cross (pole), a circle (zero, start), a bolt (a mode that cannot move), hollow (of a pin),
-    up (beyond the upper edge)."""
+    """A mark in a plane: a cross (pole), a circle (zero, start), a ring around other marks, a bolt (a mode that cannot move),
+    hollow (of a pin), up (beyond the upper edge)."""
 
     x: float
     y: float
     role: str = "plant"
-    mark: Literal["cross", "circle", "bolt", "dot", "hollow", "up"] = "cross"
+    mark: Literal["cross", "circle", "ring", "bolt", "dot", "hollow", "up"] = "cross"
     name: Text = NO_WORDS
 
     @property

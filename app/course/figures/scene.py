@@ -39,6 +39,8 @@ class Board:
     pinned: tuple[tuple[int, tuple[complex, ...]], ...] = ()  # poles of pinned designs, by the place of the pin
     placed: tuple[tuple[complex, int], ...] = ()  # poles that a class has placed, with how often each; one of a pair stands for both
     landscape: np.ndarray | None = None  # matrix whose |det(sI − M)|⁻¹ is drawn in front, if any
+    began: tuple[complex, ...] = ()  # where the poles stood when the open scene began, in their order, once some pole has moved
+    loop: tuple[complex, ...] = ()  # poles of the loop that really runs, each in the place of its pole, where it has others
 
     def hold(self, s: complex) -> complex:
         """The point of the window that is nearest to s: a pole beyond the board's edge stands on the edge."""

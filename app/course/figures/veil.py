@@ -1,11 +1,14 @@
-"""Say which figures and boards would answer a lesson's first question."""
+"""Say which figures and boards would answer a question, and what boards keep of how a scene began."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
-from ..scenes import Choose, Question, Scene
+from ..design import Design
+from ..scenes import Choose, Move, Question, Scene
 from .records import Figure
+from .scene import Board
 
 
 def veiled_figures(path: Sequence[Scene], answering: str, figures: Sequence[Figure]) -> tuple[str, ...]:
@@ -27,3 +30,13 @@ def boards_with_question(path: Sequence[Scene]) -> frozenset[str]:
 
 def _asked_at(path: Sequence[Scene]) -> int:
     return next((k for k, scene in enumerate(path) if scene.do == Choose(Question.FIRST)), 0)
+
+
+def boards_with_beginning(boards: Sequence[Board], scene: Scene | None, began: Design | None, now: Design) -> tuple[Board, ...]:
+    """The boards with where their poles stood when the scene began, once a question's answer or a hand has moved one of them."""
+    if began is None or scene is None or not isinstance(scene.do, Choose | Move):
+        return tuple(boards)
+    before = {board.id: began[board.knob] for board in boards if board.knob is not None and now[board.knob] == board.poles}
+    moved = any(before.get(board.id, board.poles) != board.poles for board in boards)
+    same_count = all(len(before[board.id]) == len(board.poles) for board in boards if board.id in before)
+    return tuple(replace(board, began=before.get(board.id, ())) for board in boards) if moved and same_count else tuple(boards)

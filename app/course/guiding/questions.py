@@ -19,6 +19,7 @@ from ..knobs import KnobError
 from ..lesson import Lesson, Outcome
 
 YOU, RUN = text("you"), text("the run")
+YOUR_DIAMONDS, CROSSES_OF_RUN = text("diamonds: you"), text("crosses: the run")
 MAX_SAMPLES = 160  # of a curve in a question's figure
 COLUMNS = 40  # at which a hand draws a curve
 BAR_WIDTH, BAR_GAP = 26.0, 0.19  # px; between the bars of one place, in places
@@ -174,8 +175,12 @@ def _bar(at: float, value: float, name: Text, role: str, side: float = 0.0, dash
 
 
 def question_of_poles(title: Text, known: Sequence[Point], options: Sequence[Sequence[complex]], run: Sequence[complex],
-                      x_label: str = "Re s", y_label: str = "Im s", role: str = "estimate", disc: bool = False) -> DrawnQuestion:
-    """A pole map: what is known, where an option puts the poles that are asked about, and where the run puts them."""
+                      x_label: str = "Re s", y_label: str = "Im s", role: str = "estimate", disc: bool = False,
+                      names: tuple[Text, Text] = (YOU, RUN)) -> DrawnQuestion:
+    """A pole map: what is known, where an option puts the poles that are asked about, and where the run puts them.
+
+    `names` are those of an option's marks and of the run's.
+    """
     every = [complex(p.x, p.y) for p in known] + [complex(s) for each in options for s in each] + [complex(s) for s in run]
     left, right = min(s.real for s in every), max(s.real for s in every)
     tall = max([abs(s.imag) for s in every]) or 0.5 * (right - left) or 1.0
@@ -190,8 +195,8 @@ def question_of_poles(title: Text, known: Sequence[Point], options: Sequence[Seq
         named = max(range(len(poles)), key=apart, default=0)
         return tuple(Point(complex(s).real, complex(s).imag, role, mark, name if k == named else NO_WORDS) for k, s in enumerate(poles))
     before = [complex(p.x, p.y) for p in known]
-    return DrawnQuestion(figure, tuple(marks(each, [*map(complex, run), *before], YOU, "hollow", "reference") for each in options),
-                         marks(run, before, RUN, "cross", role))
+    yours = tuple(marks(each, [*map(complex, run), *before], names[0], "hollow", "reference") for each in options)
+    return DrawnQuestion(figure, yours, marks(run, before, names[1], "cross", role))
 
 
 def _range(curves: Sequence[np.ndarray]) -> tuple[float, float]:

@@ -25,6 +25,7 @@ __all__ = ["draw_gauges", "draw_lines", "draw_map", "draw_matrix", "draw_plane",
 MARK_STYLES = MappingProxyType({
     "cross": {"marker": "x", "markersize": 5.0, "markeredgewidth": 1.3},
     "circle": {"marker": "o", "markersize": 5.5, "markerfacecolor": "none", "markeredgewidth": 1.0},
+    "ring": {"marker": "o", "markersize": 9.5, "markerfacecolor": "none", "markeredgewidth": 1.0},
     "hollow": {"marker": "D", "markersize": 4.2, "markerfacecolor": "none", "markeredgewidth": 0.8},
     "dot": {"marker": "o", "markersize": 3.6, "markeredgewidth": 0.0},
     "up": {"marker": "^", "markersize": 4.6, "markeredgewidth": 0.0},

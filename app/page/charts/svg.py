@@ -205,6 +205,7 @@ def _mark(x: float, y: float, colour: str, mark: str) -> str:
     return {
         "cross": f'<path d="M{x - 5:.1f} {y - 5:.1f}l10 10m-10 0l10 -10" stroke="{colour}" stroke-width="2.6"/>',
         "circle": f'<circle cx="{x:.1f}" cy="{y:.1f}" r="7" fill="none" stroke="{colour}" stroke-width="2.2"/>',
+        "ring": f'<circle cx="{x:.1f}" cy="{y:.1f}" r="9.5" fill="none" stroke="{colour}" stroke-width="2.2"/>',
         "hollow": f'<path d="M{x - 5:.1f} {y:.1f}l5 -5l5 5l-5 5z" fill="none" stroke="{colour}" stroke-width="1.4"/>',
         "dot": f'<circle cx="{x:.1f}" cy="{y:.1f}" r="4" fill="{colour}"/>',
         "up": f'<path d="M{x - 4:.1f} {y + 3:.1f}h8l-4 -8z" fill="{colour}"/>',

@@ -9,7 +9,7 @@ import numpy as np
 import viser
 
 from ...colours import COLOURS, palette, rgb
-from ...plants.bodies.body import Body, ErrorMarks, PartName, Pose, Vector
+from ...plants.bodies.body import Body, ErrorMarks, PartName, Pose, Vector, turned
 from ...text import label_in_language
 from ..viser_private.stage_frames import Frame, flatten_segments, letters_of
 from .scene_labels import SceneLabels
@@ -50,8 +50,8 @@ class PartNames:
         """Write into a frame where the names and their lines are, with the plant and its ghost in these poses."""
         pairs: list[Pair] = []
         for name, label in zip(self._shown, self._labels, strict=True):
-            there = (ghost if name.ghost else poses)[name.part].position
-            if name.ghost and name.part in poses and math.dist(there, poses[name.part].position) < APART:
+            there = _end_of_line(name, ghost if name.ghost else poses)
+            if name.ghost and name.part in poses and math.dist(there, _end_of_line(name, poses)) < APART:
                 there = BELOW  # it lies in the plant
             at = _moved(there, name.away)
             frame[label.name, "position"] = at
@@ -89,6 +89,11 @@ class ErrorMarkLines:
         self._bars.remove()
         for label in self._labels:
             self._letters.remove(label)
+
+
+def _end_of_line(name: PartName, poses: Mapping[str, Pose]) -> Vector:
+    pose = poses[name.part]
+    return _moved(pose.position, turned(name.at, pose.wxyz))
 
 
 def _moved(place: Sequence[float], by: Vector) -> Vector:

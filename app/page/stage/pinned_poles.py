@@ -1,4 +1,4 @@
-"""Draw on a board the poles of pinned designs as hollow marks and those of a class as rings."""
+"""Draw rings and hollow marks on a board: of pins, a class, a scene's start, the real loop."""
 
 from __future__ import annotations
 
@@ -12,46 +12,104 @@ import viser
 
 from ...classroom.answer_grids import with_conjugate
 from ...course.lesson import Board
+from ...text import NO_WORDS, Text, format_number
+from ..charts.text_layout import text_width
+from ..words import phrases
+from .board_face import BoardColours
+from .scene_labels import ROW_HEIGHT_EM, SceneLabels
+from .viewpoint import BOARD_HEIGHT, BOARD_MARGIN, BOARD_WIDTH
 
 FIRST_MARK_HALF_HEIGHT, MARK_GROWTH = (
     0.07,
     0.018,
 )  # half the height of the first pin's marks, in stage units, and how much each next one's is larger
 THICK = 0.018
+BELOW = 0.02  # stage units from a board's foot to the numbers of its axis
 RING, LARGEST_RING = 0.04, 0.13  # radii of the ring around one placed pole, and of that where most were placed
 CORNERS = ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0), (1.0, 0.0))
-CIRCLE = tuple((math.cos(k * math.pi / 8), math.sin(k * math.pi / 8)) for k in range(17))
+CIRCLE = tuple((math.cos(k * math.pi / 16), math.sin(k * math.pi / 16)) for k in range(33))
 Mark = tuple[complex, float]  # a pole and the size around it
+BEGAN, LOOP = 0.115, 0.085  # radii of the rings where a pole began and where the loop has one
+BOLD, WAY = 0.03, 0.016  # stage units: a ring of the loop, and the line from a pole to its ring
+CROSS = 0.05  # stage units that a ring of the loop stands before the crosses
+MOVED = 1e-9  # of a pole: one that is nearer has not moved
 
 
 class PinMarks:
-    """One node of lines a pin, and one for all poles that a class has placed."""
+    """One node of lines a pin, one for all poles that a class has placed, and those of other places of the board's own poles."""
 
-    def __init__(self, scene: viser.SceneApi, root: str, colour: Any, place: Callable[[complex], tuple[float, float, float]]) -> None:
-        self._scene, self._root, self._colour, self._place = scene, root, colour, place
-        self._shown: tuple[Any, ...] = ((), ())
-        self.nodes: list[Any] = []
+    def __init__(self, letters: SceneLabels, root: str, colour: Any, place: Callable[[complex], tuple[float, float, float]],
+                 ink: BoardColours) -> None:
+        self._letters, self._scene, self._root, self._colour, self._place, self._ink = letters, letters.scene, root, colour, place, ink
+        self._shown: tuple[Any, ...] = ((), (), (), (), ())
+        self._lines_shown: list[Any] = []
+        self._said: viser.LabelHandle | None = None
 
-    def show(self, board: Board) -> None:
-        """The marks that a board has now."""
-        if (board.pinned, board.placed) == self._shown:
+    @property
+    def nodes(self) -> list[Any]:
+        """What of it is on the board."""
+        return [*self._lines_shown, *([] if self._said is None else [self._said])]
+
+    def fit(self) -> None:
+        """Stand below the numbers of the axis in letters of another size."""
+        if self._said is not None:
+            self._said.position = self._below_axis()
+
+    def _below_axis(self) -> tuple[float, float, float]:
+        return 0.0, -0.06, -BOARD_HEIGHT / 2 - BELOW - ROW_HEIGHT_EM * self._letters.em
+
+    def show(self, board: Board, language: str) -> None:
+        """The marks that a board has now, and what its rings are."""
+        shown = board.pinned, board.placed, board.began, board.loop, board.poles if board.began or board.loop else ()
+        if shown == self._shown:
             return
-        for node in self.nodes:
+        for node in self._lines_shown:
             node.remove()
-        self._shown = board.pinned, board.placed
+        if self._said is not None:
+            self._letters.remove(self._said)
+        self._shown = shown
         marks = {f"pin{place}": self._lines([(pole, FIRST_MARK_HALF_HEIGHT + place * MARK_GROWTH) for pole in poles], CORNERS)
                  for place, poles in board.pinned if poles}
         if board.placed:
             marks["placed"] = self._lines(_rings(board.placed), CIRCLE)
-        self.nodes = [self._scene.add_line_segments(f"{self._root}/{name}", lines, self._colour, thickness=THICK)
-                      for name, lines in marks.items()]
+        self._lines_shown = [self._node(name, lines, self._colour, THICK) for name, lines in marks.items()]
+        for name, others, radius, colour, thick, before in (("began", board.began, BEGAN, self._ink.leader, THICK, 0.0),
+                                                            ("loop", board.loop, LOOP, self._ink.axis, BOLD, CROSS)):
+            if others:
+                self._lines_shown += [self._node(name, self._lines([(pole, radius) for pole in others], CIRCLE, before), colour, thick),
+                                      self._node(f"{name} way", self._ways(board.poles, others, before), colour, WAY)]
+        said = ring_words(board)(language)
+        self._said = self._letters.write(
+            f"{self._root}/rings", said, self._below_axis(), "top-center",
+            lambda em: min(1.0, (BOARD_WIDTH + 3 * BOARD_MARGIN) / max(text_width(said, em), em))) if said else None
 
-    def _lines(self, marks: Iterable[Mark], outline: tuple[tuple[float, float], ...]) -> np.ndarray:
+    def _node(self, name: str, lines: np.ndarray, colour: Any, thick: float) -> Any:
+        return self._scene.add_line_segments(f"{self._root}/{name}", lines, colour, thickness=thick)
+
+    def _ways(self, poles: Iterable[complex], others: Iterable[complex], before: float) -> np.ndarray:
+        """A line from each pole to its other place."""
+        ways = np.array([(self._place(pole), self._place(other)) for pole, other in zip(poles, others, strict=True)], dtype=np.float32)
+        return ways - np.array((0.0, before, 0.0), dtype=np.float32)
+
+    def _lines(self, marks: Iterable[Mark], outline: tuple[tuple[float, float], ...], before: float = 0.0) -> np.ndarray:
         lines = []
         for pole, size in marks:
             x, y, z = self._place(pole)
+            y -= before
             lines += list(pairwise([(x + size * a, y, z + size * b) for a, b in outline]))
         return np.array(lines, dtype=np.float32)
+
+
+def ring_words(board: Board) -> Text:
+    """What the rings of other places are, and how far the farthest is from its pole; no words where there are none."""
+    others = board.loop or board.began
+    if not others:
+        return NO_WORDS
+    far = max(abs(pole - other) for pole, other in zip(board.poles, others, strict=True))
+    size = format_number(far, ".2g")
+    if board.loop:
+        return phrases.LOOP_RINGS.format(size=size)
+    return phrases.NO_POLE_MOVED if far <= MOVED * max(map(abs, board.poles)) else phrases.POLES_MOVED.format(size=size)
 
 
 def _rings(placed: tuple[tuple[complex, int], ...]) -> list[Mark]:

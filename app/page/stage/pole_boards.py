@@ -70,7 +70,7 @@ class BoardView:
         self._locks = DragHandles(client, self._root + LOCKS, None, self._origin, self._refused)
         self._surface: viser.MeshHandle | None = None
         self._trail = PoleTrail(self._scene, f"{self._root}/trail", rgb(COLOURS[board.role]), self._ink.glass, self.local)
-        self._pins = PinMarks(self._scene, self._root, rgb(COLOURS[board.role]), lambda pole: self.local(pole, 0.02))
+        self._pins = PinMarks(self._letters, self._root, rgb(COLOURS[board.role]), lambda pole: self.local(pole, 0.02), self._ink)
         self._draw(language)
 
     # --- s-plane ↔ stage -------------------------------------------------------------------------------------------
@@ -143,7 +143,7 @@ class BoardView:
         self._locks.show([self.local(pole) for pole in locked])
         if board.zeros != self._zeros:
             self._make_rings(board)
-        self._pins.show(board)
+        self._pins.show(board, self._language)
         signature = (len(board.poles), board.fixed, board.knob)
         if signature != self._signature:
             self._make_poles(board)
@@ -239,6 +239,7 @@ class BoardView:
     def fit(self, em: float) -> None:
         """Make letters, and what the hand takes hold of, as large as camera and window ask for."""
         if self._letters.resize(em) and self._shown is not None:
+            self._pins.fit()
             self._move(self._board)  # names find their places anew
         self._grips.fit()
         self._locks.fit()

@@ -30,13 +30,13 @@ class SceneLabels:
     """
 
     def __init__(self, scene: viser.SceneApi, em: float) -> None:
-        self._scene, self.em = scene, em
+        self.scene, self.em = scene, em
         self._written: dict[str, tuple[viser.LabelHandle, Size]] = {}
 
     def write(self, name: str, words: str, at: tuple[float, float, float], anchor: Any, size: Size = 1.0,
               **look: Any) -> viser.LabelHandle:
         """A label of the scene, in place of one of that name."""
-        label = self._scene.add_label(name, words, position=at, anchor=anchor, font_size_mode="scene",
+        label = self.scene.add_label(name, words, position=at, anchor=anchor, font_size_mode="scene",
                                       font_scene_height=_height(size, self.em), **look)
         self._written[name] = label, size
         return label

@@ -39,7 +39,6 @@ BY_NIGHT = 0.66  # of the light of a picture, in the dark
 INSIDE = 0.985  # the ghost is drawn this much smaller: where it agrees, it vanishes into the body
 Place = tuple[int, tuple[int, ...]]  # the sample of the run that is shown, and of each pin's run
 BELOW: Vector = (0.0, 0.0, -9.0)
-GHOST_COLOUR = COLOURS["estimate"]
 
 
 def factors(body: Body, language: str) -> str:
@@ -110,6 +109,7 @@ class StageView:
         if stage is None:
             return
         body = stage.body
+        ghostly = COLOURS[body.ghost]
         light = BY_NIGHT if self._dark else 1.0
         self._picture = None if stage.picture is None else self._scene.add_image(
             "/picture", (light * stage.picture.image[::-1]).astype(np.uint8), *stage.picture.size, format="jpeg",
@@ -118,7 +118,7 @@ class StageView:
             if not part.unseen:
                 self._solid.add(part, palette(self._dark)["bench"] if part.colour == BENCH else part.colour, part.opacity)
             if part.twin and stage.xhat is not None:
-                self._ghost.add(part, GHOST_COLOUR, 0.55 if self._dark else 0.36, edged=True)
+                self._ghost.add(part, ghostly, 0.55 if self._dark else 0.36, edged=True)
         self._hand = PullingHand(self._scene, body.gain)
         if self._pulled is not None:
             self._hand.listen([grip for grip, _ in stage.held], self._solid.nodes, self._pulled)
@@ -132,7 +132,7 @@ class StageView:
                                                       head_radius=head, head_length=point))
         self._errors = ErrorLines(self._scene, stage, self._trails, self._dark)
         self._clouds = [] if stage.spread is None or stage.xhat is None else [
-            self._scene.add_icosphere(f"/spread/{i}", 1.0, rgb(GHOST_COLOUR), subdivisions=4, opacity=0.24, side="back", cast_shadow=False,
+            self._scene.add_icosphere(f"/spread/{i}", 1.0, rgb(ghostly), subdivisions=4, opacity=0.24, side="back", cast_shadow=False,
                                       receive_shadow=False)
             for i, _ in enumerate(body.anchors(stage.xhat[0].tolist(), body.gain))]
         said = factors(body, language)

@@ -36,9 +36,9 @@ def faded(colour: Colour, ground: Colour) -> np.ndarray:
     return np.stack([ends[:-1], ends[1:]], axis=1)
 
 
-def ghostly(dark: bool) -> np.ndarray:
-    """The colours of a ghost's trail, by day or in the dark."""
-    red, green, blue = rgb(COLOURS["estimate"])
+def ghostly(dark: bool, role: str = "estimate") -> np.ndarray:
+    """The colours of the trail of a ghost with the colour of a role, by day or in the dark."""
+    red, green, blue = rgb(COLOURS[role])
     ground = rgb(palette(dark)["horizon"])
     return faded((_lit(red), _lit(green), _lit(blue)) if dark else (red, green, blue), ground)
 
@@ -96,7 +96,7 @@ class ErrorLines:
         colours: Colour | np.ndarray = rgb(COLOURS["error"])
         count = 1
         if self._trail is not None:
-            fading = ghostly(dark)
+            fading = ghostly(dark, stage.body.ghost)
             colours = np.concatenate([np.full((self._room, 2, 3), colours, np.uint8), *[fading] * self._trail.count])
             count = len(colours)
         scene.add_line_segments(ERROR_NODE, np.array([HIDDEN_SEGMENT] * count, np.float32), colours, thickness=THIN)

@@ -102,12 +102,16 @@ class Arrow:
 
 @dataclass(frozen=True)
 class PartName:
-    """What a part of the body, or of its `ghost`, is called: words that stand `away` from it, at the end of a line to it."""
+    """What a part of the body, or of its `ghost`, is called: words that stand `away` from it, at the end of a line to it.
+
+    The line ends `at` a point of the part, in the part's own frame.
+    """
 
     words: Text
     part: str
     away: Vector
     ghost: bool = False
+    at: Vector = (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True)
@@ -131,6 +135,7 @@ class Body:
     its ghost, so that the error can be seen. `gain` is the default exaggeration, shown beside the plant; so is `forces`,
     how many times longer than usual the arrows of the inputs are. `labels` are words that stand on the stage and where;
     `names`, at most MOST_NAMES, say what a newcomer sees, until he has done something. `marks(x, xhat, gain)` draws the error to scale.
+    `ghost` is the role of the ghost's colour: another one than that of estimates where the ghost is none.
     """
 
     parts: tuple[Part, ...]
@@ -143,6 +148,7 @@ class Body:
     forces: float = 1.0
     names: tuple[PartName, ...] = ()
     marks: Callable[[Sequence[float], Sequence[float], float], ErrorMarks] | None = None
+    ghost: str = "estimate"
 
 
 def with_longer_arrows(body: Body, times: float, inputs: int) -> Body:
@@ -156,6 +162,14 @@ def with_longer_arrows(body: Body, times: float, inputs: int) -> Body:
 def called(body: Body, ghost: Text) -> tuple[PartName, ...]:
     """The names of a body whose ghost is not the estimate but something else."""
     return tuple(replace(name, words=ghost) if name.ghost else name for name in body.names)
+
+
+def turned(vector: Vector, by: Quaternion) -> Vector:
+    """The vector (x, y, z) turned by a unit quaternion (w, x, y, z)."""
+    w, a, b, c = by
+    x, y, z = vector
+    across, up, ahead = 2 * (b * z - c * y), 2 * (c * x - a * z), 2 * (a * y - b * x)
+    return x + w * across + b * ahead - c * up, y + w * up + c * across - a * ahead, z + w * ahead + a * up - b * across
 
 
 def about_y(angle: float) -> Quaternion:

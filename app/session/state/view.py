@@ -12,7 +12,7 @@ from ...classroom.votes import Vote, votes_on, votes_on_typed
 from ...course.course_map import Progress
 from ...course.error_window import run_end
 from ...course.figures.records import Figure, TableFigure
-from ...course.figures.veil import boards_with_question
+from ...course.figures.veil import boards_with_beginning, boards_with_question
 from ...course.guiding.questions import DrawnQuestion
 from ...course.lazy import FigureSet
 from ...course.lectures import words_in
@@ -74,6 +74,7 @@ class Picture:
     def boards(self) -> tuple[Board, ...]:
         """The boards as they are shown, with the poles of the pins and those that the class has placed."""
         boards = boards_with_pins(self.outcome.boards, self.pinned) if self.pinned else self.outcome.boards
+        boards = boards_with_beginning(boards, self.scene, self.began, self.design)
         asked, cloud = (self.typed[-1].asked, self.typed[-1].cloud) if self.typed else (None, ())
         grid = None if asked is None else asked.grid
         return boards if grid is None or not cloud else tuple(
