@@ -36,7 +36,7 @@ from observer_lab.text import label_in_language, same, text
 
 T = np.linspace(0.0, 2.0, 120)
 F = np.geomspace(0.1, 100.0, 90)
-CAPTION = text("The estimate has caught up with the truth.")
+CAPTION = text("At the end of the run the estimate has caught up with the truth.")
 TIME = LineFigure("time", text("height of the deck"), T, (
     Curve(text("true"), np.cos(3 * T)), Curve(text("estimate"), np.exp(-T) * 0.3, "estimate", "dash"),
     Curve(text("limit"), np.full(120, 1.5), "reference", "dot", 1.4),

@@ -38,20 +38,23 @@ def figures(here: Setting, outcome: Outcome[Study]) -> FigureSet:
 
 
 def _command(here: Setting, outcome: Outcome[Study]) -> LineFigure:
-    """The commanded signal over time, without and with integral action, both runs with all else as it is."""
+    """The commanded signal over time; with integral action beside the run without it, all else as it is."""
     target, study, truth = here.target, outcome.study, here.truth(outcome.design)
-    (*runs, refused), r = study.runs.value, target.value(outcome.design) * target.scale
+    r, refused, integral = target.value(outcome.design) * target.scale, study.driven.refused, study.driven.integral
+    assert outcome.run is not None
+    runs = study.runs.value[:2] if integral else (outcome.run,)
     t = min((run.t for run in runs), key=len)  # the shorter one, where a run has left every bound
-    without, with_integral = (target.along(run, truth)[:len(t)] for run in runs)
-    lost = [run for run in runs if run.diverged_at is not None]
+    without, *rest = (target.along(run, truth)[:len(t)] for run in runs)
+    gap = float(without[-1]) - r
     gaps = text("At the end of the run the error y − r is {without:.2g} {unit} without integral action and {with_integral:.2g} {unit} "
-                "with it.", without=float(without[-1]) - r, with_integral=float(with_integral[-1]) - r,
-                unit=target.unit)
+                "with it.", without=gap, with_integral=float(rest[0][-1]) - r, unit=target.unit) if integral else text(
+                    "At the end of the run the error y − r is {without:.2g} {unit}.", without=gap, unit=target.unit)
+    lost = [run for run in runs if run.diverged_at is not None]
     caption = refused if refused != NO_WORDS else text("A run is unstable and ends early.") if lost else gaps
     return LineFigure("command", text("command and output"), t,
                       (Curve(text("command"), np.full(len(t), r), "reference", "dot"),
-                       Curve(text("without integral action"), without, "muted", "dash"),
-                       Curve(text("with integral action"), with_integral, "plant")),
+                       Curve(text("without integral action"), without, "muted" if integral else "plant", "dash" if integral else "solid"),
+                       *(Curve(text("with integral action"), each, "plant") for each in rest)),
                       target.axis, tab=COMMAND_TAB, caption=caption)
 
 

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 from observer_lab.course.knobs import Number, Switch
 from observer_lab.plants import MODELS
+from observer_lab.plants.bodies.body import GHOST_NAME, PartName
 from observer_lab.text import text
 
 from ..toolkit.knobs import method_knobs, pole_knobs, pull_knobs, run_knobs
@@ -13,7 +14,13 @@ from ..toolkit.knobs import method_knobs, pole_knobs, pull_knobs, run_knobs
 MOTION_GAIN = (
     30.0  # times that the stage exaggerates motion: what an observer's pole does to the ghost is to be seen from the first drag on
 )
-MODEL = replace(MODELS["deck"], body=replace(MODELS["deck"].body, gain=MOTION_GAIN))
+NAMES = (
+    PartName(text("deck"), "deck", (-0.45, 0.0, 0.55), at=(-1.3, 0.0, 0.09)),
+    PartName(text("coil"), "coil right", (0.95, -0.6, 0.35)),
+    PartName(text("spring"), "seat left", (-0.9, -0.4, 0.25)),
+    PartName(GHOST_NAME, "deck", (-0.5, -0.3, -0.55), True, (-1.5, -0.65, 0.0)),
+)  # each where the deck is free of its ghost at the start of the run
+MODEL = replace(MODELS["deck"], body=replace(MODELS["deck"].body, gain=MOTION_GAIN, names=NAMES))
 KNOBS = (
     *method_knobs(),
     *pole_knobs(MODEL),

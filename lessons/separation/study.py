@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
+from scipy.optimize import linear_sum_assignment
 
 from observer_lab.course.figures.claims import claim
 from observer_lab.course.lazy import LazyMap, LazySequence, LazyValue
-from observer_lab.course.lesson import Check, Design, Formula, Outcome, Stage
+from observer_lab.course.lesson import Board, Check, Design, Formula, Outcome, Stage
 from observer_lab.engine import Plant, Scenario, closed_loop, simulate
 from observer_lab.engine.feedback import ClosedLoop
 from observer_lab.engine.simulation import Run, separation_meter
@@ -24,6 +25,7 @@ from ..toolkit.knobs import held, kicks
 from ..toolkit.latex import gain_words, tiny
 from ..toolkit.loop_rates import loop_rate
 from .command import Driven, Target, driven
+from .height_gauge import gauge_record, with_height_gauge
 from .knobs import MODEL
 
 
@@ -44,6 +46,7 @@ class Setting:
     heading: tuple[Text, Text | str]
     frequencies: np.ndarray
     target: Target
+    gauge: bool = False  # whether a gauge of the signal that follows stands on the stage
 
 
 @lru_cache(maxsize=64)
@@ -60,7 +63,8 @@ DECK_SETTING = Setting(
     platform.deck_disturbance()[:, :1], MODEL.plant.C[:1],
     (text("from ground height to velocity VL"), "|VL/zg| [1/s]"), np.geomspace(0.1, 30.0, 300),
     Target("z [mm]", "mm", 1e3, lambda plant: (np.eye(6)[[1, 0, 2], :plant.n], np.zeros((3, plant.m))),
-           lambda design: design["command"] / 1000))
+           lambda design: design["command"] / 1000), gauge=True)
+LEAST_SHIFT = 0.01  # of the largest pole: from where on the loop's poles are seen to be others than those of the boards
 UNION_RTOL = 1e-9  # union of spectra: agreement asked of them
 DECAYED_SHARE = 0.5  # of a run's largest state: a run that is smaller in its last tenth dies down
 
@@ -128,12 +132,36 @@ def compute(here: Setting, design: Design) -> Outcome[Study]:
         design, {"K": drove.K, "L": drove.L},
         {"controller": loop.controller_poles, "observer": loop.observer_poles, "loop": loop.poles,
          "compensator": loop.compensator_poles},
-        metrics, checks, run, pole_boards(here.model, design, boards.controller_poles, boards.observer_poles,
-                                          belief.A - L @ belief.C),
-        Stage(here.model.body, run.t, run.x[:, :truth.n], run.xhat[:, :truth.n], run.u_applied[:, :m],
-              held=held(design, here.model)),
+        metrics, checks, run,
+        with_loop_poles(pole_boards(here.model, design, boards.controller_poles, boards.observer_poles, belief.A - L @ belief.C),
+                        boards.poles if study.whole else np.zeros(0)),
+        _stage(here, study, design, run, truth),
         LazySequence(lambda: _formulas(K, L, believed_right(truth, belief), drove)),
         LazyValue(lambda: _live(study, metrics["separation_meter"], metrics["slowest_loop"])), study)
+
+
+def with_loop_poles(boards: Sequence[Board], loop: np.ndarray) -> tuple[Board, ...]:
+    """The boards with the loop's poles (2n,), each on the board and in the place of its nearest; none where they are the boards' own."""
+    wanted = np.array([pole for board in boards for pole in board.poles])
+    if len(wanted) != len(loop):
+        return tuple(boards)
+    _, order = linear_sum_assignment(np.abs(wanted[:, None] - loop))
+    found = loop[order]
+    if np.abs(found - wanted).max() <= LEAST_SHIFT * np.abs(wanted).max():
+        return tuple(boards)
+    ends = np.cumsum([len(board.poles) for board in boards])
+    return tuple(replace(board, loop=tuple(map(complex, each))) for board, each in zip(boards, np.split(found, ends[:-1]), strict=True))
+
+
+def _stage(here: Setting, study: Study, design: Design, run: Run, truth: Plant) -> Stage:
+    """The plant with its estimate and, where it follows a command, a gauge with the run without integral action beside."""
+    n, m, r = truth.n, study.driven.m, here.target.value(design) * here.target.scale
+    body, x, xhat = here.model.body, run.x[:, :n], run.xhat[:, :n]
+    if here.gauge and r:
+        compared = study.driven.integral
+        record = gauge_record(here.target.along(run, truth), r, here.target.along(study.runs.value[0], truth) if compared else None)
+        body, x, xhat = with_height_gauge(body, n, r > 0, compared), np.hstack([x, record]), np.hstack([xhat, record])
+    return Stage(body, run.t, x, xhat, run.u_applied[:, :m], held=held(design, here.model))
 
 
 def _scenario(here: Setting, design: Design, drove: Driven) -> Scenario:

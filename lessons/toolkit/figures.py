@@ -49,7 +49,7 @@ def axis_name(signal: Signal) -> str:
 def _agreement(gap: float, size: float, unit: str, growing: bool) -> Text:
     """How well an estimate agrees with the truth in the last tenth of a run; an error that does not die out is not caught up."""
     apart = text("In the last tenth of the run they differ by up to {gap:.2g} {unit}.", gap=gap, unit=unit)
-    met = text("The estimate has caught up with the truth.")
+    met = text("At the end of the run the estimate has caught up with the truth.")
     return apart if growing and gap > 0 else claim(met, gap / max(size, 1e-300), below=1e-3, otherwise=apart)
 
 

@@ -10,6 +10,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 from scipy.signal import StateSpace, lsim
+from test_paths import Walker
 
 from observer_lab.course.figures.records import Figure
 from observer_lab.course.lesson import Outcome
@@ -17,7 +18,9 @@ from observer_lab.engine import Plant, to_json
 from observer_lab.engine.simulation import disturbances_of
 from observer_lab.lessons.separation.lesson import LESSON
 from observer_lab.lessons.separation.study import Study
+from observer_lab.page.stage.pinned_poles import ring_words
 from observer_lab.plants.examples import example
+from observer_lab.session.commands.guide import GoToScene
 
 UNSTABLE = (1.0, -4 - 5j, -4 + 5j, -5.0, -6 - 7j, -6 + 7j)
 LATE, CUT = ({}, {"delay": 6.0}, {"delay": 60.0}), ({}, {"limited": True, "u_max": 0.2}, {"limited": True, "u_max": 4.0})
@@ -165,13 +168,59 @@ def test_the_deck_stays_level_at_the_height_that_is_asked_for(integral: bool) ->
 @pytest.mark.parametrize("error", [10.0, -20.0, 25.0])
 def test_wrong_springs_leave_an_error_that_integral_action_takes_away(error: float) -> None:
     """The model's force for r holds its own springs: the deck rests beside r without the integrator, at r with it."""
-    without, with_integral = (figure(outcome(command=3.0, stiffness_error=error), "command").curves[i].y[-1] - 3.0 for i in (1, 2))
+    curves = figure(outcome(command=3.0, stiffness_error=error, integral=True), "command").curves
+    without, with_integral = (curves[i].y[-1] - 3.0 for i in (1, 2))
     assert without == pytest.approx(3.0 * error / 100, rel=0.05) and abs(with_integral) < 0.02
 
 
 def test_the_scene_of_the_command_starts_with_the_error_that_it_names() -> None:
-    o = outcome(command=3.0, stiffness_error=10.0)
-    assert o.metrics["at_the_end"] - 3.0 == pytest.approx(0.3, abs=0.005)
+    o = outcome(command=3.0, stiffness_error=30.0)
+    assert o.metrics["at_the_end"] - 3.0 == pytest.approx(0.9, abs=0.005)
+
+
+def test_a_command_shows_the_run_with_integral_action_only_once_it_is_on() -> None:
+    off, on = (figure(outcome(command=3.0, stiffness_error=30.0, integral=integral), "command") for integral in (False, True))
+    assert [curve.name("en") for curve in off.curves] == ["command", "without integral action"]
+    assert [curve.name("en") for curve in on.curves] == ["command", "without integral action", "with integral action"]
+    np.testing.assert_allclose(on.curves[1].y, off.curves[1].y, atol=1e-12)
+
+
+def gauge_lengths(o: Outcome[Study], sample: int) -> dict[str, float]:
+    """Length in mm of each column of the height gauge, from its pose: 1.5 stage units are 5 mm."""
+    poses = o.stage.body.pose(o.stage.x[sample].tolist(), 1.0)
+    return {name: poses[name].scale[2] / 1.5 * 5.0 for name in ("height", "old height") if name in poses}
+
+
+def test_the_gauge_of_the_height_shows_both_runs_as_scipy_finds_them() -> None:
+    without, with_integral = (height_by_scipy(integral, 0.003, 30.0) * 1e3 for integral in (False, True))
+    off, on = (outcome(command=3.0, stiffness_error=30.0, integral=integral) for integral in (False, True))
+    for sample in (0, 60, 200, 400, 500):
+        assert gauge_lengths(off, sample) == pytest.approx({"height": without[sample]}, abs=1e-4)
+        assert gauge_lengths(on, sample) == pytest.approx({"height": with_integral[sample], "old height": without[sample]}, abs=1e-4)
+        x = on.stage.x[sample].tolist()
+        assert [words for words, _, _ in on.stage.body.marks(x, x, 1.0).words] == [
+            f"z = {with_integral[sample]:.2f} mm", "r = 3 mm", f"{without[sample]:.2f} mm"]
+    poses = on.stage.body.pose(on.stage.x[0].tolist(), 1.0)
+    height = poses["height"]
+    assert poses["target"].position[2] - (height.position[2] - height.scale[2] / 2) == pytest.approx(1.5 * 3 / 5)
+    assert "height" not in outcome().stage.body.pose(outcome().stage.x[0].tolist(), 1.0)
+
+
+def test_the_rings_are_the_eigenvalues_of_the_loop_with_the_wrong_model() -> None:
+    """The loop of plant and observer written out here; each pole of a board has the nearest way to its ring."""
+    assert all(board.loop == () for board in (*outcome().boards, *outcome(delay=6.0, stiffness_error=30.0).boards))
+    o = outcome(stiffness_error=30.0)
+    plant, model, K, L = o.run.scenario.plant, o.run.scenario.model, o.gains["K"], o.gains["L"]
+    found = np.linalg.eigvals(np.block([[plant.A, -plant.B @ K], [L @ plant.C, model.A - model.B @ K - L @ model.C]]))
+    rings = np.array([ring for board in o.boards for ring in board.loop])
+    assert len(rings) == 12
+    np.testing.assert_allclose(np.sort_complex(np.round(rings, 6)), np.sort_complex(np.round(found, 6)), atol=1e-5)
+    poles = np.array([pole for board in o.boards for pole in board.poles])
+    ways = np.abs(poles - rings).sum()
+    for i in range(12):
+        for j in range(i):
+            assert abs(poles[i] - rings[j]) + abs(poles[j] - rings[i]) >= abs(poles[i] - rings[i]) + abs(poles[j] - rings[j]) - 1e-9
+    assert np.abs(poles - rings).min() > 0.5 and ways > 15
 
 
 @pytest.mark.parametrize("integral", [False, True])
@@ -208,3 +257,17 @@ def test_the_output_of_an_own_plant_rests_at_its_command(mismatch: float) -> Non
     o = own([[1.0, 0.0]], command=100.0, integral=True, mismatch=mismatch)
     r = o.run.scenario.reference[0, -1]
     assert r != 0 and o.metrics["at_the_end"] == pytest.approx(100.0, abs=2.0) and o.run.y[-1, 0] == pytest.approx(r, rel=0.02)
+
+
+def test_a_board_keeps_where_its_poles_stood_when_the_scene_began() -> None:
+    """The page moves a pair of the controller; every pole has its ring, those of the observer around their crosses."""
+    walker = Walker("separation")
+    walker.send(GoToScene(next(k for k, scene in enumerate(LESSON.path) if scene.id == "predict")))
+    begun = {board.id: board.poles for board in walker.session.picture.boards}
+    assert all(board.began == () for board in walker.session.picture.boards)
+    walker.do()
+    boards = {board.id: board for board in walker.session.picture.boards}
+    assert {id: board.began for id, board in boards.items()} == begun
+    assert boards["observer"].poles == boards["observer"].began and boards["controller"].poles != boards["controller"].began
+    assert [ring_words(boards[id])("en") for id in ("controller", "observer")] == ["ring: before; farthest move 6",
+                                                                                   "ring: before; no pole moved"]

@@ -176,7 +176,7 @@ def _home(shown: Shown, _: Text) -> None:
 
 WITNESSES: Mapping[str, Witness] = {
     "The error stays below 2 % of its peak after {small:.2f} s.": _stays,
-    "The estimate has caught up with the truth.": _caught,
+    "At the end of the run the estimate has caught up with the truth.": _caught,
     "In the last tenth of the run they differ by up to {gap:.2g} {unit}.": _apart,
     "Largest input applied: {peak:.3g} {input_unit}.": _largest_input,
     "Separation meter: 0.": lambda shown, words: None if shown.outcome.run is None else _meter_zero(shown, words),
