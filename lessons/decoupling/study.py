@@ -16,10 +16,11 @@ from observer_lab.engine.feedback import NoisyLoop
 from observer_lab.engine.structure import mixing_matrix
 from observer_lab.plants.bodies.body import UNCONTROLLED, Arrow, Body, ErrorMarks, called, force_arrow, with_longer_arrows
 from observer_lab.plants.bodies.deck_body import DECK_HALF_WIDTH, FULL_FORCE_N, PLANE, RIGHTWARD, STAGE_SCALE, THICK
+from observer_lab.plants.bodies.score_board import with_score_board
 from observer_lab.plants.platform import model
 from observer_lab.plants.platform import siso_loops as siso
 from observer_lab.plants.platform.channels import HORIZONTAL, T_y
-from observer_lab.text import Text, format_number, joined, text
+from observer_lab.text import Text, format_number, joined, text, text_in
 
 from ..toolkit.latex import number
 from .loops import (
@@ -81,10 +82,24 @@ OBSERVER_LOW, OBSERVER_HIGH, OBSERVER_IM = -80.0, 5.0, 60.0
 BESIDE = ("mix", "a", "b", "f_low", "f_high", "ground", "knee", "seed", "kick")
 AMPLIFICATIONS = ("amplification_vertical", "amplification_horizontal")  # largest transmissibility; none for an unstable loop
 FORCE_ARROWS = 400.0  # times that coil forces are drawn larger: millinewtons here
-BODY = replace(with_force_lines(with_longer_arrows(MODEL.body, FORCE_ARROWS, 3), FORCE_ARROWS), gain=4000.0,
-               names=called(MODEL.body, UNCONTROLLED),
-               caption=text("Solid: with control. Ghost: the same platform without control. Green: coil forces. "
+UNSTABLE, NOTHING_DB = 1e3, 0.05  # dB: what stands for the peak of an unstable loop, which has none; a change that is none
+
+
+def peak_words(db: float) -> str:
+    """How far a peak lies above that without control, in words; a dash for an unstable loop."""
+    return "—" if db >= UNSTABLE else "0 dB" if abs(db) < NOTHING_DB else f"{format_number(db, '+.3g')} dB"
+
+
+MOTION_GAIN = 6000.0  # times that motion is drawn larger: micrometres and microradians here
+ARROW_NAMES = ((text("force of the side spring"), (-1.9, -0.8, 1.14)), (text("coil forces"), (1.95, -0.8, 1.14)),
+               (text("ground motion"), (0.0, -1.05, 0.0)))
+DECK = replace(with_force_lines(with_longer_arrows(MODEL.body, FORCE_ARROWS, 3), FORCE_ARROWS), gain=MOTION_GAIN,
+               names=called(MODEL.body, UNCONTROLLED), ghost="dimmed", labels=ARROW_NAMES,
+               caption=text("Solid: with control. Grey ghost: the same platform without control. Green: coil forces. "
                               "Amber: the ground's motion and the force of the side spring"))
+MOTIONS = text_in("channel", "vertical"), text_in("channel", "horizontal"), text_in("channel", "rotation")  # in the order of the rows
+BODY = with_score_board(DECK, LOWER + 1, MOTIONS, text("peak of each motion; grey: without control"),
+                        peak_words, 2.36, 0.14)
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,13 +140,21 @@ def compute(design: Design) -> Outcome[Study]:
     own = built.whole.poles if built.whole.n else np.zeros(0, dtype=complex)
     return Outcome(design, {"S": mix.S}, {"loop": loop.poles, "controller": own, "zeros of P_h": zeros}, metrics,
                    LazySequence(lambda: _checks(metrics, drift, bool(design["pitch"]))), None,
-                   _boards(design, zeros), _stage(run, lower),
+                   _boards(design, zeros), _stage(study, lower, right),
                    LazySequence(lambda: _formulas(mix, built)), LazyValue(lambda: _live(metrics)), study)
 
 
-def _stage(run: Shaken, lower: float) -> Stage:
-    """Deck and bare deck with the coil's offset after their states; forces of the coils, the ground's motion, the side spring's force."""
-    x, bare = (np.column_stack([states, np.full(len(states), lower)]) for states in (run.x, run.bare))
+def peak_decibels(study: Study, right: float) -> np.ndarray:
+    """How many decibels the peaks of vertical, horizontal and rotation lie above those without control; UNSTABLE where `right` ≥ 0."""
+    return np.full(3, UNSTABLE) if right >= 0 else -study.down[[0, 2, 1]]
+
+
+def _stage(study: Study, lower: float, right: float) -> Stage:
+    """Deck and bare deck, after their states the coil's offset and the peaks; forces of the coils, the ground's motion, the side
+    spring's force."""
+    run, above = study.shaken, peak_decibels(study, right)
+    record = [lower, *np.where(above < UNSTABLE, 10 ** (above / 20), 0.0), *above]
+    x, bare = (np.column_stack([states, np.tile(record, (len(states), 1))]) for states in (run.x, run.bare))
     return Stage(BODY, run.t, x, bare, np.column_stack([run.u, run.ground, side_spring(run.x, run.ground)]))
 
 

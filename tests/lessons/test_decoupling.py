@@ -449,3 +449,33 @@ def test_the_introduction_says_how_much_larger_motion_and_forces_are_drawn() -> 
     assert stage is not None
     for prose in LESSON.words.values():
         assert f"{stage.body.gain:g}" in prose.introduction and f"{stage.body.forces:g}" in prose.introduction
+
+
+@pytest.mark.parametrize("changes", [{}, {"mix": "best"}, {"lower": 5.0}, {"horizontal": "open"}, {"horizontal": "open", "vertical": "open"}])
+def test_the_bars_of_the_board_are_the_peaks_of_the_loop_beside_those_without_control(changes: dict[str, object]) -> None:
+    """Responses from the ground to the channels' velocities written out here; the ground's density is white and cancels."""
+    o = outcome(**changes)
+    f = np.unique(np.concatenate([np.geomspace(0.1, 10.0, 400), *(m * np.linspace(0.99, 1.01, 81) for m in (0.9953, 1.1811, 1.4938))]))
+    bare = model.plant()
+    loop = o.study.loop
+
+    def peaks_of(A: np.ndarray, B: np.ndarray, C: np.ndarray) -> np.ndarray:
+        H = np.array([C @ np.linalg.solve(2j * np.pi * each * np.eye(len(A)) - A, B) for each in f])
+        return np.sqrt((np.abs(H) ** 2).sum(axis=2)).max(axis=0)[[0, 2, 1]]
+    ground = bare.B[:, -2:]
+    wide = np.hstack([T_y[:3] @ bare.C, np.zeros((3, len(loop.A) - bare.n))])
+    share = peaks_of(loop.A, loop.B[:, :2], wide) / peaks_of(bare.A, ground, T_y[:3] @ bare.C)
+    stage = o.stage
+    poses = stage.body.pose(stage.x[200].tolist(), 1.0)
+    drawn = np.array([poses[f"score bar {k}"].scale[0] for k in range(3)]) / 2.0
+    assert drawn == pytest.approx(np.maximum(share, 0.004), rel=0.06)
+    words = [said for said, _, _ in stage.body.marks(stage.x[0].tolist(), stage.x[0].tolist(), 1.0).words][-3:]
+    numbers = [float(each.removesuffix(" dB").replace("\N{MINUS SIGN}", "-")) for each in words]
+    assert numbers == pytest.approx(20 * np.log10(share), abs=0.4)
+
+
+def test_an_unstable_loop_has_no_bars() -> None:
+    o = outcome(horizontal="open", vertical="shaped", gain_v=400.0, sensors="geophone", corner=2.0)
+    assert o.metrics["rightmost"] > 0
+    x = o.stage.x[0].tolist()
+    assert [said for said, _, _ in o.stage.body.marks(x, x, 1.0).words][-3:] == ["\N{EM DASH}"] * 3
