@@ -192,8 +192,8 @@ def _stage_velocity(outcome: Outcome[Study]) -> LineFigure:
     upper = outcome.design["play"]
     above, below = (CONTROLLER_NAMES[ORDER.index(each)] for each in (upper, rival_of(upper)))
     return LineFigure("stage_velocity", text("vertical velocity of the run on the stage"), t,
-                      (Curve(below, rival, "muted", "solid", 1.6), Curve(above, v),
-                       Curve(text("without control"), ghost, "estimate", "dash", 1.6)), "v [µm/s]",
+                      (Curve(below, rival, "second", "solid", 0.8), Curve(text("without control"), ghost, "muted", "dash", 2.4),
+                       Curve(above, v, width=2.4)), "v [µm/s]",
                       caption=UNSTABLE_CAPTION if not _held(outcome) else
                       text("RMS after 1 s: {sizes:.3g} µm/s, {sizes2:.3g} µm/s on the lower deck, {sizes3:.3g} µm/s without control.",
                            sizes=sizes[0], sizes2=sizes[1], sizes3=sizes[2]),

@@ -10,6 +10,7 @@ from .controllers import CONTROLLER_NAMES, DT, LQE, ORDER, OWN_PAIR, PUBLISHED_P
 from .simulation import RUN_SAMPLES
 
 REAL = text("Real life")
+OF_RUN, IN_BAND, WHOLE, REDUCED = "run", "band", "whole", "reduction"  # what bars on the stage show
 
 
 def _error(name: str, symbol: str, label: Text, unit: str, high: float, hint: Text) -> Number:
@@ -61,5 +62,9 @@ KNOBS = (
            text("The true dashpots differ by this much.")),
     _error("placement", r"\varepsilon_s", text("sensor placement error"), "mm", 60.0,
            text("The sensors stand this much farther from the middle.")),
+    Choice("bars", "", text("bars on the stage"), default=OF_RUN,
+           options=((OF_RUN, text("height in this run")), (IN_BAND, text("velocity, 0.5–3 Hz")),
+                    (WHOLE, text("velocity, all frequencies")), (REDUCED, text("reduction of the rotation"))),
+           hint=text("What the bars before the two decks show. Velocities and reductions are predicted by spectra.")),
     *run_knobs(RUN_SAMPLES * DT - DT),
 )

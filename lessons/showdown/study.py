@@ -3,23 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
-from functools import cached_property, lru_cache
+from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
 from observer_lab.course.lazy import LazyMap, LazySequence, LazyValue
 from observer_lab.course.lesson import Check, Design, Formula, Outcome, Stage
 from observer_lab.engine.sampled import MonteCarlo, ResponseMeasures
-from observer_lab.plants.bodies.body import UNCONTROLLED, Body, called, with_longer_arrows
-from observer_lab.plants.bodies.two_decks import two_decks
-from observer_lab.plants.platform import model
-from observer_lab.text import Text, format_number, listed, text
+from observer_lab.plants.bodies.body import Body
+from observer_lab.text import Text, listed, text
 
 from ..toolkit.latex import number
-from .controllers import CONTROLLER_NAMES, LQE, OPEN_LOOP, ORDER, RECURSIVE, SHORT_NAMES, SISO, Player, players
+from .contest_body import FULL_BAR_DB, FULL_BAR_SHAPED_UM_S, FULL_BAR_UM_S, body_of, rival_of
+from .controllers import LQE, OPEN_LOOP, ORDER, RECURSIVE, SHORT_NAMES, Player, players
 from .equal_effort import Equal
 from .friction import friction_of, rubbed
+from .knobs import IN_BAND, OF_RUN, REDUCED
 from .race import Raced
 from .simulation import (
     BAND_HZ,
@@ -62,12 +62,6 @@ class Trials:
     raced: Raced | None = None
 
 
-MOTION_GAIN = 1000.0  # times that the stage exaggerates motion: 20 µm are drawn as 0.15
-FORCE_ARROWS = 20.0  # times that coil forces are drawn larger: tens of millinewtons here
-DECK = replace(with_longer_arrows(model.body(), FORCE_ARROWS, 3), gain=MOTION_GAIN, names=called(model.body(), UNCONTROLLED),
-               caption=text("Above: the controller chosen. Below: another one to compare. Ghosts: the same decks without control. "
-                            "Green: coil forces. Blue bars: how far each deck moves (RMS), beside its ghost's"))
-DELAY_AT, DAMPING_AT, FRICTION_AT = (2.1, -0.7, 1.95), (-0.72, -0.7, 1.0), (1.5, -0.9, 0.46)  # at coil, dashpot and guide
 WORK = (0.1, 10.0)  # Hz: the report's working band
 
 
@@ -186,24 +180,10 @@ def compute(design: Design) -> Outcome[Study]:
     match = Study(world, five, step, run, ghost[1], rival[1:])
     metrics = LazyMap(lambda: _metrics(match))
     return Outcome(design, {}, {}, metrics, LazySequence(lambda: _checks(match, metrics)), None, (),
-                   _stage(match, body_of(chosen.id, design["delay"], design["damping"], 1e3 * most)),
+                   _stage(match, body_of(chosen.id, design["delay"], design["damping"], 1e3 * most, design["bars"]),
+                          barred(match, design["bars"], (chosen.id, other))),
                    LazySequence(lambda: _formulas(design, match)),
                    LazyValue(lambda: as_predicted(design, _ranking(match))), match)
-
-
-def rival_of(chosen: str) -> str:
-    """The controller of the lower deck: the full LQG, or the SISO loops where the full LQG is chosen."""
-    return SISO if chosen == LQE else LQE
-
-
-@lru_cache(maxsize=4 * len(ORDER))
-def body_of(chosen: str, delay: float = 0.0, damping: float = 0.0, friction: float = 0.0) -> Body:
-    """Two decks with the names of their controllers; delay (ms), change of damping (%) and friction (mN) are named where they act."""
-    upper, lower = (CONTROLLER_NAMES[ORDER.index(each)] for each in (chosen, rival_of(chosen)))
-    tags = ((delay, text("delay {size} ms", size=format_number(delay, ".3g")), DELAY_AT),
-            (damping, text("damping {size} %", size=format_number(damping, "+.3g")), DAMPING_AT),
-            (friction, text("friction {size} mN", size=format_number(friction, ".3g")), FRICTION_AT))
-    return two_decks(DECK, 10, 3, (upper, lower), tuple((words, at) for size, words, at in tags if size))
 
 
 def moved_share(x: np.ndarray, ghost: np.ndarray) -> float:
@@ -211,11 +191,28 @@ def moved_share(x: np.ndarray, ghost: np.ndarray) -> float:
     return float(np.sqrt(np.mean(x[:, 1] ** 2) / np.mean(ghost[:, 1] ** 2)))
 
 
-def _stage(m: Study, body: Body) -> Stage:
+def barred(m: Study, bars: str, who: tuple[str, str]) -> tuple[np.ndarray, np.ndarray]:
+    """Shares and numbers (4,) of the bars of the upper and the lower deck, and the same without control; NaN where a loop is unstable."""
+    if bars == OF_RUN:
+        size = 1e6 * float(np.sqrt(np.mean(m.ghost[:, 1] ** 2)))
+        shares = np.array([moved_share(m.run[1], m.ghost), moved_share(m.rival[0], m.ghost)])
+        return np.concatenate([shares, size * shares]), np.array([1.0, 1.0, size, size])
+    places = [ORDER.index(each) for each in who]
+    stable = np.array([m.stable[i] for i in places])
+    if bars == REDUCED:
+        values, bare, full = m.band_db[places, 1], 0.0, FULL_BAR_DB
+    else:
+        found, full = m.band_rms(*BAND_HZ) if bars == IN_BAND else m.rms, FULL_BAR_SHAPED_UM_S if m.world.shaped else FULL_BAR_UM_S
+        values, bare = found[places, 0], float(found[0, 0])
+    return (np.concatenate([np.where(stable, np.maximum(values, 0.0) / full, 0.0), np.where(stable, values, np.nan)]),
+            np.array([bare / full, bare / full, bare, bare]))
+
+
+def _stage(m: Study, body: Body, bars: tuple[np.ndarray, np.ndarray]) -> Stage:
     t, upper, above = m.run
     lower, below = m.rival
-    shares = np.tile([moved_share(upper, m.ghost), moved_share(lower, m.ghost)], (len(t), 1))
-    return Stage(body, t, np.hstack([upper, lower, shares]), np.hstack([m.ghost, m.ghost, np.ones_like(shares)]),
+    with_control, without = (np.tile(each, (len(t), 1)) for each in bars)
+    return Stage(body, t, np.hstack([upper, lower, with_control]), np.hstack([m.ghost, m.ghost, without]),
                  np.hstack([above, below]))
 
 
