@@ -1,39 +1,47 @@
-"""Draw the deck, and above it the 2σ ellipsoids of its velocities before and after one sample.
+"""Draw the deck, and above it what the filter states: the ellipsoids of one sample, the errors beside the stated ones, or the gain.
 
-The record that the stage plays is the deck's state (6), then three ellipsoids of seven numbers: half axes (3) in stage units,
-rotation (w, x, y, z). Right v_x, away ω, up v_z.
+A record is the deck's state (6), then ellipsoids of seven numbers: half axes (3) in stage units, rotation (w, x, y, z). Right v_x,
+away ω, up v_z. One sample has three of them. The errors have two, then the dots (x, y, z) from their middle, then the ratio of the
+RMS error to the stated σ. The gain has its size alone.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import lru_cache
 from types import MappingProxyType
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from observer_lab.colours import COLOURS
-from observer_lab.plants.bodies.body import STEEL, Ball, Body, Part, PartName, Pose, Rod, Vector, pose_between
-from observer_lab.text import text
+from observer_lab.plants.bodies.body import DARK_GREY, STEEL, Ball, Body, Box, ErrorMarks, Part, PartName, Pose, Rod, Vector, pose_between
+from observer_lab.text import Text, format_number, text
 
-from .knobs import MODEL
+from .knobs import ERRORS, GAIN, MODEL, STEP
 
 STATE_COUNT = 6
 VELOCITY_INDEX = (3, 5, 4)  # v_x to the right, ω away from the viewer, v_z up
-ELLIPSOIDS = ("last", "prediction", "estimate")
 NUMBERS = 7  # of one ellipsoid
 HUNG_AT: Vector = (0.0, 0.0, 2.8)  # stage units: where the ellipsoids hang
 LONGEST, LEAST = 0.7, 0.02  # stage units: half axes are drawn no longer and no shorter
 SETTLED = 0.36  # stage units: half axes of the settled prediction of a filter with the right Q and R
 ARM = 0.74  # stage units: half length of an axis
+DOTS, FARTHEST = 42, 0.76  # errors that are drawn as dots; stage units: how far from the middle a dot is drawn at most
+FOOT_Z, HIGH, MOST_HIGH, WIDE = 2.12, 0.32, 1.44, 0.42  # stage units: foot of the gains, height of a gain of 1, the highest, their width
+POST_Y = 0.82  # behind the deck
+GAIN_AT = (-0.36, 0.36)  # across: the gain of the right Q and R, and that of this filter
+UPPER_NAME, LOWER_NAME = (-1.3, 0.0, 3.5), (-1.35, 0.0, 2.5)  # where names of shells stand
+HIDDEN: Vector = (0.0, 0.0, -9.0)
 
-PARTS = (
-    Part("last", Ball(1.0), COLOURS["muted"]),
-    Part("estimate", Ball(1.0), COLOURS["estimate"]),
-    Part("prediction", Ball(1.0), COLOURS["disturbance"], opacity=0.4),
-    *(Part(f"axis {way}", Rod(0.01), STEEL) for way in ("right", "away", "up")),
-)
+WAYS = ("right", "away", "up")
+LAST = Part("last", Ball(1.0), COLOURS["muted"])
+ESTIMATE = Part("estimate", Ball(1.0), COLOURS["estimate"])
+PREDICTION = Part("prediction", Ball(1.0), COLOURS["disturbance"], opacity=0.4)
+STATED = Part("estimate", Ball(1.0), COLOURS["estimate"], opacity=0.7)
+ACTUAL = Part("actual", Ball(1.0), COLOURS["error"], opacity=0.25)
+SHELLS = (LAST, PREDICTION, ESTIMATE)  # of one sample, in the order of the record
 
 
 def ellipsoids(last: np.ndarray, prior: np.ndarray, posterior: np.ndarray | None, settled: np.ndarray) -> np.ndarray:
@@ -44,14 +52,45 @@ def ellipsoids(last: np.ndarray, prior: np.ndarray, posterior: np.ndarray | None
     """
     pick = np.ix_(VELOCITY_INDEX, VELOCITY_INDEX)
     size = np.sqrt(np.maximum(np.diag(settled)[list(VELOCITY_INDEX)], 1e-300))
-    halves, turns = np.zeros((3, 3)), np.tile([1.0, 0.0, 0.0, 0.0], (3, 1))
-    for i, P in enumerate((last if posterior is None else None, prior, posterior)):
-        if P is not None:
-            values, V = np.linalg.eigh(P[pick] / np.outer(size, size))
-            V = V * np.sign(V[np.argmax(np.abs(V), axis=0), range(3)])  # their signs are the library's, the picture's are not
-            halves[i] = np.sqrt(np.maximum(values, 0.0))
-            turns[i] = Rotation.from_matrix(V * np.sign(np.linalg.det(V))).as_quat(canonical=True)[[3, 0, 1, 2]]
-    return np.hstack([halves * min(SETTLED, LONGEST / halves.max()), turns]).ravel()
+    found = np.array([ellipsoid(None if P is None else P[pick] / np.outer(size, size))
+                      for P in (last if posterior is None else None, prior, posterior)])
+    found[:, :3] *= min(SETTLED, LONGEST / found[:, :3].max())
+    return found.ravel()
+
+
+def ellipsoid(P: np.ndarray | None) -> np.ndarray:
+    """Half axes and rotation (7,) of the ellipsoid xᵀP⁻¹x = 1, P 3×3; nothing of it without P."""
+    if P is None:
+        return np.array([0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0])
+    values, V = np.linalg.eigh(P)
+    V = V * np.sign(V[np.argmax(np.abs(V), axis=0), range(3)])  # their signs are the library's, the picture's are not
+    turn = Rotation.from_matrix(V * np.sign(np.linalg.det(V))).as_quat(canonical=True)[[3, 0, 1, 2]]
+    return np.hstack([np.sqrt(np.maximum(values, 0.0)), turn])
+
+
+def error_record(e: np.ndarray, stated: np.ndarray, settled: np.ndarray, first: int) -> np.ndarray:
+    """The numbers of each sample (n_t, …) that show errors e (n_t, n) beside the `stated` P: both ellipsoids, the dots, the ratio.
+
+    Errors count from the sample `first` on and stay. All of it is over the σ of a `settled` prediction.
+    """
+    index = list(VELOCITY_INDEX)
+    size = np.sqrt(np.maximum(np.diag(settled)[index], 1e-300))
+    e, P = e[:, index] / size, stated[np.ix_(index, index)] / np.outer(size, size)
+    n_t, begun = len(e), np.arange(len(e)) - first + 1
+    count = np.maximum(begun, 1)
+    late = np.where((begun > 0)[:, None], e, 0.0)
+    moments = np.cumsum(late[:, :, None] * late[:, None, :], axis=0) / count[:, None, None]
+    ratio = np.sqrt(np.trace(np.linalg.solve(P, moments), axis1=1, axis2=2) / 3)
+    shells = np.array([[ellipsoid(P), ellipsoid(moments[k] if begun[k] >= DOTS // 2 else None)] for k in range(n_t)])
+    unit = min(SETTLED, LONGEST / shells[:, :, :3].max())
+    shells[:, :, :3] *= unit
+    at = np.linspace(first, n_t - 1, DOTS).astype(int)
+    dots = e[at] * unit / 2  # a half axis is 2σ
+    dots *= np.minimum(1.0, FARTHEST / np.maximum(np.linalg.norm(dots, axis=1), 1e-12))[:, None]
+    shown = np.where((np.arange(n_t)[:, None] >= at)[:, :, None], dots, 0.0)
+    return np.hstack([shells.reshape(n_t, -1), shown.reshape(n_t, -1), np.where(begun >= DOTS // 2, ratio, 0.0)[:, None]])
+
+
 
 
 def _axis(way: Vector) -> Pose:
@@ -69,20 +108,97 @@ def _ellipsoid(numbers: Sequence[float]) -> Pose:
     return Pose(HUNG_AT, tuple(map(float, numbers[3:])), thick)  # type: ignore[arg-type]
 
 
-def _deck() -> Body:
+def _leader(start: Vector, numbers: Sequence[float]) -> Pose:
+    """A line from a name to the surface of an ellipsoid, none where there is no ellipsoid."""
+    half = np.maximum(np.asarray(numbers[:3], dtype=float), LEAST)
+    if not np.any(numbers[:3]):
+        return pose_between(HIDDEN, HIDDEN)
+    way = np.subtract(start, HUNG_AT)
+    turned = Rotation.from_quat(np.asarray(numbers)[[4, 5, 6, 3]]).inv().apply(way)
+    end = np.array(HUNG_AT) + way / np.linalg.norm(turned / half)
+    return pose_between(start, tuple(end.tolist()))  # type: ignore[arg-type]
+
+
+Shown = Callable[[Sequence[float]], Mapping[str, Pose]]
+
+
+def _above(parts: tuple[Part, ...], shown: Shown, labels: tuple[tuple[Text, Vector], ...], caption: Text, name: PartName,
+           marks: Callable[[Sequence[float]], ErrorMarks] | None = None) -> Body:
+    """The deck with parts above it, which `shown` poses from the numbers after the state."""
     deck = MODEL.body
-
-    def pose(x: Sequence[float], gain: float) -> Mapping[str, Pose]:
-        tail = x[STATE_COUNT:]
-        shown = {name: _ellipsoid(tail[NUMBERS * i:NUMBERS * (i + 1)]) for i, name in enumerate(ELLIPSOIDS)}
-        return {**deck.pose(x[:STATE_COUNT], gain), **AXES, **shown}
-
     return replace(
-        deck, parts=(*deck.parts, *PARTS), pose=pose, arrows=lambda x, u, gain: deck.arrows(x[:STATE_COUNT], u, gain),
-        anchors=lambda x, gain: deck.anchors(x[:STATE_COUNT], gain),
-        caption=text("Above the deck: expected errors (2σ) of the velocities at sample k; vx right, vz up, ω away"),
-        names=(PartName(text("expected errors"), "estimate", (1.1, -0.2, 0.2)),
-               *(name for name in deck.names if name.part != "seat left")))
+        deck, parts=(*deck.parts, *parts), pose=lambda x, gain: {**deck.pose(x[:STATE_COUNT], gain), **shown(x[STATE_COUNT:])},
+        arrows=lambda x, u, gain: deck.arrows(x[:STATE_COUNT], u, gain), anchors=lambda x, gain: deck.anchors(x[:STATE_COUNT], gain),
+        caption=caption, labels=labels, names=(name, *(each for each in deck.names if each.part != "seat left")),
+        marks=None if marks is None else lambda x, xhat, gain: marks(x[STATE_COUNT:]))
 
 
-DECK_BODY = _deck()
+CROSS = tuple(Part(f"axis {way}", Rod(0.01), STEEL) for way in WAYS)
+LINES = (Part("upper line", Rod(0.008), DARK_GREY), Part("lower line", Rod(0.008), DARK_GREY))
+EXPECTED = PartName(text("expected errors"), "estimate", (1.1, -0.2, 0.2))
+
+
+def _step_body(updated: bool) -> Body:
+    inner = 2 if updated else 0
+
+    def shown(tail: Sequence[float]) -> Mapping[str, Pose]:
+        each = [tail[NUMBERS * i:NUMBERS * (i + 1)] for i in range(len(SHELLS))]
+        return {**AXES, **{part.name: _ellipsoid(numbers) for part, numbers in zip(SHELLS, each, strict=True)},
+                "upper line": _leader(UPPER_NAME, each[1]), "lower line": _leader(LOWER_NAME, each[inner])}
+
+    return _above(
+        (LAST, ESTIMATE, PREDICTION, *CROSS, *LINES), shown,
+        ((text("prediction"), UPPER_NAME), (text("estimate") if updated else text("last estimate"), LOWER_NAME)),
+        text("Above the deck: expected errors (2σ) of the velocities at sample k; vx right, vz up, ω away"), EXPECTED)
+
+
+def _errors_body() -> Body:
+    first, size = 2 * NUMBERS, 3 * DOTS
+
+    def shown(tail: Sequence[float]) -> Mapping[str, Pose]:
+        stated, actual = tail[:NUMBERS], tail[NUMBERS:first]
+        dots = {}
+        for k in range(DOTS):
+            away = [float(v) for v in tail[first + 3 * k:first + 3 * k + 3]]
+            dots[f"error {k}"] = Pose((HUNG_AT[0] + away[0], HUNG_AT[1] + away[1], HUNG_AT[2] + away[2]) if any(away) else HIDDEN)
+        return {**dots, "estimate": _ellipsoid(stated), "actual": _ellipsoid(actual),
+                "upper line": _leader(UPPER_NAME, actual), "lower line": _leader(LOWER_NAME, stated)}
+
+    def marks(tail: Sequence[float]) -> ErrorMarks:
+        ratio = float(tail[first + size])
+        return ErrorMarks((), ((f"RMS = {format_number(ratio, '.2g')} σ", (0.9, 0.0, 3.1) if ratio > 0 else HIDDEN, "center-left"),))
+
+    return _above(
+        (STATED, ACTUAL, *LINES, *(Part(f"error {k}", Ball(0.045), COLOURS["error"]) for k in range(DOTS))), shown,
+        ((text("actual errors (2σ)"), UPPER_NAME), (text("stated (2σ)"), LOWER_NAME)),
+        text("Above the deck: stated and actual errors of the velocities; vx right, vz up, ω away"), EXPECTED, marks)
+
+
+def _gain_body() -> Body:
+    def bar(across: float, size: float) -> Pose:
+        high = min(max(HIGH * size, LEAST), MOST_HIGH)
+        return Pose((across, 0.0, FOOT_Z + high / 2), scale=(1.0, 1.0, high))
+
+    def shown(tail: Sequence[float]) -> Mapping[str, Pose]:
+        return {"gain foot": Pose((0.0, 0.32, FOOT_Z - 0.03)), "gain post": Pose((0.0, POST_Y, FOOT_Z / 2)),
+                "right gain": bar(GAIN_AT[0], 1.0), "gain": bar(GAIN_AT[1], float(tail[0])),
+                "gain mark": Pose((GAIN_AT[1], 0.0, FOOT_Z + HIGH))}
+
+    def marks(tail: Sequence[float]) -> ErrorMarks:
+        size = float(tail[0])
+        return ErrorMarks((), ((f"× {format_number(size, '.3g')}", (GAIN_AT[1], 0.0, FOOT_Z + 0.06 + min(HIGH * size, MOST_HIGH)),
+                                "bottom-center"),))
+
+    return _above(
+        (Part("gain foot", Box((1.4, 1.14, 0.06)), STEEL), Part("gain post", Box((0.12, 0.08, FOOT_Z)), STEEL),
+         Part("right gain", Box((WIDE, 0.3, 1.0)), COLOURS["muted"]),
+         Part("gain", Box((WIDE, 0.3, 1.0)), COLOURS["second"]), Part("gain mark", Box((WIDE + 0.1, 0.34, 0.02)), DARK_GREY)), shown,
+        ((text("steady gain, right Q and R"), (-1.35, 0.0, FOOT_Z + 0.5)), (text("gain now"), (1.15, 0.0, FOOT_Z + 0.3))),
+        text("Above the deck: the size of the gain, over that of the steady gain for the right Q and R"),
+        PartName(text("gain now"), "gain", (0.9, -0.2, 0.4)), marks)
+
+
+@lru_cache(maxsize=4)
+def body_of(above: str, updated: bool) -> Body:
+    """The deck under what is shown above it; `updated`: whether the sample has been taken in."""
+    return {STEP: lambda: _step_body(updated), ERRORS: _errors_body, GAIN: _gain_body}[above]()

@@ -16,12 +16,15 @@ from observer_lab.text import Text, joined, listed, same, text
 
 from ..toolkit.latex import matrix, number
 from .all_records import expected
-from .body import DECK_BODY, STATE_COUNT, ellipsoids
+from .body import STATE_COUNT, VELOCITY_INDEX, body_of, ellipsoids, error_record
 from .data_sheet import MM, STATE_LABELS
 from .filters import Forms, compare, draw, truth, tuned, watch, watcher
-from .knobs import MODEL, SINGLE, UPDATE, VZ_INDEX, WHITE
+from .knobs import ERRORS, GAIN, MODEL, SINGLE, UPDATE, VZ_INDEX, WHITE
 from .one_number import one_reading
 from .study import Look, Study, failures_of
+
+
+MOST_GAIN = 1e3  # times the steady gain, the largest that is written
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,13 +59,31 @@ def studied(design: Design, seed: int) -> DeckStudy:
 
 
 def stage(design: Design, s: DeckStudy) -> Stage:
-    """The deck and its ghost over time; above them the ellipsoids of the step that is looked at."""
-    last, prior, posterior = s.covariances_at(int(design["k"]))
-    tail = np.tile(ellipsoids(last, prior, posterior if design["phase"] == UPDATE else None, tuned().steady.solution),
-                   (len(s.truth.t), 1))
+    """The deck and its ghost over time, and above them the step that is looked at, the errors or the gain."""
+    updated, above, settled = design["phase"] == UPDATE, design["above"], tuned().steady.solution
+    if above == ERRORS:
+        tail = error_record((s.truth.x - s.means)[:, :STATE_COUNT], s.watcher.steady.filtered[:STATE_COUNT, :STATE_COUNT], settled,
+                            s.watcher.first)
+    elif above == GAIN:
+        tail = np.minimum(gain_sizes(s), MOST_GAIN)[:, None]
+    else:
+        last, prior, posterior = s.covariances_at(int(design["k"]))
+        tail = np.tile(ellipsoids(last, prior, posterior if updated else None, settled), (len(s.truth.t), 1))
     shown = [np.hstack([x[:, :STATE_COUNT], tail]) for x in (s.truth.x, s.means)]
-    spread = 3 * SCALE_OF_STAGE * MOTION_GAIN * np.sqrt(s.track.variances[:, 1])
-    return Stage(DECK_BODY, s.truth.t, shown[0], shown[1], s.truth.u, spread)
+    spread = None if above == GAIN else 3 * SCALE_OF_STAGE * MOTION_GAIN * np.sqrt(s.track.variances[:, 1])
+    return Stage(body_of(above, updated), s.truth.t, shown[0], shown[1], s.truth.u, spread)
+
+
+def gain_sizes(s: DeckStudy) -> np.ndarray:
+    """‖M‖ of the deck's states at each sample (n_t,), over that of the steady gain for the right Q and R."""
+    return np.asarray(np.linalg.norm(s.track.gains[:, :STATE_COUNT], axis=(1, 2)) / np.linalg.norm(tuned().steady.filter_gain))
+
+
+def rms_over_stated(s: DeckStudy) -> float:
+    """The RMS of the errors of the velocities once the filter has settled, over the σ that it then states."""
+    index, steady = list(VELOCITY_INDEX), s.watcher.steady.filtered
+    e = (s.truth.x - s.means)[s.watcher.first:, index]
+    return float(np.sqrt(np.mean(np.sum(e * np.linalg.solve(steady[np.ix_(index, index)], e.T).T, axis=1)) / len(index)))
 
 
 def numbers(design: Design, s: DeckStudy) -> dict[str, float]:
@@ -76,7 +97,8 @@ def numbers(design: Design, s: DeckStudy) -> dict[str, float]:
         "S_over_R": s.over_R[0], "seen_over_R": s.over_R[1],
         "short_gap": float(s.forms.short.max()), "joseph_gap": float(s.forms.joseph.max()),
         "short_least": s.forms.least_short, "joseph_least": s.forms.least_joseph,
-        "sigma_vz_prior": sigma_prior, "sigma_vz": sigma_after, **one_reading(design).metrics,
+        "gain_times": float(gain_sizes(s)[-1]),
+        "rms_times": rms_over_stated(s), "sigma_vz_prior": sigma_prior, "sigma_vz": sigma_after, **one_reading(design).metrics,
     }
 
 
@@ -122,7 +144,7 @@ def verdict(design: Design, quiet: bool) -> Text:
                  otherwise=text("Over all records, too, this filter is wrong about itself."))
 
 
-ENTRIES = ((4, 0, "vz ← VL"), (1, 0, "z ← VL"), (3, 1, "vx ← HL"))
+ENTRIES = ((4, 0, "vz ← VL"), (3, 1, "vx ← HL"))
 LOOK = Look(
     STATE_LABELS, MM, ".3f", (MODEL.watched[0], MODEL.watched[1]), [same(name) for name in MODEL.plant.output_names],
     (text("sensor VL"), "mm/s"), text("entries of the gain M"), lambda _: ENTRIES, 100,

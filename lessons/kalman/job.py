@@ -14,11 +14,11 @@ from observer_lab.course.lesson import Design, Job, Outcome
 from observer_lab.text import text
 
 from .deck_figures import DECK_SETTING
-from .knobs import NONE, PREDICT, SINGLE
+from .knobs import NONE, PREDICT, SINGLE, STEP
 from .study import S, Setting, Trials
 
 RUN_COUNT, BATCH_RUNS = 100, 2
-VIEWS = MappingProxyType({"k": 1, "phase": PREDICT, "arithmetic": SINGLE, "line": NONE})  # knobs that change no run
+VIEWS = MappingProxyType({"k": 1, "phase": PREDICT, "above": STEP, "arithmetic": SINGLE, "line": NONE})  # knobs that change no run
 
 
 def try_often(here: Setting[S], outcome: Outcome[S]) -> Iterator[tuple[float, Trials]]:

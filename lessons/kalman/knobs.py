@@ -23,6 +23,7 @@ REPORT_LINES = (
     (MEANS, text("(61): means close to zero")),
 )
 PREDICT, UPDATE = "predict", "update"
+STEP, ERRORS, GAIN = "step", "errors", "gain"  # what stands above the deck
 SINGLE, FROZEN = "single", "frozen"
 VZ_INDEX = 4  # of v_z in the state
 LAST_SAMPLE = 60  # the latest sample that can be looked at step by step
@@ -55,6 +56,9 @@ KNOBS = (
     Choice("phase", "", text("the step"), default=PREDICT,
            options=((PREDICT, text("predict")), (UPDATE, text("predict and update"))),
            hint=text("Before or after the sample is taken in.")),
+    Choice("above", "", text("shown above the deck"), default=STEP,
+           options=((STEP, text("ellipsoids of one sample")), (ERRORS, text("stated and actual errors")), (GAIN, text("size of the gain"))),
+           hint=text("What the filter states of one sample, the errors beside that, or its gain at each time.")),
     Number("force", "F", text("known force at 0.16 Hz"), "N", low=0.0, high=2.0, default=1.0, step=0.1,
            hint=text("Amplitude on the vertical coils, half of it on the horizontal one; the filter gets this force.")),
     Choice("arithmetic", "", text("updates compared"), default=SINGLE,

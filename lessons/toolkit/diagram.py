@@ -93,12 +93,12 @@ def loop(plant: Plant, run: Signals, L: np.ndarray, K: np.ndarray | None = None,
         *_inputs(run, start, limit, of_input),
         Wire("y", (((230.0, 50.0), (330.0, 50.0), (330.0, 141.0)),), (238.0, 40.0), run.y, of_output, "plant"),
         Wire("ŷ", (((200.0, 174.0), (200.0, 204.0), (330.0, 204.0), (330.0, 159.0)),), (206.0, 222.0), run.yhat, of_output, "estimate"),
-        Wire("y − ŷ", (((321.0, 150.0), (292.0, 150.0)), *(() if opened else (((262.0, 150.0), (230.0, 150.0)),))), (206.0, 192.0),
+        Wire("y − ŷ", (((321.0, 150.0), (292.0, 150.0)), *(() if opened else (((262.0, 150.0), (230.0, 150.0)),))), (206.0, 124.0),
              innovation, of_output, "error"),
         Wire("x̂", (back,), (38.0, 182.0), run.xhat[:count], "", "estimate"),
     )
     return DiagramFigure("diagram", text("the loop, with its signals now"), run.t, tuple(blocks), wires, (SUM,),
-                         (("+", (350.0, 136.0)), ("−", (350.0, 168.0))),
+                         (("+", (343.0, 139.0)), ("−", (343.0, 170.0))),
                          text("The thicker a line, the larger its signal now. A number in brackets says how many signals share the line."))
 
 

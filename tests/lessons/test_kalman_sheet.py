@@ -28,6 +28,12 @@ def drawn_ellipsoids(o) -> dict[str, np.ndarray]:
     return {name: R @ np.diag(half) @ R.T for name, (R, half) in turned.items()}
 
 
+def shape_of(pose) -> np.ndarray:
+    """R diag(half²) Rᵀ of one ellipsoid."""
+    R = Rotation.from_quat(np.roll(pose.wxyz, -1)).as_matrix()
+    return R @ np.diag(np.square(pose.scale)) @ R.T
+
+
 @pytest.mark.parametrize("k", [1, 5, 20, 60])
 def test_the_ellipsoids_above_the_deck_are_the_covariances_of_the_velocities(k):
     """One linear scale holds for all of them, so that growth and shrinkage can be compared by eye."""
@@ -57,6 +63,53 @@ def test_the_ellipsoid_grows_in_predict_and_shrinks_in_correct():
     assert np.linalg.det(before["last"]) < 0.5 * np.linalg.det(before["prediction"])
     assert np.linalg.det(after["estimate"]) < 0.5 * np.linalg.det(after["prediction"])
     assert np.linalg.det(before["estimate"]) < 1e-12 and np.linalg.det(after["last"]) < 1e-12
+
+
+@pytest.mark.parametrize("q, r", [(0.05, 1.73), (1.0, 1.0), (100.0, 1.73)])
+def test_the_errors_above_the_deck_are_those_of_the_run_beside_the_stated_covariance(q, r):
+    """Stated: P⁺ = P⁻ − P⁻Cᵀ(CP⁻Cᵀ + R)⁻¹CP⁻ of the settled filter. Actual: the mean of e eᵀ from 2 s on. One scale, a half axis is 2σ."""
+    o, kf, velocities = outcome(q=q, r=r, above="errors"), tuned(), np.ix_([3, 5, 4], [3, 5, 4])
+    prior = solve_discrete_are(kf.A.T, kf.C.T, q * kf.Q, r * kf.R)
+    P = prior - prior @ kf.C.T @ np.linalg.inv(kf.C @ prior @ kf.C.T + r * kf.R) @ kf.C @ prior
+    size = np.sqrt(np.diag(solve_discrete_are(kf.A.T, kf.C.T, kf.Q, kf.R)[velocities]))
+    e = (o.study.truth.x - o.study.means)[50:, [3, 5, 4]]
+    moments = sum(np.outer(each, each) for each in e) / len(e)
+    poses = o.stage.body.pose(o.stage.x[-1].tolist(), o.stage.body.gain)
+    stated, actual = (shape_of(poses[name]) for name in ("estimate", "actual"))
+    factor = np.trace(stated) / np.trace(P[velocities] / np.outer(size, size))
+    assert np.allclose(stated, factor * P[velocities] / np.outer(size, size), rtol=1e-5, atol=1e-6)
+    assert np.allclose(actual, factor * moments / np.outer(size, size), rtol=1e-5, atol=1e-6)
+    dots = [np.array(pose.position) - np.array([0.0, 0.0, 2.8]) for name, pose in poses.items() if name.startswith("error ")]
+    assert np.allclose(dots[0], np.sqrt(factor) / 2 * e[0] / size, atol=1e-9) and np.allclose(poses["actual"].position, (0, 0, 2.8))
+    rms = np.sqrt(np.mean([each @ np.linalg.inv(P[velocities]) @ each for each in e]) / 3)
+    assert o.metrics["rms_times"] == pytest.approx(rms, rel=1e-6)
+    (words, *_), = o.stage.body.marks(o.stage.x[-1].tolist(), o.stage.xhat[-1].tolist(), 1.0).words
+    assert words == f"RMS = {rms:.2g} σ"
+
+
+def test_no_error_is_shown_before_the_filter_has_settled():
+    o = outcome(above="errors")
+    poses = o.stage.body.pose(o.stage.x[40].tolist(), 1.0)
+    assert all(pose.position[2] < 0 for name, pose in poses.items() if name.startswith("error "))
+    assert max(poses["actual"].scale) < 0.01
+
+
+@pytest.mark.parametrize("q, r, p0", [(1.0, 1.0, 1.0), (16.0, 1.0, 1.0), (16.0, 16.0, 100.0)])
+def test_the_bar_of_the_gain_is_as_high_as_the_gain_is_large(q, r, p0):
+    """M = P⁻Cᵀ(CP⁻Cᵀ + R)⁻¹ of the recursion, over the settled one for the right Q and R."""
+    kf, o = tuned(), outcome(q=q, r=r, p0=p0, above="gain")
+    settled = solve_discrete_are(kf.A.T, kf.C.T, kf.Q, kf.R)
+    one = np.linalg.norm(settled @ kf.C.T @ np.linalg.inv(kf.C @ settled @ kf.C.T + kf.R))
+    P = watcher("white", q, r, p0).start.covariance
+    for k in range(100):
+        P = P if k == 0 else kf.A @ P @ kf.A.T + q * kf.Q
+        M = P @ kf.C.T @ np.linalg.inv(kf.C @ P @ kf.C.T + r * kf.R)
+        P = P - M @ kf.C @ P
+        if k in (0, 5, 99):
+            poses = o.stage.body.pose(o.stage.x[k].tolist(), 1.0)
+            assert poses["gain"].scale[2] / poses["right gain"].scale[2] == pytest.approx(np.linalg.norm(M) / one, rel=1e-6)
+    (words, *_), = o.stage.body.marks(o.stage.x[99].tolist(), o.stage.xhat[99].tolist(), 1.0).words
+    assert words == f"× {np.linalg.norm(M) / one:.3g}"
 
 
 # --- prediction and current estimate, data sheet ---------------------------------------------------------------------
