@@ -32,15 +32,15 @@ def recall(asked: Asked) -> DrawnQuestion:
 
 
 def predict(asked: Asked) -> DrawnQuestion:
-    """Rank and gain for faster poles: both as before, a larger gain, or a rank that says nothing."""
-    found = asked.entry.study.structure.seen
-    rank = 0 if isinstance(found, Refusal) else len(found.modes) - len(found.unobservable)
+    """Rank and gain for faster poles, over those now: both as before, a larger gain, or a rank that says nothing."""
     gains = [float(np.abs(each.gains["L"]).max()) for each in (asked.entry, asked.after)]
     paces = [float(np.abs(each.poles["observer"].real).sum()) for each in (asked.entry, asked.after)]
-    return question_of_bar_groups(text("rank, and largest entry of L, with a faster pair"), "",
-                                  ((text("rank now"), rank), (text("entry now"), gains[0])), (text("rank then"), text("entry then")),
-                                  ((rank, gains[0]), (rank, gains[0] * (paces[1] / paces[0]) ** 2), (0.0, gains[0])), (rank, gains[1]),
-                                  "estimate")
+    found = [each.study.structure.seen for each in (asked.entry, asked.after)]
+    ranks = [0 if isinstance(each, Refusal) else len(each.modes) - len(each.unobservable) for each in found]
+    return question_of_bar_groups(text("rank, and largest entry of L, with a faster pair"), text("times the value now"), (),
+                                  (text("rank"), text("largest entry of L")),
+                                  ((1.0, 1.0), (1.0, (paces[1] / paces[0]) ** 2), (0.0, 1.0)),
+                                  (ranks[1] / max(ranks[0], 1), gains[1] / gains[0]), "estimate", level=(text("now"), (1.0, 1.0)))
 
 
 def surprise(asked: Asked) -> DrawnQuestion:

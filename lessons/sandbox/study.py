@@ -22,7 +22,7 @@ from ..toolkit.gains import gains
 from ..toolkit.knobs import kicks
 from ..toolkit.latex import gain_words, pole_words, tiny
 from .analyses import Margins, Noise, Refusal, Structure, Trial, attempt, certificates, margins, noise, noises, structure, trial
-from .number_bars import with_numbers
+from .number_bars import MARGIN_STATES, nis_over_expected, with_numbers
 
 RECOVERY_LEVELS = np.logspace(-3, 3, 9)  # of the recovery knob q, in natural units
 POINTS = 140  # of the sensitivity over frequency
@@ -102,7 +102,7 @@ def compute(model: Model, design: Design) -> Outcome[Study]:
          "plant": plant.poles},
         LazyMap(lambda: _metrics(study, limit)), LazySequence(lambda: _checks(study.rows)), run,
         pole_boards(model, design, loop.controller_poles, loop.observer_poles, plant.A - L @ plant.C),
-        with_numbers(stage(model, run, design), model, K, L),
+        with_numbers(stage(model, run, design), model, K, L, nis_over_expected(study.trial) if plant.n <= MARGIN_STATES else 0.0),
         (Formula("K", gain_words("K", K)), Formula("L", gain_words(r"L^{\mathsf T}", L.T))),
         LazyValue(lambda: _live(study.rows)), study)
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from lesson_checks import carried
 from scipy.linalg import solve_discrete_are
+from scipy.spatial.transform import Rotation
 
 from observer_lab.course.figures.records import TableFigure
 from observer_lab.course.lesson import Lesson, Outcome
@@ -15,6 +16,7 @@ from observer_lab.engine import Plant, closed_loop, controllability, hankel_sing
 from observer_lab.engine.filters.linear.filter_trial import simulate_filter
 from observer_lab.lessons.sandbox.analyses import ASSUMED_NOISE_RATIOS, RECORD_SAMPLES, UNTESTED_SAMPLES, Refusal, noises, trial
 from observer_lab.lessons.sandbox.lesson import LESSON
+from observer_lab.lessons.sandbox.number_bars import body_of
 from observer_lab.plants.examples import EXAMPLES, example
 from observer_lab.plants.own_plant import canonical_text, own_model, plant_of
 
@@ -180,15 +182,42 @@ def test_the_margin_is_spent_by_weights_and_by_poles_and_the_observer_keeps_to_i
         "Disk margin 1.47; 1.0 within 5 % is wanted."]
 
 
-def test_the_bars_before_the_plant_are_gain_margin_and_error_beside_those_at_the_start() -> None:
+def test_the_bars_before_the_plant_are_gain_and_margin_beside_those_at_the_start_and_nis_beside_the_expected() -> None:
+    """A bar is log₁₀ of its number, from a tenth to ten, 3.2 long; its words are that number."""
     start = LESSON.start()
-    first, fast = (LESSON.compute(design) for design in (start, LESSON.apply(start, {"observer_poles": (-7.18, -6.87, -5 - 2j, -5 + 2j)})))
-    for outcome in (first, fast):
+    first, fast, wrong = (LESSON.compute(design) for design in (
+        start, LESSON.apply(start, {"observer_poles": (-7.18, -6.87, -5 - 2j, -5 + 2j)}), LESSON.apply(start, {"belief": 1000.0})))
+    for outcome in (first, fast, wrong):
         stage, k = outcome.stage, 30
-        assert stage is not None and stage.xhat is not None
-        error = np.linalg.norm(outcome.run.xhat - outcome.run.x, axis=1)
+        assert stage is not None and stage.xhat is not None and stage.body.marks is not None
         times = (np.abs(outcome.gains["L"]).max() / np.abs(first.gains["L"]).max(),
-                 outcome.metrics["disk_margin"] / first.metrics["disk_margin"], error[k] / error[0])
+                 outcome.metrics["disk_margin"] / first.metrics["disk_margin"], np.mean(outcome.study.trial.values[20:]) / 2)
         poses = stage.body.pose(stage.x[k].tolist(), 1.0)
         long = [poses[f"bar {j}"].scale[2] for j in range(3)]
-        np.testing.assert_allclose(long, 3.2 * np.clip((np.log2(times) + 6) / 9, 0.004, 1), rtol=1e-6)
+        np.testing.assert_allclose(long, 3.2 * np.clip((np.log10(times) + 1) / 2, 0.004, 1), rtol=1e-6)
+        said = [float(words) for words, *_ in stage.body.marks(stage.x[k].tolist(), stage.xhat[k].tolist(), 1.0).words]
+        np.testing.assert_allclose(said, times, rtol=0.05)
+        for j in range(3):  # the pale bars are those of 1
+            assert poses[f"start {j}"].position[0] == pytest.approx(poses[f"bar {j}"].position[0] + 0.8)
+
+
+def test_the_aircraft_banks_and_turns_its_nose_as_the_tubes_say_and_stands_on_no_other_plant() -> None:
+    """Seen from behind, right wing down at a positive bank angle; the nose to the left of the flight at a positive sideslip."""
+    stage = LESSON.compute(LESSON.start()).stage
+    assert stage is not None
+    parts = {part.name: part for part in stage.body.parts}
+    assert parts["wings"].twin and "wings" not in {part.name for part in body_of(own_model(plant_of(example("motor")))).parts}
+    level, rest = (stage.body.pose([0.0] * 4 + [0.5] * 3, 1.0) for _ in range(2))
+
+    def turned(name: str, way: tuple[float, float, float], **states: float) -> np.ndarray:
+        x = [states.get(each, 0.0) for each in ("sideslip", "roll", "yaw", "bank")]
+        pose = stage.body.pose([*x, 0.5, 0.5, 0.5], 1.0)[name]
+        return Rotation.from_quat(np.roll(pose.wxyz, -1)).apply(way)
+
+    assert level == rest and np.allclose(turned("wings", (1, 0, 0)), (1, 0, 0))
+    right = turned("wings", (1, 0, 0), bank=0.1)
+    nose = turned("fuselage", (0, 1, 0), sideslip=0.1)
+    assert right[2] < -0.05 and right[1] == pytest.approx(0, abs=1e-12)
+    assert nose[0] < -0.05 and nose[2] == pytest.approx(0, abs=1e-12)
+    assert turned("wings", (1, 0, 0), bank=0.2)[2] < right[2] < turned("wings", (1, 0, 0), bank=-0.1)[2]
+    assert np.allclose(turned("wings", (1, 0, 0), roll=0.3, yaw=0.3), (1, 0, 0))
