@@ -7,6 +7,7 @@ multiplied by m the loop is stable up to m = 1 + 1/(d f) exactly.
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from math import sqrt
 
@@ -14,7 +15,7 @@ import numpy as np
 
 from ..engine import Plant
 from ..text import text
-from .bodies.body import Body
+from .bodies.body import Body, Pose
 from .bodies.gauge_body import gauge_body, gauge_labels, gauge_places
 from .model import Model, Signal, Window
 
@@ -42,15 +43,27 @@ def largest_gain(q: float, sigma: float) -> float:
 
 def body() -> Body:
     """Two gauges for the states, the first one measured, and a large one for x₁ + x₂, which the cost weighs."""
-    shape = gauge_body(2, (0,))
-    pose, anchors = shape.pose, shape.anchors
+    shape, places = gauge_body(2, (0,)), gauge_places(2, (0,))
+    anchors = shape.anchors
+
+    def pose(x: Sequence[float], gain: float) -> Mapping[str, Pose]:
+        found = dict(shape.pose((x[0], x[1], PER_SUM * (x[0] + x[1])), gain))
+        for name in found:  # the plates stand behind the thick levels
+            if name.startswith(("back", "zero", "large back", "large zero", "lamp")):
+                across, away, up = found[name].position
+                found[name] = replace(found[name], position=(across, away + PLATES_BACK, up))
+        return found
+
+    lamps = tuple((word, (x + aside, 0.0, 2.78)) for word, x, aside in ((text("measured"), places[0], -0.2),
+                                                                      (text("not measured"), places[1], 0.3)))
     return replace(
-        shape, pose=lambda x, gain: pose((x[0], x[1], PER_SUM * (x[0] + x[1])), gain),
+        shape, pose=pose,
         anchors=lambda x, gain: anchors((x[0], x[1], PER_SUM * (x[0] + x[1])), gain), gain=4.0,
-        labels=gauge_labels(gauge_places(2, (0,)), ("x₁", "x₂"), "x₁ + x₂"),
+        labels=(*gauge_labels(places, ("x₁", "x₂"), "x₁ + x₂"), *lamps),
         caption=text("Small gauges: the states x₁ and x₂; x₁ is measured and lit; large gauge: x₁ + x₂ and its ghost"))
 
 
+PLATES_BACK = 0.19  # stage units that the plates stand farther behind than on other gauges
 PER_SUM = 5.0  # the large gauge's unit is made for g of another plant
 MODEL = Model(
     id="doyle",

@@ -37,6 +37,9 @@ class Factors:
     sensor: float
 
 
+REPORT_FACTORS = Factors(100.0, 0.1, 1.0, 1e9, 1.0)  # with which the page begins on the platform
+
+
 @dataclass(frozen=True, eq=False)
 class Case:
     """A model with weights and noise of unit size, and what is shown of it.

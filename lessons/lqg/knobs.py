@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from observer_lab.course.knobs import Choice, Number
+from observer_lab.course.knobs import Choice, Number, Switch
 from observer_lab.plants.signal_names import signal_name
 from observer_lab.text import Text, text, text_in
 
 from ..toolkit.knobs import run_knobs
-from .cases import DOYLE, REPORT, Case
+from .cases import DOYLE, REPORT, REPORT_FACTORS, Case
 
 STEADY, RECURSIVE = "steady", "recursive"
+STATE, ESTIMATE = "state", "estimate"  # what is fed back in the loop whose gains the blue lane shows
 NONE, SPLIT_RULE, SENSOR_RULE, PROCESS_RULE, CAUTION_RULE, UNITS_RULE = "none", "split", "beta-r", "beta-q", "caution", "sigma"
 WRONG_RULES = (SENSOR_RULE, UNITS_RULE)
 RULES = (
@@ -23,7 +24,7 @@ RULES = (
 When = tuple[str, tuple[str, ...]] | None
 
 
-def knobs_for(cases: tuple[Case, ...]) -> tuple[Choice | Number, ...]:
+def knobs_for(cases: tuple[Case, ...]) -> tuple[Choice | Number | Switch, ...]:
     """The knobs for these cases; with one case alone there is no choice of it."""
     first, several = cases[0], len(cases) > 1
     report: When = ("case", tuple(c.id for c in cases if c.id != DOYLE)) if several else None
@@ -31,8 +32,9 @@ def knobs_for(cases: tuple[Case, ...]) -> tuple[Choice | Number, ...]:
     pick = () if not several else (Choice(
         "case", "", text_in("lqg", "case"), default=first.id, options=tuple((c.id, c.label) for c in cases),
         hint=text("The platform with the report's weights, or the counterexample of 1978.")),)
-    doyle = _of_paper(paper) if DOYLE in [c.id for c in cases] else ()
-    return (*pick, *_of_report(first, report), *doyle, *_for_all(first, report),
+    doyle = (*_of_paper(paper), _lane(paper)) if DOYLE in [c.id for c in cases] else ()
+    bar = (_noise_bar(report),) if REPORT in [c.id for c in cases] else ()
+    return (*pick, *_of_report(first, report), *bar, *doyle, *_for_all(first, report),
             *run_knobs(min(c.horizon for c in cases)))
 
 
@@ -43,7 +45,7 @@ def _factor(name: str, symbol: str, label: Text, low: float, high: float, defaul
 def _of_report(case: Case, when: When) -> tuple[Number, ...]:
     """α_Q, α_R, β_Q, β_R and the true noise of the sensors; on the platform in the report's units and with its values."""
     named = case.id == REPORT
-    aq, ar, br = (100.0, 0.1, 1e9) if named else (1.0, 1.0, 1.0)
+    aq, ar, br = (REPORT_FACTORS.alpha_q, REPORT_FACTORS.alpha_r, REPORT_FACTORS.beta_r) if named else (1.0, 1.0, 1.0)
     told = (text("V = β_R I in units of 10⁻¹⁸ (m/s)² s: the sensor noise that the filter assumes.") if named else
             text("V = β_R I: the sensor noise that the filter assumes."))
     return (
@@ -69,7 +71,18 @@ def _of_paper(when: When) -> tuple[Number, ...]:
     )
 
 
-def _for_all(case: Case, report: When) -> tuple[Choice | Number, ...]:
+def _lane(when: When) -> Choice:
+    return Choice("lane", "", text("blue lane of the stage"), default=ESTIMATE, when=when,
+                  options=((ESTIMATE, text("LQG tolerates")), (STATE, text("with the state known"))),
+                  hint=text("Gains at which the loop is stable: with the estimate or with the state fed back."))
+
+
+def _noise_bar(when: When) -> Switch:
+    return Switch("noise_bar", "", text("input from noise as a bar"), default=False, when=when,
+                  hint=text("A bar before the deck: the input that sensor noise causes, over that at the default settings."))
+
+
+def _for_all(case: Case, report: When) -> tuple[Choice | Number | Switch, ...]:
     inputs = tuple((str(i + 1), signal_name(case.plant, name)) for i, name in enumerate(case.plant.input_names))
     cut = () if len(inputs) < 2 else (Choice(
         "cut", "", text("loop cut at"), default="1", options=inputs, when=report,

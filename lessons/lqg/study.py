@@ -8,23 +8,26 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
+from observer_lab.colours import COLOURS
 from observer_lab.course.lazy import LazyMap, LazySequence, LazyValue
 from observer_lab.course.lesson import Board, Check, Design, Formula, Outcome, Stage
 from observer_lab.engine import closed_loop
 from observer_lab.engine.design import Optimal
 from observer_lab.engine.feedback import NoisyLoop
-from observer_lab.plants.bodies.body import Body
+from observer_lab.plants.bodies.body import Body, Box, Part, Pose
+from observer_lab.plants.bodies.front_bars import BEGIN, FIRST_Y, FLOOR, LONG, THICK, Bar, share_of_decades, with_bars
 from observer_lab.plants.bodies.gain_lanes import with_gain_lanes
 from observer_lab.plants.doyle import gains as gains_of_paper
 from observer_lab.plants.model import Window
-from observer_lab.text import Text, text
+from observer_lab.text import Text, same, text
 
 from ..toolkit.latex import number
-from .cases import DOYLE, REPORT, Case
-from .knobs import PROCESS_RULE, RECURSIVE, SENSOR_RULE, SPLIT_RULE
+from .cases import DOYLE, REPORT, REPORT_FACTORS, Case
+from .knobs import PROCESS_RULE, RECURSIVE, SENSOR_RULE, SPLIT_RULE, STATE
 from .loops import Cost, Setting, Trace, cost, estimator, gains, loop, sensor_input, setting_of, trace
 from .robustness import Robustness, ideal, real, within
 
+DECK_BACK = 1.05  # stage units that the deck stands behind the bar
 FAR_GAIN = 1e3  # times the model's gain: a loop that tolerates more tolerates all that is drawn
 
 
@@ -142,23 +145,43 @@ def compute_for(cases: tuple[Case, ...], design: Design) -> Outcome[Study]:
     metrics, poles = LazyMap(lambda: _metrics(study, reg, est)), {"regulator": reg.poles, "filter": est.poles}
     return Outcome(design, {"K": reg.gain, "L": est.gain}, LazyMap(lambda: {**poles, "loop": study.loop.poles}, poles), metrics,
                    LazySequence(lambda: _checks(study, metrics)), None, _boards(case, reg, est),
-                   _stage(study),
+                   _stage(study, values.get("lane") == STATE, bool(values.get("noise_bar"))),
                    LazySequence(lambda: _formulas(study, setting)), LazyValue(lambda: _live(study)), study)
 
 
+NOISE_DECADES = -1, 1  # of the bar of the input that sensor noise causes, over that at the default settings
+
+
 @lru_cache(maxsize=8)
-def body_of(case: Case) -> Body:
-    """The case's body behind the lanes of gains that LQG and LQR tolerate."""
-    return with_gain_lanes(case.model.body, case.plant.n, (text("LQG tolerates"), text("LQR tolerates")))
+def body_of(case: Case, known: bool) -> Body:
+    """The case's body behind the lanes of gains that LQG, or the loop with the state `known`, and LQR tolerate."""
+    near = text("with the state known") if known else text("LQG tolerates")
+    return with_gain_lanes(case.model.body, case.plant.n, (near, text("LQR tolerates")), pale=not known)
 
 
-def _stage(s: Study) -> Stage:
+@lru_cache(maxsize=2)
+def noise_body(case: Case) -> Body:
+    """The case's body behind the bar of the input that sensor noise causes, and the pale one of the default settings."""
+    start, long = -NOISE_DECADES[0] / (NOISE_DECADES[1] - NOISE_DECADES[0]), 2.4 * THICK
+    barred = with_bars(case.model.body, case.plant.n, (Bar(text("input from noise"), COLOURS["force"]),),
+                       ((same("0.1"), 0.0), (text("1: default settings"), start)), DECK_BACK, decades=NOISE_DECADES)
+    pale = Pose((BEGIN + LONG * start / 2, FIRST_Y, FLOOR + THICK))
+    return replace(barred, parts=(*barred.parts, Part("default input", Box((LONG * start, long, long)), COLOURS["muted"], opacity=0.35)),
+                   pose=lambda x, gain: {**barred.pose(x, gain), "default input": pale})
+
+
+def _stage(s: Study, known: bool, noise_bar: bool) -> Stage:
     run = s.trace
-    if s.case.id == REPORT:
+    if s.case.id == REPORT and not noise_bar:
         return Stage(s.case.model.body, run.t, run.x, run.xhat, run.u)
-    limits = (*s.real.margins.gain, *s.ideal.margins.gain, s.setting.gain)
-    lanes = np.tile(np.clip(limits, 0.0, FAR_GAIN), (len(run.t), 1))
-    return Stage(body_of(s.case), run.t, np.hstack([run.x, lanes]), np.hstack([run.xhat, lanes]), run.u)
+    if s.case.id == REPORT:
+        now = sensor_input(s.case, s.setting) / sensor_input(s.case, Setting(REPORT_FACTORS, 0.0, 1.0))
+        body, more = noise_body(s.case), share_of_decades(np.array([now]), *NOISE_DECADES)
+    else:
+        limits = (*(s.ideal if known else s.real).margins.gain, *s.ideal.margins.gain, s.setting.gain)
+        body, more = body_of(s.case, known), np.clip(limits, 0.0, FAR_GAIN)
+    tail = np.tile(more, (len(run.t), 1))
+    return Stage(body, run.t, np.hstack([run.x, tail]), np.hstack([run.xhat, tail]), run.u)
 
 
 def peak_reductions(case: Case, true: float, density: np.ndarray) -> tuple[np.ndarray | None, np.ndarray]:

@@ -6,7 +6,8 @@ import control
 import numpy as np
 import pytest
 from lesson_checks import carried
-from scipy.linalg import solve_continuous_are
+from scipy.linalg import solve_continuous_are, solve_continuous_lyapunov
+from scipy.optimize import brentq
 from witnesses import Shown
 from witnesses_of_variances import least_cost
 
@@ -285,3 +286,45 @@ def test_the_lanes_on_the_stage_are_the_gains_at_which_the_loop_is_stable_and_th
         lane, ball = poses["near lane"], poses["true gain"]
         assert (ball.position[2] > poses["far lane"].position[2]) == held
         assert (abs(ball.position[0] - lane.position[0]) < lane.scale[0] / 2) == held
+
+
+@pytest.mark.parametrize("q, sigma", [(5.0, 5.0), (100.0, 100.0), (20.0, 300.0)])
+def test_the_limits_beside_the_blue_lane_are_those_of_doyle_and_of_the_regulator_that_knows_the_state(q: float, sigma: float) -> None:
+    """LQG: up to 1 + 1/(d f) in closed form, down to where an eigenvalue of the loop reaches the axis. Known state: above 2/f."""
+    f, d = 2 + np.sqrt(4 + q), 2 + np.sqrt(4 + sigma)
+    A, B, C = np.array([[1.0, 1.0], [0.0, 1.0]]), np.array([[0.0], [1.0]]), np.array([[1.0, 0.0]])
+    K, L = f * np.ones((1, 2)), d * np.ones((2, 1))
+
+    def growth(m: float) -> float:
+        return float(np.max(np.linalg.eigvals(np.block([[A, -m * B @ K], [L @ C, A - B @ K - L @ C]])).real))
+    low = brentq(growth, 0.5, 0.999)
+    for lane, words in (("estimate", f"−{100 * (1 - low):.2g} % … +{100 / (d * f):.2g} %"), ("state", f"{2 / f:.2g} … ∞")):
+        stage = LESSON.compute(LESSON.apply(LESSON.start(), {"case": "doyle", "q": q, "sigma": sigma, "lane": lane})).stage
+        assert stage is not None and stage.body.marks is not None
+        x = stage.x[3].tolist()
+        assert stage.body.marks(x, x, 1.0).words[0][0] == words
+        poses = stage.body.pose(x, 1.0)
+        near, far, pale = (poses.get(f"{name} lane") for name in ("near", "far", "pale"))
+        octaves = 0.88 * np.log2(6.0 / (2 / f) if lane == "state" else (1 + 1 / (d * f)) / low)
+        assert near.scale[0] == pytest.approx(max(octaves, 0.014) if lane == "estimate" else far.scale[0], rel=1e-6)
+        assert pale is None if lane == "state" else pale.scale == far.scale
+        assert poses["pin"].position[0] == poses["true gain"].position[0] == pytest.approx(-0.25)
+
+
+@pytest.mark.parametrize("changes", [{}, {"beta_r": 1e10}, {"beta_r": 1e8, "alpha_r": 1.0}, {"alpha_r": 0.01}])
+def test_the_bar_before_the_deck_is_the_input_from_sensor_noise_over_that_at_the_default_settings(changes: dict[str, float]) -> None:
+    """x̂̇ = (A − BK)x̂ + L(Ce + v), ė = (A − LC)e − Lv, u = −Kx̂ with V = I: the mean square of u by one Lyapunov equation."""
+    def size(o: Outcome) -> float:
+        p, K, L = o.study.case.plant, o.gains["K"], o.gains["L"]
+        whole = np.block([[p.A - p.B @ K, L @ p.C], [np.zeros_like(p.A), p.A - L @ p.C]])
+        noise = np.vstack([L, -L])
+        P = solve_continuous_lyapunov(whole, -noise @ noise.T)[:p.n, :p.n]
+        return float(np.sqrt(np.trace(K @ P @ K.T)))
+    first, now = (LESSON.compute(LESSON.apply(LESSON.start(), {"case": "platform", "noise_bar": True, **values}))
+                  for values in ({}, changes))
+    assert now.stage is not None and now.stage.body.marks is not None
+    x, times = now.stage.x[0].tolist(), size(now) / size(first)
+    poses = now.stage.body.pose(x, 1.0)
+    assert poses["bar 0"].scale[2] == pytest.approx(3.2 * np.clip((np.log10(times) + 1) / 2, 0.004, 1), rel=1e-4)
+    assert float(now.stage.body.marks(x, x, 1.0).words[0][0]) == pytest.approx(times, rel=0.05)
+    assert poses["default input"].position[0] == pytest.approx(poses["bar 0"].position[0] + 0.8)
