@@ -1,4 +1,4 @@
-"""Draw the deck, and above it what the filter states: the ellipsoids of one sample, the errors beside the stated ones, or the gain.
+"""Draw the deck, and above it ellipsoids of a sample, errors or the gain.
 
 A record is the deck's state (6), then ellipsoids of seven numbers: half axes (3) in stage units, rotation (w, x, y, z). Right v_x,
 away ω, up v_z. One sample has three of them. The errors have two, then the dots (x, y, z) from their middle, then the ratio of the
@@ -112,7 +112,7 @@ def _leader(start: Vector, numbers: Sequence[float]) -> Pose:
     """A line from a name to the surface of an ellipsoid, none where there is no ellipsoid."""
     half = np.maximum(np.asarray(numbers[:3], dtype=float), LEAST)
     if not np.any(numbers[:3]):
-        return pose_between(HIDDEN, HIDDEN)
+        return pose_between(HUNG_AT, HUNG_AT)
     way = np.subtract(start, HUNG_AT)
     turned = Rotation.from_quat(np.asarray(numbers)[[4, 5, 6, 3]]).inv().apply(way)
     end = np.array(HUNG_AT) + way / np.linalg.norm(turned / half)
