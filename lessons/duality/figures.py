@@ -84,7 +84,7 @@ def _turned(here: Setting, twins: Twins) -> MatrixFigure:
 def _riccati_bars(here: Setting, outcome: Outcome[Twins], twins: Twins) -> PlaneFigure:
     """The entries of P beside those of S of the transposed plant, two bars each."""
     places = [(i, j) for i, j in np.ndindex(twins.P.shape) if i <= j][:MOST_ENTRIES]
-    both = (text("P of LQE (W, V)"), twins.P, "plant", -BAR_SHIFT), (text("S of LQR on (Aᵀ, Cᵀ)"), twins.S_dual, "estimate", BAR_SHIFT)
+    both = (text("P of LQE (W, V)"), twins.P, "estimate", -BAR_SHIFT), (text("S of LQR on (Aᵀ, Cᵀ)"), twins.S_dual, "plant", BAR_SHIFT)
     curves = tuple(Curve(name, np.array([0.0, float(M[at])]), role, "solid", BAR_PX, np.full(2, k + shift))
                    for name, M, role, shift in both for k, at in enumerate(places))
     ends = [float(curve.y[1]) for curve in curves]

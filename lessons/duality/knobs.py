@@ -12,6 +12,7 @@ from ..toolkit.boards import WEIGHTS_FOLDER
 from ..toolkit.knobs import BY_POLES, BY_WEIGHTS, run_knobs
 
 MODEL = MODELS["spring-damper"]
+NOTHING, DUAL, BOTH, PAIR = "nothing", "dual", "both", "pair"  # beside the block
 HINTS = MappingProxyType({
     "q": text("Q = α_Q I: how much a deviation of the state costs."),
     "r": text("R = α_R: how much the input costs."),
@@ -45,5 +46,11 @@ KNOBS = (
            hint=text("On: the filter gets the regulator's weights. Off: it has its own.")),
     _weight("w", r"\alpha_W", text("process intensity α_W"), 1.0, False),
     _weight("v", r"\alpha_V", text("sensor intensity α_V"), 1.0, False),
+    Choice("tiles", "", text("shown beside the block"), default=NOTHING,
+           options=((NOTHING, text("nothing")), (DUAL, text("the gain K_d, transposed")), (BOTH, text("the gains K and L")),
+                    (PAIR, text("error and dual state"))),
+           hint=text("Gains as tiles, or the sizes of the error and of the state of the dual loop as bars.")),
+    Number("transposed", "", text("row turned into a column by"), "°", low=0.0, high=90.0, default=0.0, step=1.0,
+           when=("tiles", (DUAL,)), hint=text("At 0° the row K_d, at 90° the column L, its transpose.")),
     *run_knobs(MODEL.horizon),
 )

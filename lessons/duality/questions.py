@@ -11,7 +11,7 @@ from observer_lab.course.figures.records import Point
 from observer_lab.course.guiding.questions import Asked, DrawnQuestion, question_of_bar_groups, question_of_poles
 from observer_lab.engine import observer_gain
 from observer_lab.engine.systems import sorted_poles
-from observer_lab.text import NO_WORDS, same, text
+from observer_lab.text import NO_WORDS, same, symbol, text
 
 FASTER = 2.0  # times the controller's pace: an observer whose poles cannot be taken for those of the controller
 SCALED = 0.5  # a factor that an option says is still missing
@@ -39,10 +39,10 @@ def predict(asked: Asked) -> DrawnQuestion:
     """The entries of L beside the colleague's K_d: those of K, with the other sign, equal, or scaled."""
     twins = asked.entry.study
     given = _entries(twins.K_dual)
-    known = tuple(zip((same("K_d1"), same("K_d2")), given, strict=True))
-    return question_of_bar_groups(text("K_d is known; how large are the entries of L?"), text("gain"), known, (same("L1"), same("L2")),
+    return question_of_bar_groups(text("K_d is known; how large are the entries of L?"), text("gain"), (),
+                                  (same(symbol("L1")), same(symbol("L2"))),
                                   (_entries(twins.K), tuple(-v for v in given), given, tuple(SCALED * v for v in given)),
-                                  _entries(twins.L))
+                                  _entries(twins.L), level=(text("entries of K_d"), given))
 
 
 def surprise(asked: Asked) -> DrawnQuestion:
@@ -50,7 +50,7 @@ def surprise(asked: Asked) -> DrawnQuestion:
     before, after = asked.entry.study, asked.after.study
     K, L = _entries(before.K), _entries(before.L)
     return question_of_bar_groups(text("both gains with the turned sensor"), text("gain"), (),
-                                  (same("K1"), same("K2"), same("L1"), same("L2")),
+                                  tuple(same(symbol(name)) for name in ("K1", "K2", "L1", "L2")),
                                   ((*K[::-1], *L[::-1]), (*K, *L), (*K, *L[::-1])), (*_entries(after.K), *_entries(after.L)),
                                   level=(text("now"), (*K, *L)))
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from lesson_checks import by_knobs
 from scipy.integrate import solve_ivp
-from scipy.linalg import solve_continuous_are
+from scipy.linalg import expm, solve_continuous_are
 
 from observer_lab.lessons.duality.dual_quantities import filter_riccati, gap, observer_by_polynomial, output_energy, run_pair
 from observer_lab.lessons.duality.figures import locus, ratios
@@ -192,3 +192,60 @@ def test_each_branch_of_the_locus_is_one_curve():
     steps = np.abs(np.diff(roots, axis=0)) / np.abs(roots[1:])
     assert steps.max() < 0.5, "no branch jumps to another"
     assert {tuple(np.sign(branch.real[[0, -1]])) for branch in roots.T} == {(-1.0, -1.0), (1.0, 1.0)}
+
+
+# --- the stage ---------------------------------------------------------------------------------------------------------
+def words_of(o, k: int = 0) -> list[str]:
+    """The words that follow the run on the stage, with the signs of numbers."""
+    marks = o.stage.body.marks(o.stage.x[k].tolist(), o.stage.xhat[k].tolist(), 1.0)
+    return [words.replace("−", "-") for words, *_ in marks.words]
+
+
+@pytest.mark.parametrize("sensor", [0.0, 40.0, 90.0])
+def test_the_row_of_tiles_is_the_gain_of_the_transposed_plant_and_turns_into_the_column_of_the_observers(sensor):
+    """K_d places the poles of Aᵀ − CᵀK_d; transposed, the first entry stays and the second goes from beside it to below it."""
+    A, C = np.array([[0.0, 1.0], [-1.0, -0.5]]), np.array([[np.cos(np.radians(sensor)), np.sin(np.radians(sensor))]])
+    row, column = (outcome(tiles="dual", transposed=degrees, sensor=sensor) for degrees in (0.0, 90.0))
+    K_d = np.array([[float(word) for word in words_of(row)[-2:]]])
+    np.testing.assert_allclose(np.poly(A.T - C.T @ K_d), [1.0, 1.6, 1.28], atol=0.02)
+    L = np.array([[float(word)] for word in words_of(column)[-2:]])
+    np.testing.assert_allclose(np.poly(A - L @ C), [1.0, 1.6, 1.28], atol=0.02)
+    np.testing.assert_array_equal(L, K_d.T)
+    (first, second), (upper, lower) = ([np.array(o.stage.body.pose(o.stage.x[0].tolist(), 1.0)[f"tile {k}"].position) for k in (0, 1)]
+                                       for o in (row, column))
+    np.testing.assert_allclose(first, upper)
+    np.testing.assert_allclose([(second - first)[0], (lower - upper)[2]], [0.66, -0.66])
+    np.testing.assert_allclose([(second - first)[2], (lower - upper)[0]], 0.0, atol=1e-12)
+    np.testing.assert_allclose(column.stage.body.pose(column.stage.x[0].tolist(), 1.0)["was 0"].position, second)
+
+
+def test_the_tiles_of_k_are_a_row_and_those_of_l_a_column_and_a_turned_sensor_changes_l_alone():
+    """A − BK and A − LC have the poles of the boards, with B = (0, 1) and C = (1, 0) or (0, 1)."""
+    A, B = np.array([[0.0, 1.0], [-1.0, -0.5]]), np.array([[0.0], [1.0]])
+    said = []
+    for sensor, C in ((0.0, np.array([[1.0, 0.0]])), (90.0, np.array([[0.0, 1.0]]))):
+        o = outcome(tiles="both", sensor=sensor)
+        K1, K2, L1, L2 = map(float, words_of(o)[-4:])
+        np.testing.assert_allclose(np.poly(A - B @ np.array([[K1, K2]])), [1.0, 1.6, 1.28], atol=0.02)
+        np.testing.assert_allclose(np.poly(A - np.array([[L1], [L2]]) @ C), [1.0, 1.6, 1.28], atol=0.02)
+        said.append((K1, K2, L1, L2))
+        places = [o.stage.body.pose(o.stage.x[0].tolist(), 1.0)[f"tile {k}"].position for k in range(4)]
+        assert places[0][2] == places[1][2] and places[0][0] < places[1][0] and places[2][0] == places[3][0] and places[2][2] > places[3][2]
+    assert said[0][:2] == said[1][:2] and said[0][2:] != said[1][2:]
+
+
+def test_the_bars_before_the_block_are_the_sizes_of_e_and_of_the_reversed_dual_state_and_their_product():
+    """e(t) = e^{(A−LC)t} e(0), x_d(T − t) = e^{(A−LC)ᵀ(T−t)} (1, 1); a bar has three decades in 1.9 stage units."""
+    o = outcome(tiles="pair")
+    F = np.array([[0.0, 1.0], [-1.0, -0.5]]) - o.study.L @ np.array([[1.0, 0.0]])
+    end = float(o.stage.t[-1])
+    for k in (0, len(o.stage.t) // 2, len(o.stage.t) - 1):
+        t = float(o.stage.t[k])
+        e, x_d = expm(F * t) @ np.array([1.0, 0.0]), expm(F.T * (2.5 - t)) @ np.ones(2)
+        sizes = np.array([np.linalg.norm(e), np.linalg.norm(x_d), abs(x_d @ e)])
+        poses = o.stage.body.pose(o.stage.x[k].tolist(), 1.0)
+        np.testing.assert_allclose([poses[f"bar {j}"].scale[2] for j in range(3)], 1.9 * (np.log10(sizes) + 2) / 3, rtol=2e-3)
+        np.testing.assert_allclose([poses[f"begun {j}"].scale[2] for j in range(3)],
+                                   [o.stage.body.pose(o.stage.x[0].tolist(), 1.0)[f"bar {j}"].scale[2] for j in range(3)])
+        np.testing.assert_allclose([float(word) for word in words_of(o, k)[-3:]], sizes, rtol=0.05)
+    assert end == pytest.approx(2.5, abs=0.024)
