@@ -101,6 +101,6 @@ def test_a_link_opens_a_scene_of_the_guide(capsys: pytest.CaptureFixture[str]) -
     assert main(["link", "separation", "--view", "guide", "--scene", "command", "--set", "command=1.5", "--json"]) == 0
     saved = read_token(json.loads(capsys.readouterr().out)["token"], LESSONS)
     assert (saved.mode, saved.scene) == ("guide", "command") and saved.design["command"] == 1.5
-    assert saved.design["stiffness_error"] == 10.0  # as the path has set it by then
+    assert saved.design["stiffness_error"] == 30.0  # as the path has set it by then
     assert main(["link", "separation", "--scene", "nowhere"]) == 2
     assert "it has meet, recall" in capsys.readouterr().err

@@ -21,7 +21,7 @@ from observer_lab.lessons import LESSONS
 from observer_lab.page.charts.text_layout import text_width
 from observer_lab.page.stage.body_extent import body_corners, reach
 from observer_lab.page.stage.map_board import NEARER, place, written
-from observer_lab.page.stage.part_names import WORDS_SIZE, PartNames, _anchor
+from observer_lab.page.stage.part_names import WORDS_SIZE, PartNames, _anchor, _end_of_line
 from observer_lab.page.stage.pole_boards import BOARD_HEIGHT, BOARD_PLACES, BOARD_WIDTH, board_contains
 from observer_lab.page.stage.stage import StageView, factors, factors_at
 from observer_lab.page.stage.viewpoint import BOARD_MARGIN, SIGHT, Viewpoint
@@ -133,7 +133,7 @@ def _named(stage: Stage, scene: Scene, first: bool) -> tuple[Word, ...]:
     if stage.xhat is not None and body.marks is not None:
         found += [Word((words,), at, anchor, WORDS_SIZE) for words, at, anchor in body.marks(x, xhat, body.gain).words if at[2] > 0]
     for name in body.names if first else ():
-        there, away_by = (ghost if name.ghost else poses)[name.part].position, name.away
+        there, away_by = _end_of_line(name, ghost if name.ghost else poses), name.away
         found.append(Word(said(name.words), (there[0] + away_by[0], there[1] + away_by[1], there[2] + away_by[2]), _anchor(away_by)))
     return tuple(found)
 

@@ -23,7 +23,6 @@ from .knobs import ERRORS, GAIN, MODEL, SINGLE, UPDATE, VZ_INDEX, WHITE
 from .one_number import one_reading
 from .study import Look, Study, failures_of
 
-
 MOST_GAIN = 1e3  # times the steady gain, the largest that is written
 
 

@@ -58,7 +58,7 @@ KNOBS = (
            hint=text("Before or after the sample is taken in.")),
     Choice("above", "", text("shown above the deck"), default=STEP,
            options=((STEP, text("ellipsoids of one sample")), (ERRORS, text("stated and actual errors")), (GAIN, text("size of the gain"))),
-           hint=text("What the filter states of one sample, the errors beside that, or its gain at each time.")),
+           hint=text("Ellipsoids of one sample, the errors beside them, or the gain at each time.")),
     Number("force", "F", text("known force at 0.16 Hz"), "N", low=0.0, high=2.0, default=1.0, step=0.1,
            hint=text("Amplitude on the vertical coils, half of it on the horizontal one; the filter gets this force.")),
     Choice("arithmetic", "", text("updates compared"), default=SINGLE,

@@ -17,7 +17,8 @@ from .knobs import IN_BAND, OF_RUN, REDUCED, WHOLE
 
 MOTION_GAIN = 1000.0  # times that the stage exaggerates motion: 20 µm are drawn as 0.15
 FORCE_ARROWS = 20.0  # times that coil forces are drawn larger: tens of millinewtons here
-NAMES = tuple(replace(name, part="spring left", at=(0.0, 0.0, 0.6), away=(-0.75, -0.3, 0.3)) if name.part == "seat left" else name
+NAMES = tuple(replace(name, part="spring left", at=(0.0, 0.0, 0.6), away=(-0.75, -0.3, 0.3)) if name.part == "seat left" else
+              replace(name, away=(0.9, -0.3, 0.2)) if name.ghost else name
               for name in called(model.body(), UNCONTROLLED))  # the seat stands behind a rail
 DECK = replace(with_longer_arrows(model.body(), FORCE_ARROWS, 3), gain=MOTION_GAIN, names=NAMES,
                ghost="dimmed",

@@ -65,6 +65,6 @@ KNOBS = (
     Choice("bars", "", text("bars on the stage"), default=OF_RUN,
            options=((OF_RUN, text("height in this run")), (IN_BAND, text("velocity, 0.5–3 Hz")),
                     (WHOLE, text("velocity, all frequencies")), (REDUCED, text("reduction of the rotation"))),
-           hint=text("What the bars before the two decks show. Velocities and reductions are predicted by spectra.")),
+           hint=text("The measure that bars before the two decks show. Velocities and reductions are predicted by spectra.")),
     *run_knobs(RUN_SAMPLES * DT - DT),
 )

@@ -451,7 +451,8 @@ def test_the_introduction_says_how_much_larger_motion_and_forces_are_drawn() -> 
         assert f"{stage.body.gain:g}" in prose.introduction and f"{stage.body.forces:g}" in prose.introduction
 
 
-@pytest.mark.parametrize("changes", [{}, {"mix": "best"}, {"lower": 5.0}, {"horizontal": "open"}, {"horizontal": "open", "vertical": "open"}])
+@pytest.mark.parametrize("changes", [{}, {"mix": "best"}, {"lower": 5.0}, {"horizontal": "open"},
+                                     {"horizontal": "open", "vertical": "open"}])
 def test_the_bars_of_the_board_are_the_peaks_of_the_loop_beside_those_without_control(changes: dict[str, object]) -> None:
     """Responses from the ground to the channels' velocities written out here; the ground's density is white and cancels."""
     o = outcome(**changes)
