@@ -256,10 +256,12 @@ def test_the_terms_without_L_and_with_it_are_those_of_the_condition(problem: str
 def test_nothing_of_nis_is_drawn_above_its_edge_and_what_is_larger_has_an_arrow(values: dict[str, object]) -> None:
     lesson, outcome = at("record", **values)
     figure, judged = plane(lesson, outcome, "nis"), outcome.study.judged
-    larger = int(np.count_nonzero(np.nan_to_num(judged.nis.values) / judged.nis.dof > TOP))
-    assert figure.y_range == (0.0, TOP) and all(np.all(curve.y <= TOP) for curve in figure.curves)
+    top = figure.y_range[1]
+    larger = int(np.count_nonzero(np.nan_to_num(judged.nis.values) / judged.nis.dof > top))
+    assert figure.y_range[0] == 0.0 and (top == TOP if judged.mean_nis <= TOP else judged.mean_nis < top)
+    assert all(np.all(curve.y <= top) for curve in figure.curves) and figure.curves[1].y[-1] == pytest.approx(judged.mean_nis)
     arrows = [point for point in figure.points if point.role == "error"]
-    assert all(point.mark == "up" and point.y == TOP for point in figure.points)
+    assert all(point.mark == "up" and point.y == top for point in figure.points)
     assert bool(arrows) == bool(larger) and len(arrows) <= larger
     assert (f"{larger} of" in figure.caption("en")) == bool(larger)
 
