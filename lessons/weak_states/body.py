@@ -11,10 +11,25 @@ import numpy as np
 
 from observer_lab.colours import COLOURS, rgb
 from observer_lab.course.lesson import Stage
-from observer_lab.plants.bodies.body import BENCH, Arrow, Body, Box, Part, PartName, Pose, Rod, Vector, bound_displacement, pose_between
+from observer_lab.plants.bodies.body import (
+    BENCH,
+    DARK_GREY,
+    Arrow,
+    Body,
+    Box,
+    ErrorMarks,
+    Part,
+    PartName,
+    Pose,
+    Rod,
+    Vector,
+    bound_displacement,
+    pose_between,
+)
 from observer_lab.plants.bodies.deck_body import STAGE_SCALE, platform_body
+from observer_lab.plants.bodies.score_board import with_score_board
 from observer_lab.plants.platform.model import Parameters
-from observer_lab.text import Text, text
+from observer_lab.text import Text, format_number, text
 
 from .balanced_platform import STATE_COUNT, Motion, Platform, believed, relative
 from .study import RELATIVE, Ranks
@@ -27,6 +42,7 @@ MAX_DRAWN_MOTION = np.array([3.6e-3, 3.6e-3, 16e-3, 2.2e-3, 2.2e-3])  # m, m, ra
 PARTS = text("across"), text("height"), text("tilt"), text("left mass"), text("right mass")  # as `relative` has them
 MOTION, LONG, LEAST_SHARE = "second", 0.62, 0.08  # the role of its arrows, stage units of the longest; a share that is drawn
 ACROSS_AT, HEIGHT_AT, TILT_AT = (0.0, -0.3, 2.62), (-1.95, -0.8, 1.42), (1.5, -0.8, 1.42)  # where arrows begin; of tilt at both ends
+NAMES_BESIDE = (0.0, 0.3), (-1.0, 0.06), (1.0, 0.06), (-1.0, 0.06), (1.0, 0.06)  # which side of its arrow and how high a name is
 ASIDE, NAME_ASIDE = 0.34, 0.34  # stage units from a mass to its arrow, and from an arrow to its name
 LOWEST = -18.0  # decades below the largest singular value: a column without height
 HIGH, THICK = 0.62, 0.07  # stage units of the largest value's column, and its radius
@@ -37,6 +53,9 @@ ROLES = ("force", "plant")  # of columns that count
 NAMES = text("controllability"), text("observability")
 BELOW = rgb(COLOURS["muted"])  # a column that does not count
 PLATE = 0.02
+FULL_ERROR = 2e-4  # of a full bar of the board
+ERRORS_AT = text("at 0.01 Hz"), text("at the last pair")  # its rows: the lowest frequency, and that of the weakest motion
+MARK_ABOVE, MARK_ON_DECK = 0.24, (0.0, -0.75, 1.34)  # stage units from a test mass to its question mark; that of the deck
 
 
 @lru_cache(maxsize=256)
@@ -61,21 +80,27 @@ def _pose(x: Sequence[float], gain: float) -> Mapping[str, Pose]:
 
 _BASE = _placed(NOMINAL.a, NOMINAL.s, NOMINAL.h)
 BODY = Body(
-    _BASE.parts,
+    tuple(replace(part, colour=DARK_GREY) if part.name.startswith("test mass") else part for part in _BASE.parts),
     _pose,
     lambda x, u, gain: (),
     lambda x, gain: _placed(*x[STATE_COUNT : STATE_COUNT + 3]).anchors(x[:STATE_COUNT], gain),
     20.0,
-    text("Deck with its sensors; the steel balls are their test masses"),
+    text("Deck with its sensors; the dark balls are their test masses"),
     names=(PartName(text("test mass of a sensor"), "test mass left", (-0.4, -0.2, 0.6)),
            PartName(text("deck"), "deck", (-0.95, -0.7, -0.4)),
            PartName(text("ghost: the smaller model"), "payload lid", (0.9, -0.3, 0.4), True)),
+    ghost="dimmed",
 )
 
 
 def motion_shares(p: Parameters, motion: Motion) -> np.ndarray:
     """How far and which way each part swings (5,), the farthest 1, in the order of PARTS."""
-    return np.real(relative(p, _begun(p, motion)) / MAX_DRAWN_MOTION)
+    return shares_of(p, _begun(p, motion))
+
+
+def shares_of(p: Parameters, states: np.ndarray) -> np.ndarray:
+    """How far and which way each part is from its rest (5,), in shares of MAX_DRAWN_MOTION, in the order of PARTS."""
+    return np.real(relative(p, states) / MAX_DRAWN_MOTION)
 
 
 def _begun(p: Parameters, motion: Motion) -> np.ndarray:
@@ -103,15 +128,35 @@ def _arrows(shares: Sequence[float], record: Sequence[float]) -> tuple[tuple[Arr
 
 
 def _marked(p: Parameters, motion: Motion, columns: bool) -> Body:
-    """The body with an arrow and a name for each part that swings in the motion, and columns before it if they are wanted."""
-    shares, record = motion_shares(p, motion).tolist(), (p.a, p.s, p.h, p.mu)
-    shares = [share if abs(share) > LEAST_SHARE else 0.0 for share in shares]
-    drawn = _arrows(shares, record)
-    labels = tuple((name, (each[-1].tail[0] + side * NAME_ASIDE, each[-1].tail[1], each[-1].tail[2] + up)) for name, each, share, (side, up)
-                   in zip(PARTS, drawn, shares, ((0.0, 0.3), (-1.0, 0.06), (1.0, 0.06), (-1.0, 0.06), (1.0, 0.06)), strict=True) if share)
+    """The body with a name and an arrow for each part that swings in the motion; columns before it if they are wanted.
+
+    An arrow is as long as its part is far from its rest, and points that way.
+    """
+    record = (p.a, p.s, p.h, p.mu)
+    swings = np.abs(motion_shares(p, motion)) > LEAST_SHARE
+
+    def arrows(x: Sequence[float], u: Sequence[float], gain: float) -> tuple[Arrow, ...]:
+        now = shares_of(p, np.asarray(x[:STATE_COUNT], dtype=float))
+        return tuple(arrow for each in _arrows(np.where(swings, now, 0.0).tolist(), record) for arrow in each)
+    tails = [each[-1].tail for each in _arrows((0.0,) * len(PARTS), record)]
+    labels = tuple((name, (tail[0] + side * NAME_ASIDE, tail[1], tail[2] + up))
+                   for name, tail, swinging, (side, up) in zip(PARTS, tails, swings, NAMES_BESIDE, strict=True) if swinging)
     before, names = (rank_parts(STATE_COUNT), rank_labels()) if columns else ((), ())
-    return replace(BODY, parts=(*BODY.parts, *before), arrows=lambda x, u, gain: tuple(arrow for each in drawn for arrow in each),
-                   labels=(*labels, *names))
+    return replace(BODY, parts=(*BODY.parts, *before), arrows=arrows, labels=(*labels, *names))
+
+
+def _asked(p: Parameters) -> Body:
+    """The body at rest with a question mark at each test mass and at the deck."""
+    poses = _pose([0.0] * STATE_COUNT + [p.a, p.s, p.h, p.mu], 1.0)
+    above = ((x, y, z + MARK_ABOVE) for x, y, z in (poses[f"test mass {side}"].position for side in ("left", "right")))
+    asked = ErrorMarks((), tuple(("?", at, "bottom-center") for at in (*above, MARK_ON_DECK)))
+    return replace(BODY, marks=lambda x, xhat, gain: asked)
+
+
+def _measured(body: Body) -> Body:
+    """The body behind a board with the error of the smaller model at two frequencies."""
+    return with_score_board(body, COLUMNS_FROM, ERRORS_AT, text("error of the smaller model; full bar: 2·10⁻⁴"),
+                            lambda error: format_number(error, ".3g"), 0.02)
 
 
 def slower(motion: Motion) -> float:
@@ -119,18 +164,21 @@ def slower(motion: Motion) -> float:
     return motion.frequency * SWING_S
 
 
-def swing(s: Platform, motion: Motion, order: int, columns: np.ndarray) -> Stage:
+def swing(s: Platform, motion: Motion, order: int, columns: np.ndarray, errors: Sequence[float] = (), rest: bool = False) -> Stage:
     """The motion undamped, one swing in SWING_S seconds; its largest part begins at MAX_DRAWN_MOTION. The ghost is the model's.
 
-    `columns` are the singular values and tolerances before the deck, none if it is empty.
+    `columns` are the singular values and tolerances before the deck, none if it is empty. `errors` are those of the model on a board,
+    if any. At `rest` the deck stands still and asks what moves.
     """
     p = s.parameters
-    shape = _begun(p, motion)
+    shape = (0.0 if rest else 1.0) * _begun(p, motion)
     t = np.linspace(0.0, SWING_S * SWING_COUNT, FRAMES + 1)
     turning = np.exp(2j * np.pi * t / SWING_S)[:, None]
-    fixed = np.tile([p.a, p.s, p.h, p.mu, *columns], (len(t), 1))
+    shares = [] if not len(errors) else [*(each / FULL_ERROR for each in errors), *errors]
+    fixed = np.tile([p.a, p.s, p.h, p.mu, *columns, *shares], (len(t), 1))
     true, guess = (np.real(turning * v) for v in (shape, believed(s, order, shape)))
-    return Stage(_marked(p, motion, len(columns) > 0), t, np.hstack([true, fixed]), np.hstack([guess, fixed]), np.zeros((len(t), 1)))
+    body = _asked(p) if rest else _marked(p, motion, len(columns) > 0)
+    return Stage(_measured(body) if len(errors) else body, t, np.hstack([true, fixed]), np.hstack([guess, fixed]), np.zeros((len(t), 1)))
 
 
 def share(s: Platform, motion: Motion, order: int) -> float:

@@ -34,6 +34,7 @@ KNOBS = (
            hint=text("Measured against the largest, or taken as they are.")),
     Switch("columns", "", text("singular values on the stage"), default=False, group=RANK_FOLDER,
            hint=text("As columns before the deck, with the tolerance as a plate.")),
+    Switch("rest", "", text("deck at rest"), default=False, group=MODEL, hidden=True, hint=text("The deck stands still.")),
     _size("s", "s", text("sensors off the centre"), "m", 0.06, 0.18,
           text("Half the distance of the two sensors."), 0.002),
     _size("h", "h", text("height of the centre of mass"), "m", 0.002, 0.06,

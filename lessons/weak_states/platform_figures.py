@@ -102,7 +102,7 @@ def _pair(outcome: Outcome[PlatformStudy]) -> PlaneFigure:
     plant, model = (np.abs(relative(s.parameters, v) / MAX_DRAWN_MOTION) for v in (motion.shape, believed(s, order, motion.shape)))
     bars = tuple(Curve(name, np.array([0.0, float(value)]), role, "solid", PART_BAR_WIDTH, np.full(2, k + side * PART_BAR_GAP))
                  for name, role, side, shares in ((text("plant"), "plant", -1, plant / plant.max()),
-                                                  (text("reduced model"), "estimate", 1, model / plant.max()))
+                                                  (text("reduced model"), "muted", 1, model / plant.max()))
                  for k, value in enumerate(shares))
     farthest = Curve(text("the farthest"), np.ones(3), "reference", "dot", 1.4, np.linspace(-0.6, len(PARTS) - 0.4, 3))
     return PlaneFigure("pair", text("what swings in the pair {sigmas}", sigmas=sigmas(pair)), (*bars, farthest), (), "",
@@ -184,6 +184,6 @@ def _costs(outcome: Outcome[PlatformStudy]) -> TableFigure:
 
 
 PLATFORM_SETTING = Setting(
-    studied, lambda s: swing(s.system, s.motion, s.order, s.columns),
+    studied, lambda s: swing(s.system, s.motion, s.order, s.columns, s.errors, s.rest),
     lambda s: {"K": s.compared.small.design.K, "L": s.compared.small.design.L},
     numbers, checks, formulas, live, _staircase, _further_tabs, lambda s: (_forms(s),), (_told(),), _sharper, LOG_AXIS_FLOOR, (1e-8, 1e4))

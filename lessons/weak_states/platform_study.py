@@ -30,11 +30,20 @@ class PlatformStudy(Study):
     tolerance: float = 1e-9
     measure: str = RELATIVE
     ranked: bool = False
+    rest: bool = False
 
     @property
     def columns(self) -> np.ndarray:
         """Heights of the singular values before the deck, and of the tolerance; none if they are not wanted."""
         return rank_shares(self.ranks, self.tolerance, self.measure) if self.ranked else np.zeros(0)
+
+    @property
+    def errors(self) -> tuple[float, ...]:
+        """The error of the smaller model at the lowest frequency and at that of the weakest motion; none where nothing is cut."""
+        if self.order == STATE_COUNT or self.ranked or self.rest:
+            return ()
+        f, error = self.system.frequencies, self.cut.error
+        return float(error[0]), float(error[np.argmin(np.abs(f - self.system.motions[-1].frequency))])
 
     @cached_property
     def compared(self) -> Compared:
@@ -46,7 +55,7 @@ def studied(design: Design) -> PlatformStudy:
     """The platform of a design."""
     s = system(Parameters(**{name: design[name] for name in ("s", "h", "a", "mu", "kp")}), design["ground"])
     return PlatformStudy(s, design["clock"], int(design["order"]), s.motions[int(design["pair"]) - 1], design["v0"], design["pressed"],
-                         design["tolerance"], design["measure"], bool(design["columns"]))
+                         design["tolerance"], design["measure"], bool(design["columns"]), bool(design["rest"]))
 
 
 def numbers(study: PlatformStudy) -> dict[str, float | None]:
@@ -101,6 +110,8 @@ def live(study: PlatformStudy) -> Text:
              text("the ghost stands still") if held < 0.1 else
              text("the ghost moves in part"))
     factor = slower(motion)
+    if study.rest:
+        return text("On the stage the deck rests.")
     shown = text("On the stage: {name}, {frequency:.3g} Hz, drawn {factor:.2g} times slower; ",
                  name=motion.name, frequency=motion.frequency, factor=factor)
     if order == STATE_COUNT:

@@ -55,8 +55,8 @@ def predict(asked: Asked) -> DrawnQuestion:
 def surprise(asked: Asked) -> DrawnQuestion:
     """The largest error with nine states: as with eight, a half, or nearly none."""
     before, after = (1e4 * each.metrics["error"] for each in (asked.entry, asked.after))
-    return question_of_bars(text("largest error of the reduced model"), "10⁻⁴", ((text("8 states"), before),), text("9 states"),
-                            (before, 0.5 * before, 0.0), after, "error")
+    return question_of_bars(text("largest error of the reduced model"), text("largest error [10⁻⁴]"), ((text("8 states"), before),),
+                            text("9 states"), (before, 0.5 * before, 0.0), after, "error")
 
 
 QUESTIONS = MappingProxyType({"recall": recall, "predict": predict, "surprise": surprise})

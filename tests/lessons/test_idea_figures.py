@@ -108,9 +108,9 @@ def test_each_hankel_value_has_a_bar_that_is_grey_where_it_is_cut(order: int) ->
 @pytest.mark.parametrize("pair", ["1", "3", "5"])
 def test_the_bars_of_a_pair_are_the_ways_on_the_stage_and_the_model_loses_a_pair_that_is_cut(pair: str) -> None:
     full, cut = (plane(*at("weak-states", order=order, pair=pair), "pair").curves for order in (10, 8))
-    plant, model = ([float(bar.y[1]) for bar in full if bar.role == role] for role in ("plant", "estimate"))
+    plant, model = ([float(bar.y[1]) for bar in full if bar.role == role] for role in ("plant", "muted"))
     assert max(plant) == pytest.approx(1.0) and model == pytest.approx(plant, abs=1e-6)
-    left = max(float(bar.y[1]) for bar in cut if bar.role == "estimate")
+    left = max(float(bar.y[1]) for bar in cut if bar.role == "muted")
     assert left < 0.05 if pair == "5" else left > 0.95
 
 

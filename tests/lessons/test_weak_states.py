@@ -301,16 +301,19 @@ def test_the_stage_marks_what_swings_as_the_run_begins(kind: int, name: str) -> 
     found = outcome(pair=str(pair))
     stage, figure = found.stage, next(f for f in LESSON.figures(found) if f.id == "pair")
     assert stage is not None and stage.u is not None
-    x, rest = stage.x[0], np.concatenate([np.zeros(10), stage.x[0][10:]])
-    far = {"across": x[0] / 3.6e-3, "height": x[1] / 3.6e-3, "tilt": x[2] / 16e-3, "left mass": (x[3] - x[1] + x[11] * x[2]) / 2.2e-3,
-           "right mass": (x[4] - x[1] - x[11] * x[2]) / 2.2e-3}
+
+    def ways(x: np.ndarray) -> dict[str, float]:
+        return {"across": x[0] / 3.6e-3, "height": x[1] / 3.6e-3, "tilt": x[2] / 16e-3, "left mass": (x[3] - x[1] + x[11] * x[2]) / 2.2e-3,
+                "right mass": (x[4] - x[1] - x[11] * x[2]) / 2.2e-3}
+    far = ways(stage.x[0])
     most = max(map(abs, far.values()))
     assert abs(far[name]) > 0.99 * most
-    arrows = stage.body.arrows(rest.tolist(), stage.u[0].tolist(), stage.body.gain)
-    drawn = dict(zip(("across", "height", "tilt down", "tilt", "left mass", "right mass"), arrows, strict=True))
-    for part, way in far.items():
-        along = sum(h - t for h, t in zip(drawn[part].head, drawn[part].tail, strict=True))
-        assert along == pytest.approx(0.62 * way / most if abs(way) > 0.08 * most else 0.0, abs=1e-6)
+    for sample in (0, 7, 24, 31, 45):  # at every moment an arrow points where its part is
+        arrows = stage.body.arrows(stage.x[sample].tolist(), stage.u[0].tolist(), stage.body.gain)
+        drawn = dict(zip(("across", "height", "tilt down", "tilt", "left mass", "right mass"), arrows, strict=True))
+        for part, way in ways(stage.x[sample]).items():
+            along = sum(h - t for h, t in zip(drawn[part].head, drawn[part].tail, strict=True))
+            assert along == pytest.approx(0.62 * way / most if abs(far[part]) > 0.08 * most else 0.0, abs=1e-6)
     shown = {words("en") for words, _ in stage.body.labels}
     assert shown == {part for part, way in far.items() if abs(way) > 0.08 * most} and name in shown
     bars = {next(n("en") for at, n in figure.names if abs(at - curve.x[0]) < 0.3): curve.y[1] for curve in figure.curves
@@ -343,3 +346,33 @@ def test_the_columns_above_the_plate_are_those_that_count(changes: dict[str, obj
         if numbers is not None:
             relative = outcome.design["tolerance"]
             assert level == pytest.approx(0.62 * (1 + np.log10(relative) / 18), abs=1e-9) and counted == numbers[row]
+
+
+@pytest.mark.parametrize("order", [8, 9])
+def test_the_bars_before_the_deck_are_the_errors_of_the_smaller_model(order: int) -> None:
+    """Responses of plant and model at 0.01 Hz and at the weakest mode, written out here; HR = −HL gives HL twice."""
+    found = outcome(order=order)
+    whole, model, stage = found.study.system.plant, found.study.cut.model, found.stage
+    poles = np.linalg.eigvals(whole.A)
+    weakest = found.study.system.motions[-1].pole
+    assert np.abs(poles - weakest).min() < 1e-9
+
+    def response(P, f: float) -> np.ndarray:
+        return P.C @ np.linalg.solve(2j * np.pi * f * np.eye(P.n) - P.A, P.B) + np.asarray(P.D)
+    errors = []
+    for f in (0.01, abs(weakest) / (2 * np.pi)):
+        errors.append(np.linalg.norm(response(whole, f) - response(model, f), 2))
+    poses, x = stage.body.pose(stage.x[0].tolist(), 1.0), stage.x[0].tolist()
+    long = [poses[f"score bar {k}"].scale[0] for k in range(2)]
+    assert long == pytest.approx([2.0 * max(each / 2e-4, 0.004) for each in errors], rel=1e-3)
+    numbers = [words.replace("·10", "e").translate(str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")) for words, _, _ in
+               stage.body.marks(x, x, 1.0).words]
+    assert [float(each) for each in numbers] == pytest.approx(errors, rel=6e-3)
+
+
+def test_the_deck_rests_and_asks_before_the_weakest_pair_is_shown() -> None:
+    asked = outcome(rest=True)
+    assert np.abs(asked.stage.x[:, :10]).max() == np.abs(asked.stage.xhat[:, :10]).max() == 0.0
+    x = asked.stage.x[0].tolist()
+    assert [words for words, _, _ in asked.stage.body.marks(x, x, 1.0).words] == ["?"] * 3 and not asked.stage.body.labels
+    assert asked.live("en") == "On the stage the deck rests."
