@@ -30,7 +30,7 @@ HALF, MORE = 0.5, 1.5  # of the reduction before
 
 def recall(asked: Asked) -> DrawnQuestion:
     """An error of the vertical channel under a filter for a noisier sensor: as with the right gain, growing, or slower."""
-    v = asked.entry.design["v"]
+    v = asked.after.design["v"]
     plant, _, _ = channel(0)
     assumed, right = (plant.A - channel_filter(0, intensity) @ plant.C for intensity in (v, v / QUIETER))
     e0 = plant.C[0] / np.linalg.norm(plant.C[0])

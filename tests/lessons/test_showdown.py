@@ -339,3 +339,10 @@ def test_what_acts_on_the_decks_is_named_on_both_and_only_then() -> None:
     assert tags(delay=5.0) == 2 * ["delay 5 ms"]
     assert tags(damping=-90.0) == 2 * ["damping −90 %"]
     assert tags(friction=5.0, ground="shaped") == 2 * ["friction 5 mN"]
+
+
+def test_a_filter_for_a_noise_a_hundred_times_too_large_reduces_the_rotation_less() -> None:
+    """What the recall shows on the rails: the full LQG below, the decoupled one above, both with shorter bars."""
+    right, wrong = (bars_of(play="decoupled", sensor=1e-12, v=v, bars="reduction") for v in (1e-12, 1e-10))
+    assert wrong[0]["lower"] < 0.75 * right[0]["lower"] and wrong[0]["upper"] < 0.95 * right[0]["upper"]
+    assert [float(each.removesuffix(" dB")) for each in (right[1][1], wrong[1][1])] == pytest.approx([32.4, 22.1], abs=0.1)
