@@ -50,10 +50,17 @@ def figures(outcome: Outcome[Study]) -> FigureSet:
 # --- residuals ---------------------------------------------------------------------------------------------------------
 def _residuals(s: Study, name: str, title: Text, which: range) -> LineFigure:
     at = decisive(s)
-    curves = [Curve(same(MEMBER_NAMES[i]), np.maximum(s.verdict.values[:, i], THRESHOLD_FLOOR),
-                    "error" if s.verdict.values[at, i] > 1 else "plant", *CURVE_STYLES[i % 4]) for i in which]
-    curves.append(Curve(text("threshold"), np.ones(SAMPLE_COUNT), "reference", "dash", 1.4))
-    loud = [MEMBER_NAMES[i] for i in which if s.verdict.values[at, i] > 1]
+    over = {i: bool(s.verdict.values[at, i] > 1) for i in which}
+    loud = [MEMBER_NAMES[i] for i, alarm in over.items() if alarm]
+    odd = len(loud) == len(over) - 1  # one is not like the others: those are grey, under one name
+
+    def curve(i: int) -> Curve:
+        values = np.maximum(s.verdict.values[:, i], THRESHOLD_FLOOR)
+        if not odd:
+            return Curve(same(MEMBER_NAMES[i]), values, "error" if over[i] else "plant", *CURVE_STYLES[i % 4])
+        return (Curve(listed(map(same, loud)), values, "muted", "solid", 1.4) if over[i] else
+                Curve(same(MEMBER_NAMES[i]), values, "plant", "solid", 2.6))
+    curves = [*map(curve, which), Curve(text("threshold"), np.ones(SAMPLE_COUNT), "reference", "dash", 1.4)]
     when = f"{DT * at:.2f} s"
     said = (text("At {when} over the threshold: {loud}.", when=when, loud=listed(map(same, loud))) if loud else
             text("At {when} none is over the threshold.", when=when))

@@ -6,6 +6,7 @@ from observer_lab.course.knobs import Choice, Knob, Number
 from observer_lab.text import text
 
 from ..toolkit.knobs import run_knobs
+from .body import BANK_SHOWN, DECK_ALONE
 from .diagnosis import ENERGY, MEAN
 from .observer_bank import FAULT_PLACES, HORIZON, PLACE_NAMES
 from .runs import BIAS_FAULT, DRIFT_FAULT, KEEP_LOOP_OPEN, NO_REACTION, NONE, STUCK_FAULT, SWITCH_LOOP
@@ -44,6 +45,9 @@ KNOBS: tuple[Knob, ...] = (
            hint=text("Samples of 0.02 s that are judged together.")),
     Number("rate", r"\alpha", text("false-alarm rate"), low=1e-6, high=0.1, default=1e-3, scale="log", group=TEST,
            hint=text("The false-alarm probability of one window of one fault-free member; it sets the threshold.")),
+    Choice("shown", "", text("before the deck"), default=BANK_SHOWN, group=TEST,
+           options=((BANK_SHOWN, text("a bar for each observer")), (DECK_ALONE, text("nothing"))),
+           hint=text("A bar is the test value of an observer at this time of the run. Above the line there is an alarm.")),
     Choice("loop", "", text("the loop"), default=NO_REACTION, group=LOOP,
            options=((KEEP_LOOP_OPEN, text("open")), (NO_REACTION, text("closed, nobody acts")),
                     (SWITCH_LOOP, text("closed, acts on the verdict"))),

@@ -37,7 +37,7 @@ def predict(asked: Asked) -> DrawnQuestion:
     return question_of_bar_groups(text("share of the time after the fault in which a part is reported"), "", (),
                                   (text("HL"), text("HR"), text("no part")),
                                   ((1.0, 0.0, 0.0), (0.5, 0.5, 0.0), (0.0, 0.0, 1.0), (more, 1 - more, 0.0)),
-                                  (named, wrong, 1 - named - wrong), "estimate")
+                                  (named, wrong, 1 - named - wrong), "estimate", (text("from HL + HR alone"), (0.5, 0.5, 0.0)))
 
 
 def surprise(asked: Asked) -> DrawnQuestion:

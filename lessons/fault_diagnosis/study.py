@@ -14,7 +14,7 @@ from observer_lab.text import text
 
 from ..toolkit.boards import listed
 from ..toolkit.latex import matrix, number
-from .body import BODY
+from .body import BANK_SHOWN, BODIES
 from .diagnosis import ENERGY, Forecast, Rule, forecast, judge
 from .fault_pairs import ALWAYS_ISOLABLE, isolable, rivals
 from .observer_bank import COIL_IDS, DT, FAULT_PLACES, MODEL, SAMPLE_COUNT, guard
@@ -101,7 +101,7 @@ def _outcome(design: Design, s: Study) -> Outcome[Study]:
     members = guard().bank.members
     coil = s.case.coil or 0
     return Outcome(design, {"L": guard().whole.K}, {m.name: m.poles for m in members}, metrics_of(s), _checks(s), None, _boards(s),
-                   _stage(s), _formulas(s, coil), live(s), s)
+                   _stage(s, design["shown"]), _formulas(s, coil), live(s), s)
 
 
 def metrics_of(s: Study) -> dict[str, float]:
@@ -178,15 +178,15 @@ def _ignoring(s: Study) -> int:
     return 0 if s.column is None else s.column
 
 
-def _stage(s: Study) -> Stage:
+def _stage(s: Study, shown: str) -> Stage:
     fails, accused = np.zeros((SAMPLE_COUNT, 7)), np.zeros((SAMPLE_COUNT, 7))
     for fault in s.case.faults:
         fails[fault.start:, FAULT_PLACES.index(fault.place)] = 1.0
     if s.verdict.who is not None:
         accused[s.verdict.decided:, FAULT_PLACES.index(s.verdict.who)] = 1.0
     t = DT * np.arange(SAMPLE_COUNT)
-    return Stage(BODY, t, np.hstack([s.record.x, fails, accused]), np.hstack([s.record.xhat, np.zeros((SAMPLE_COUNT, 14))]),
-                 s.record.applied)
+    marks = np.hstack([fails, accused, *([s.verdict.values] if shown == BANK_SHOWN else [])])
+    return Stage(BODIES[shown], t, np.hstack([s.record.x, marks]), np.hstack([s.record.xhat, np.zeros_like(marks)]), s.record.applied)
 
 
 def _formulas(s: Study, coil: int) -> tuple[Formula, ...]:

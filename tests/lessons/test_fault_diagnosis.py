@@ -5,6 +5,7 @@ import pytest
 from lesson_checks import carried
 from scipy.stats import chi2
 
+from observer_lab.colours import COLOURS, rgb
 from observer_lab.engine import Plant, observability, residual_generator
 from observer_lab.engine.observers import FaultBank, binomial_band
 from observer_lab.lessons.fault_diagnosis.diagnosis import ALARM_HOLD_SAMPLES, ENERGY, MEAN, Rule, judge
@@ -340,6 +341,45 @@ def test_the_stage_marks_the_liar_and_flags_the_accused():
     assert before["gauge left"].colour != between["gauge left"].colour == after["gauge left"].colour
     assert between["flag"].position[2] < -5 < 0 < after["flag"].position[2]
     assert abs(after["flag"].position[0] - after["gauge left"].position[0]) < 1e-9
+
+
+@pytest.mark.parametrize("values", [{}, {"bias": 1.5, "window": 100.0}, {"place": "u1", "rate": 1e-2}, {"loop": SWITCH_LOOP}])
+def test_a_bar_before_the_deck_is_the_windows_sum_over_the_quantile(values):
+    """T = Σ ‖S^(−1/2) ν‖² over the last N samples, over the quantile of χ² with 3 N degrees of freedom, no higher than 2.6 of it."""
+    o = outcome(**values)
+    window = int(o.design["window"])
+    quantile = chi2.ppf(1 - o.design["rate"], 3 * window)
+    for at in (window, 230, 350, 600):
+        poses = o.stage.body.pose(o.stage.x[at].tolist(), o.stage.body.gain)
+        level = poses["threshold"].position[2] - poses["test 0"].position[2]
+        total = (o.study.record.residuals[at - window + 1:at + 1] ** 2).sum(axis=(0, 2)) / quantile
+        for k, value in enumerate(total):
+            bar = poses[f"test {k}"]
+            assert bar.scale[2] / level == pytest.approx(min(max(value, 0.03), 2.6), rel=1e-6)
+            assert (bar.colour == rgb(COLOURS["error"])) == (value > 1)
+
+
+def test_the_bars_stand_before_the_deck_where_the_knob_says_so():
+    body = outcome(shown="deck").stage.body
+    assert not any(part.name.startswith("test ") and "mass" not in part.name for part in body.parts) and not body.labels
+    assert len([part for part in outcome().stage.body.parts if part.name.startswith("test ") and "mass" not in part.name]) == 7
+
+
+def test_the_sensors_keep_their_names_and_the_names_go_with_the_deck():
+    stage = outcome().stage
+    for k in (0, 200, 400):
+        x, xhat = stage.x[k].tolist(), stage.xhat[k].tolist()
+        poses = stage.body.pose(x, stage.body.gain)
+        names = {words: at for words, at, _ in stage.body.marks(x, xhat, stage.body.gain).words}
+        for name, part in (("VL", "sensor left"), ("VR", "sensor right"), ("HL", "gauge left"), ("HR", "gauge right")):
+            assert abs(names[name][0] - poses[part].position[0]) < 0.15
+
+
+def test_the_one_curve_below_the_threshold_is_the_one_in_colour():
+    figure = next(f for f in LESSON.figures(outcome()) if f.id == "sensors")
+    odd = [curve for curve in figure.curves if curve.role == "plant"]
+    assert [curve.name("en") for curve in odd] == ["−HL"]
+    assert {curve.name("en") for curve in figure.curves if curve.role == "muted"} == {"−VL, −VR, −HR"}
 
 
 # --- what the page claims ----------------------------------------------------------------------------------------------------
