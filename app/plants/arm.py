@@ -117,8 +117,9 @@ JOINT: Vector = (-0.8, 0.0, 0.98)
 ARM_LENGTH, DIAL = 1.3, 0.52  # lengths of the arm and of the dial's needle
 FACE: Vector = (1.36, 0.1, 0.98)  # the middle of the dial of the load
 FULL_TORQUE_NM = 3.0  # N m at which the needle lies flat
-VOLTAGE_FOOT: Vector = (-1.72, -0.3, 0.3)  # where the arrow of the motor's voltage begins
+VOLTAGE_FOOT: Vector = (-1.72, -0.3, 0.78)  # where the arrow of the motor's voltage begins
 FULL_VOLTAGE, ASKED_BESIDE = 3.0, 0.18  # V at which it is 0.6 long; how far beside it the voltage asked for stands
+STAND_X = VOLTAGE_FOOT[0] - ASKED_BESIDE / 2  # across: the stand on which both arrows are zero
 FLANK, FLANK_FROM, FLANK_LONG, PLAY_GAIN = 0.035, 0.26, 0.56, 10.0  # radius, begin and end of a flank; how many times the play is drawn
 ARM_THICK = 0.075
 MARKS_NM, MARK, NUMBER = (-3.0, -1.5, 0.0, 1.5, 3.0), (0.56, 0.64), 0.84  # loads; from and to, and where their numbers are, from the middle
@@ -142,6 +143,8 @@ BODY_PARTS = (
     Part("dial", Cylinder(0.66, 0.06), METAL),
     Part("dial foot", Rod(0.06), STEEL),
     *(Part(f"mark {k}", Rod(0.014), DARK_GREY) for k in range(5)),
+    Part("voltage plate", Box((0.6, 0.3, 0.04)), METAL),
+    Part("voltage stand", Rod(0.06), STEEL),
     Part("needle", Rod(0.035), PLANT_COLOUR, twin=True),
     Part("needle tip", Ball(0.07), PLANT_COLOUR, twin=True),
 )
@@ -153,6 +156,8 @@ FIXED_POSES = MappingProxyType({
     "hub": Pose((JOINT[0], 0.0, JOINT[2]), POINTING_AWAY),
     "dial": Pose((FACE[0], FACE[1] + 0.08, FACE[2]), POINTING_AWAY),
     "dial foot": pose_between((FACE[0], FACE[1] + 0.08, 0.1), (FACE[0], FACE[1] + 0.08, FACE[2] - 0.6)),
+    "voltage plate": Pose((STAND_X, VOLTAGE_FOOT[1], VOLTAGE_FOOT[2] - 0.02)),
+    "voltage stand": pose_between((STAND_X, -0.2, 0.1), (STAND_X, -0.2, VOLTAGE_FOOT[2] - 0.04)),
     **{f"mark {k}": pose_between(on_dial(torque, MARK[0]), on_dial(torque, MARK[1])) for k, torque in enumerate(MARKS_NM)},
 })
 

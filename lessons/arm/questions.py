@@ -19,6 +19,7 @@ from .loop import LOAD_AT
 ROUNDED_TO, LATE = 1.0, 5  # degrees; periods of the device, 20 ms
 PART = 0.5  # of the load that is found, in the option that says that a part is found
 DRIFT = 0.6  # of the load in a second, in the option that says that the estimate drifts
+SEEN = 3  # decimals of a bar: what is less is zero
 RECALLED_LOAD = 1.5  # N m, of the recalled question
 
 
@@ -53,7 +54,7 @@ def surprise(asked: Asked) -> DrawnQuestion:
                                   (text("load [N m]"), text("angle [°]"), text("arm to target [°]")),
                                   ((load, 0.0, 0.0), (load, plain["angle_belief"], plain["angle_error"]), (0.0, 0.0, 0.0),
                                    (0.0, 0.0, spring)),
-                                  (after["load_error"], after["angle_belief"], after["angle_error"]), "error")
+                                  tuple(round(after[name], SEEN) for name in ("load_error", "angle_belief", "angle_error")), "error")
 
 
 def board(asked: Asked) -> DrawnQuestion:

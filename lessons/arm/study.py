@@ -17,6 +17,7 @@ from observer_lab.text import Text, joined, text
 
 from ..toolkit.boards import stage
 from ..toolkit.latex import gain_words
+from .body import BODY
 from .knobs import EXACT_ENCODER
 from .loop import ARM_PLANT, LOAD_AT, Played, gains, played, resting, step_of
 
@@ -76,10 +77,11 @@ def compute(design: Design) -> Outcome[Study]:
 
 
 def _stage(design: Design, shown: Played) -> Stage:
-    """The arm between the flanks of its gear, with the voltage applied and the voltage asked for."""
+    """The arm between the flanks of its gear and beside its target, with the voltage applied and the voltage asked for."""
     run, plain = shown.run, stage(MODEL, shown.run, design)
-    gear = np.column_stack([shown.motor - run.x[:, ANGLE_INDEX], np.full(len(run.t), radians(design["gap"]) / 2)])
-    return replace(plain, x=np.hstack([run.x, gear]), xhat=None if plain.xhat is None else np.hstack([plain.xhat, gear]),
+    half, target = (np.full(len(run.t), radians(value)) for value in (design["gap"] / 2, design["target"]))
+    gear = np.column_stack([shown.motor - run.x[:, ANGLE_INDEX], half, target, run.u_applied[:, 0]])
+    return replace(plain, body=BODY, x=np.hstack([run.x, gear]), xhat=None if plain.xhat is None else np.hstack([plain.xhat, gear]),
                    u=np.hstack([run.u_applied, run.u_asked]), plain=plain)
 
 

@@ -40,6 +40,42 @@ def test_the_plant_is_the_motor_behind_the_gear() -> None:
     assert p.reflected == pytest.approx((91 / 6) ** 2 * 142e-7) and observability(plant()).rank == 4
 
 
+def direction(pose: Pose) -> np.ndarray:
+    """Where a rod points, across and up: the third axis of its rotation."""
+    w, x, y, z = pose.wxyz
+    return np.array([2 * (x * z + w * y), 1 - 2 * (x * x + y * y)])
+
+
+@each("target", [30.0, 60.0, 115.0])
+def test_the_dotted_line_is_the_target_and_the_arc_leads_from_it_to_the_arm(target: float) -> None:
+    stage = outcome(target=target, cancel=False).stage
+    assert stage is not None and stage.body.marks is not None and stage.xhat is not None
+    for k in range(0, len(stage.t), 40):
+        x = stage.x[k].tolist()
+        poses, arm = stage.body.pose(x, 1.0), x[ANGLE_INDEX]
+        turn = np.radians(target)
+        assert direction(poses["target 4"]) == pytest.approx([np.cos(turn), np.sin(turn)], abs=1e-9)
+        apart = abs(np.degrees(arm) - target)
+        words = stage.body.marks(x, stage.xhat[k].tolist(), 1.0).words
+        assert float(words[2][0].rstrip("°")) == pytest.approx(apart, rel=0.06, abs=0.05) and (words[2][1][2] < 0) == (apart < 0.5)
+        if apart >= 0.5:
+            long = sum(pose.scale[2] for name, pose in poses.items() if name.startswith("away "))
+            foot, joint = (poses[name].position for name in ("away 0", "arm"))
+            radius = np.hypot(foot[0] - joint[0], foot[2] - joint[2])
+            assert long == pytest.approx(radius * np.radians(apart), rel=0.02)
+
+
+def test_the_arrows_of_load_and_voltage_carry_their_sizes() -> None:
+    found = outcome(load=1.2)
+    stage, run = found.stage, found.run
+    assert stage is not None and run is not None and stage.body.marks is not None and stage.xhat is not None
+    for k in range(0, len(stage.t), 30):
+        load, voltage, _ = stage.body.marks(stage.x[k].tolist(), stage.xhat[k].tolist(), 1.0).words
+        said = [float(words.split(" ")[2].replace("−", "-")) for words, _, _ in (load, voltage)]
+        assert said == pytest.approx([run.x[k, LOAD_INDEX], run.u_applied[k, 0]], abs=0.0051, rel=0.06)
+        assert (load[1][2] > 0) == (run.t[k] >= LOAD_AT)
+
+
 @each("load", [-3.0, 0.4, 1.5])
 def test_a_constant_load_is_found_without_bias_and_the_arm_comes_back(load: float) -> None:
     found = outcome(load=load, observer_poles=FAST)
