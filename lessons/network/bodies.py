@@ -1,14 +1,15 @@
 """Draw the plants of lesson 18, each with two lamps that show its packets.
 
 The record that the stage plays is (state, measurement heard, input heard, share of the sample, earlier packets of both links); a packet
-is 1 or 0, −1 before the run. On the ridge two more say where a delayed force would be right: whether that is shown, and the place.
+is 1 or 0, −1 before the run. On the ridge four more say where a delayed force would be right (whether that is shown, and the place), and
+the estimate and 3σ of the filter, in cm.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from math import copysign
+from math import atan2, copysign, hypot
 
 from observer_lab.colours import COLOURS, rgb
 from observer_lab.plants.bodies.body import (
@@ -23,27 +24,31 @@ from observer_lab.plants.bodies.body import (
     Body,
     Box,
     Cylinder,
+    ErrorMarks,
     Part,
     PartName,
     Pose,
     Rod,
     Vector,
+    about_y,
     bound_displacement,
     force_arrow,
+    pose_between,
 )
-from observer_lab.text import text
+from observer_lab.text import format_number, text
 
 LIT_COLOUR, UNLIT_COLOUR = rgb(COLOURS["lamp"]), rgb(COLOURS["dark"])
 LAMPS = (("sensor", -1.62), ("input", 1.62))
 LAMP_Y, LAMP_HEIGHT = -1.2, 0.42  # in front of the plant
 PACKETS = 8  # on each belt: this sample's and those before it
-BELT_Y, BELT_BEGIN, PITCH = -1.02, 0.16, 0.2  # in front of the plant: from its middle outwards
+BELT_Y, BELT_BEGIN, PITCH = -1.02, 0.14, 0.175  # in front of the plant: from its middle outwards
 UNSEEN = -9.0  # below the floor
 PACKET = (0.13, 0.12, 0.09)
-SLICES, RIDGE_WIDTH, CREST = 21, 3.4, 0.95  # of the ridge
-MAX_DRAWN_POSITION, STEEP = 1.5, 0.26  # farthest drawn place of the ball, drop of the ridge at one stage unit squared
+SLICES, RIDGE_WIDTH, CREST, TRACK = 21, 3.4, 1.25, 0.05  # of the ridge; how thick its track is
+MAX_DRAWN_POSITION, STEEP = 1.5, 0.36  # farthest drawn place of the ball, drop of the ridge at one stage unit squared
 SCALE = 0.16  # stage units per centimetre on the ridge
 BALL, TARGET_SHADE = 0.16, 0.45
+GATE_TOP, GATE_THICK, GATE_WORDS = CREST + 0.72, 0.03, 0.12  # of the gate ± 3σ: how high and thick it is, from it to its size
 HALF_TURN = (0.0, 1.0, 0.0, 0.0)  # half a turn
 
 
@@ -90,21 +95,47 @@ def _ridge(x: float) -> float:
     return CREST - STEEP * x * x
 
 
+def _under(x: float) -> float:
+    """How high the ridge is below its track, near a place across the stage."""
+    return _ridge(abs(x) + RIDGE_WIDTH / SLICES / 2) - TRACK / 2
+
+
 def _on_ridge(place: float, gain: float) -> Vector:
     at = bound_displacement(place * SCALE * gain, MAX_DRAWN_POSITION)
     return at, 0.0, _ridge(at) + BALL
 
 
 def ridge_with_target() -> Body:
-    """The ridge with its lamps and belts, and a green ball at the place for which the acting force is right."""
+    """The ridge with its lamps and belts, a green ball where the acting force would be right, and a gate of the estimate ± 3σ."""
     body, links = with_lamps(ridge_body(), 1), 1 + 3 + 2 * (PACKETS - 1)
 
     def pose(x: Sequence[float], gain: float) -> Mapping[str, Pose]:
-        shown, place = x[links:] or (0.0, 0.0)
+        shown, place, believed, wide = x[links:] or (0.0, 0.0, 0.0, 0.0)
         there = _on_ridge(float(place), gain)
-        return {**body.pose(x[:links], gain), "target": Pose(there if shown > 0.5 else (there[0], 0.0, UNSEEN))}
+        return {**body.pose(x[:links], gain), "target": Pose(there if shown > 0.5 else (there[0], 0.0, UNSEEN)),
+                **_gate(float(believed), float(wide), gain)}
 
-    return replace(body, parts=(*body.parts, Part("target", Ball(BALL), COLOURS["force"], opacity=TARGET_SHADE)), pose=pose)
+    def size(x: Sequence[float], xhat: Sequence[float], gain: float) -> ErrorMarks:
+        left, right = gate_ends(float(x[-2]), float(x[-1]), gain)
+        return ErrorMarks((), ((f"3σ = {format_number(float(x[-1]), '.2g')} cm", ((left + right) / 2, 0.0, GATE_TOP + GATE_WORDS),
+                                "bottom-center"),))
+
+    gate = tuple(Part(f"gate {name}", Rod(GATE_THICK), COLOURS["estimate"]) for name in ("left", "right", "top"))
+    return replace(body, parts=(*body.parts, Part("target", Ball(BALL), COLOURS["force"], opacity=TARGET_SHADE), *gate), pose=pose,
+                   marks=size, names=(*body.names, PartName(text("gate: the estimate ± 3σ"), "gate left", (-0.9, -0.2, 0.5))))
+
+
+def gate_ends(believed: float, wide: float, gain: float) -> tuple[float, float]:
+    """Where across the stage the posts of the gate stand."""
+    left, right = (_on_ridge(believed + side * wide, gain)[0] for side in (-1.0, 1.0))
+    return left, right
+
+
+def _gate(believed: float, wide: float, gain: float) -> dict[str, Pose]:
+    """Two posts where the ridge carries them, and a bar over the ball from one to the other."""
+    left, right = gate_ends(believed, wide, gain)
+    posts = {f"gate {name}": pose_between((at, 0.0, _ridge(at)), (at, 0.0, GATE_TOP)) for name, at in (("left", left), ("right", right))}
+    return {**posts, "gate top": pose_between((left, 0.0, GATE_TOP), (right, 0.0, GATE_TOP))}
 
 
 def ridge_body() -> Body:
@@ -113,7 +144,9 @@ def ridge_body() -> Body:
     middles = tuple((i - (SLICES - 1) / 2) * width for i in range(SLICES))
     fixed = {"base": Pose((0.0, 0.0, 0.05))}
     for i, x in enumerate(middles):
-        fixed[f"slice {i}"] = Pose((x, 0.1, (0.1 + _ridge(x)) / 2))
+        low, high = x - width / 2, x + width / 2
+        fixed[f"slice {i}"] = Pose((x, 0.1, (0.1 + _under(x)) / 2))
+        fixed[f"track {i}"] = Pose((x, 0.1, (_ridge(low) + _ridge(high) - TRACK) / 2), about_y(-atan2(_ridge(high) - _ridge(low), width)))
 
     def centre(x: Sequence[float], gain: float) -> Vector:
         return _on_ridge(float(x[0]), gain)
@@ -128,11 +161,12 @@ def ridge_body() -> Body:
     def anchors(x: Sequence[float], gain: float) -> tuple[Vector, ...]:
         return (centre(x, gain),)
 
-    slices = tuple(Part(f"slice {i}", Box((width, 0.9, _ridge(x) - 0.1)), STEEL if i % 2 else METAL)
-                   for i, x in enumerate(middles))
+    slices = tuple(Part(f"slice {i}", Box((width, 0.84, _under(x) - 0.1)), STEEL) for i, x in enumerate(middles))
+    slices += tuple(Part(f"track {i}", Box((hypot(width, _ridge(x + width / 2) - _ridge(x - width / 2)) + 0.02, 0.9, TRACK)), METAL)
+                    for i, x in enumerate(middles))
     return Body((Part("base", Box((4.0, 1.3, 0.1)), DARK_GREY), *slices, Part("ball", Ball(BALL), PLANT_COLOUR, twin=True)),
                 pose, arrows, anchors, 1.0, text("A ball on a ridge rolls away by itself; the green arrow is the "
-                                                 "input"), names=(
+                                                 "input, the orange gate is the estimate ± 3σ"), names=(
         PartName(text("measurement arrives"), "sensor lamp", (0.5, -0.1, -0.6)),
         PartName(text("input arrives"), "input lamp", (-0.5, -0.1, -0.6)),
         PartName(GHOST_NAME, "ball", (0.7, -0.2, 0.6), True),

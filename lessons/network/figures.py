@@ -8,7 +8,7 @@ from observer_lab.course.figures.records import Curve, LineFigure, MatrixFigure,
 from observer_lab.course.lazy import FigureSet, tab_figures
 from observer_lab.course.lesson import Outcome
 from observer_lab.engine.network import mean_lower_limit
-from observer_lab.text import Text, format_number, same, superscript, text, text_in
+from observer_lab.text import NO_WORDS, Text, format_number, same, superscript, text, text_in
 
 from ..toolkit.figures import TIME_TAB
 from .cases import CASE_KINDS, RUN_SAMPLES
@@ -229,12 +229,17 @@ def _error(outcome: Outcome[Study]) -> LineFigure:
                       "‖e‖/σ₀", log_y=True, window=(0.1, 10.0), caption=words, tab=WALL_TAB)
 
 
+def _largest_first(pole: complex) -> tuple[float, float]:
+    return -abs(pole), -pole.imag
+
+
 def _spectrum(outcome: Outcome[Study]) -> PlaneFigure:
-    groups = (("controller", "plant", "cross"), ("observer", "estimate", "cross"), ("loop", "reference", "circle"))
+    groups = (("controller", "plant", "cross", text("controller")), ("observer", "estimate", "cross", text("observer")),
+              ("loop", "reference", "circle", text("loop")))
     radius = loop_radius(outcome.study)
     reach = float(np.clip(1.15 * radius, 1.25, 4.5))
-    points = tuple(Point(float(p.real), float(p.imag), role, mark)  # type: ignore[arg-type]
-                   for name, role, mark in groups for p in outcome.poles[name])
+    points = tuple(Point(float(p.real), float(p.imag), role, mark, said if k == 0 else NO_WORDS)  # type: ignore[arg-type]
+                   for name, role, mark, said in groups for k, p in enumerate(sorted(outcome.poles[name], key=_largest_first)))
     words = text("Delay alone, no loss. Crosses: controller and observer as designed. Circles: the loop; the "
                  "largest has modulus {radius:.3f}.",
                  radius=radius)

@@ -16,6 +16,7 @@ STEPS = 25  # samples of the recalled question
 WRONG_FORCE = 0.5  # by how much the observer's force is wrong there
 MOVED = 0.5  # how far of the way to the unit circle the poles move, in the option that says so
 DIVERGES = 3.0  # the power of ten at which a mean that diverges is drawn
+AIR = 0.6  # decades above that line
 SAID_RADIUS = 0.95  # as an option says
 
 
@@ -38,7 +39,7 @@ def recall(asked: Asked) -> DrawnQuestion:
 
 
 def predict(asked: Asked) -> DrawnQuestion:
-    """The mean variance over the share lost: finite below a limit of 1, 0, 1/a or 1/a²."""
+    """The mean variance over the share lost, finite below a limit of 1, 0, 1/a or 1/a²; a line above stands for one that diverges."""
     lower = bounds_over_loss(key(asked.entry.design))[0]
     least, radius, top = float(lower[0]), asked.entry.metrics["radius"], 10.0**DIVERGES
 
@@ -46,10 +47,10 @@ def predict(asked: Asked) -> DrawnQuestion:
         share = np.minimum(LOSSES / max(limit, 1e-9), 1.0)
         return np.minimum(least / np.maximum(1 - share, 1e-12), top)
     run = np.where(asked.entry.metrics["critical"] <= LOSSES, top, np.minimum(lower, top))
-    return question_over_time(text("mean error variance, at the top where it diverges"), LOSSES, (),
+    return question_over_time(text("mean error variance"), LOSSES, (Curve(text("diverges"), np.full(len(LOSSES), top), "muted", "dot"),),
                               (finite_below(1.0), finite_below(0.0), finite_below(1 / radius), finite_below(1 / radius**2)),
                               Curve(text("least mean variance"), run, "error"), "P / P₀", text("share of packets lost"), log_y=True,
-                              span=(float(np.floor(np.log10(least))) - 0.5, DIVERGES))
+                              span=(float(np.floor(np.log10(least))) - 0.5, DIVERGES + AIR))
 
 
 def surprise(asked: Asked) -> DrawnQuestion:

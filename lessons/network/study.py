@@ -24,7 +24,7 @@ from observer_lab.engine.network import (
 from observer_lab.text import NO_WORDS, Text, joined, text
 
 from ..toolkit.latex import matrix, number
-from .bodies import PACKETS
+from .bodies import PACKETS, SCALE
 from .cases import CASE_KINDS, DECK_CASE, RUN_SAMPLES, SCALAR_CASE, TWO, Watched, sampled, watched
 
 TOLD_COMMANDED, TOLD_APPLIED, TOLD_AHEAD = "asked", "applied", "ahead"
@@ -236,7 +236,7 @@ def last_packets(came: np.ndarray) -> np.ndarray:
 
 
 def _stage(design: Design, study: Study) -> Stage:
-    """The run played finely, straight between samples, with the packets as lamps and on belts, and 3σ of the filter as a cloud."""
+    """The run played finely, straight between samples, with packets as lamps and on belts, and 3σ of the filter as a cloud or gate."""
     kind, s = CASE_KINDS[design["case"]], study.watched.sampled
     fine = int(np.clip(np.ceil(s.plant.dt / FRAME_S), 1, MAX_FRAMES_PER_SAMPLE))
     index, share = np.divmod(np.arange((RUN_SAMPLES - 1) * fine + 1), fine)
@@ -249,11 +249,15 @@ def _stage(design: Design, study: Study) -> Stage:
         packets = np.hstack([packets, np.full_like(share, late), np.clip(-study.applied / s.K[0, 0], -FARTHEST, FARTHEST)[index]])
 
     def played(x: np.ndarray) -> np.ndarray:
-        return np.hstack([x[index] * (1 - share) + x[after] * share, packets])
+        return x[index] * (1 - share) + x[after] * share
     row = np.array(kind.shown)
     sigma = np.sqrt(np.maximum(np.einsum("i,kij,j->k", row, study.run.plan.P, row), 0.0))  # rounding of a huge P may go below
+    spread = 3 * np.minimum(sigma, FARTHEST)[index]
+    if design["case"] == SCALAR_CASE:  # its spread is a gate
+        packets = np.hstack([packets, np.clip(played(study.xhat), -FARTHEST, FARTHEST), spread[:, None] / SCALE])
+    x, xhat = (np.hstack([played(states), packets]) for states in (study.x, study.xhat))
     t = np.arange(len(index)) * s.plant.dt / fine
-    return Stage(kind.body, t, played(study.x), played(study.xhat), study.applied[index], 3 * np.minimum(sigma, 1e3)[index],
+    return Stage(kind.body, t, x, xhat, study.applied[index], None if design["case"] == SCALAR_CASE else spread,
                  (LATE_FORCE,) if late else ())
 
 

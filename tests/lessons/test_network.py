@@ -221,6 +221,35 @@ def test_the_fastest_sampling_is_not_the_answer() -> None:
     assert solved == [0.6, 0.65]
 
 
+@pytest.mark.parametrize("loss", [0.0, 0.3, 0.75])
+def test_the_gate_stands_three_sigma_to_either_side_of_the_estimate(loss: float) -> None:
+    """P grows to a² P + 0.09 in a sample; a packet makes P r/(P + r) of it, r = 0.09. Places are drawn at 1.5 tanh(0.16 x/1.5)."""
+    o = outcome(loss=loss)
+    assert o.stage is not None and o.stage.body.marks is not None and o.stage.spread is None
+    per, a, before = (len(o.stage.t) - 1) // (RUN_SAMPLES - 1), o.design["a"], None
+    for k in range(RUN_SAMPLES - 1):
+        x, xhat = o.stage.x[k * per].tolist(), float(o.stage.xhat[k * per, 0])  # type: ignore[index]
+        variance = (x[-1] / 3) ** 2
+        if before is not None:
+            grown = a * a * before + 0.09
+            assert variance == pytest.approx(grown * 0.09 / (grown + 0.09) if o.study.heard[k] else grown, rel=1e-6)
+        before = variance
+        poses = o.stage.body.pose(x, 1.0)
+        ends = [poses[f"gate {name}"].position[0] for name in ("left", "right")]
+        assert ends == pytest.approx([1.5 * np.tanh(0.16 * (xhat + side * x[-1]) / 1.5) for side in (-1, 1)], abs=1e-9)
+        assert poses["gate top"].scale[2] == pytest.approx(ends[1] - ends[0], abs=1e-9)
+        (words, _, _), = o.stage.body.marks(x, x, 1.0).words
+        assert float(words.split(" ")[2]) == pytest.approx(x[-1], rel=0.06)
+
+
+def test_packets_leave_room_for_their_lamp() -> None:
+    body = CASE_KINDS[SCALAR_CASE].body
+    poses = body.pose([0.0, 1.0, 1.0, 1.0, *[1.0] * (2 * (PACKETS - 1)), 0.0, 0.0, 0.0, 1.0], 1.0)
+    for side in ("sensor", "input"):
+        last = abs(poses[f"{side} packet {PACKETS - 1}"].position[0]) + 0.065
+        assert last < abs(poses[f"{side} lamp foot"].position[0]) - 0.12
+
+
 def test_the_stage_lights_a_lamp_where_a_packet_has_come() -> None:
     o = outcome(loss=0.5)
     assert o.stage is not None
