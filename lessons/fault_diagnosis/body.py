@@ -1,4 +1,4 @@
-"""Draw the deck with its sensors and its seven observers; a faulty part turns pink, an identified one gets a flag.
+"""Draw the deck with its sensors, a bar for each observer and a flag at the part that is accused.
 
 The record that the stage plays is (state (6), which of the seven parts fail, which one is accused), 1 or 0 each, then, where the bank is
 shown, the test value of each observer over its threshold (7).
@@ -117,7 +117,8 @@ def bar_places() -> tuple[float, ...]:
 def _with_bank(body: Body) -> Body:
     """The deck behind a bench with a bar for each observer, and a line across them at the threshold."""
     level, before = BENCH_HIGH + TALL_AT_THRESHOLD, BENCH_Y - BAR_RADIUS - 0.03
-    parts = (Part("bank bench", Box((2 * LINE_END, 0.44, BENCH_HIGH)), BENCH), Part("threshold", Box((2 * LINE_END, 0.03, 0.03)), DARK_GREY),
+    parts = (Part("bank bench", Box((2 * LINE_END, 0.44, BENCH_HIGH)), BENCH),
+             Part("threshold", Box((2 * LINE_END, 0.03, 0.03)), DARK_GREY),
              *(Part(f"threshold post {side}", Box((0.05, 0.05, TALL_AT_THRESHOLD)), DARK_GREY) for side, _ in SIDES),
              *(Part(f"test {k}", Rod(BAR_RADIUS), COLOURS["plant"]) for k in range(len(MEMBER_NAMES))))
     fixed = {"bank bench": Pose((0.0, BENCH_Y, BENCH_HIGH / 2)), "threshold": Pose((0.0, before, level)),

@@ -76,4 +76,5 @@ def board_question(title: Text, unit: str, design: DeviceDesign, x: np.ndarray, 
     whole = size["double"]
     options = [[grows * whole if name == guilty else whole for name in FAULTS] for guilty in FAULTS]
     run = [size[name] for name in FAULTS]
-    return question_of_bar_groups(title, unit, ((text("double"), whole),), PLACES, options, run, "error", (text("as in double"), [whole] * len(FAULTS)))
+    return question_of_bar_groups(title, unit, ((text("double"), whole),), PLACES, options, run, "error",
+                                  (text("as in double"), [whole] * len(FAULTS)))
