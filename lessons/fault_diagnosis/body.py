@@ -1,7 +1,7 @@
-"""Draw the deck with its sensors, a bar for each observer and a flag at the part that is accused.
+"""Draw the deck with its sensors and its seven observers.
 
-The record that the stage plays is (state (6), which of the seven parts fail, which one is accused), 1 or 0 each, then, where the bank is
-shown, the test value of each observer over its threshold (7).
+A faulty part turns pink, an identified one gets a flag. The record that the stage plays is (state (6), which of the seven parts fail,
+which one is accused), 1 or 0 each, then, where the bank is shown, the test value of each observer over its threshold (7).
 """
 
 from __future__ import annotations

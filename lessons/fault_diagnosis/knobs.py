@@ -45,7 +45,7 @@ KNOBS: tuple[Knob, ...] = (
            hint=text("Samples of 0.02 s that are judged together.")),
     Number("rate", r"\alpha", text("false-alarm rate"), low=1e-6, high=0.1, default=1e-3, scale="log", group=TEST,
            hint=text("The false-alarm probability of one window of one fault-free member; it sets the threshold.")),
-    Choice("shown", "", text("before the deck"), default=BANK_SHOWN, group=TEST,
+    Choice("shown", "", text("before the deck"), default=BANK_SHOWN, group=TEST, hidden=True,
            options=((BANK_SHOWN, text("a bar for each observer")), (DECK_ALONE, text("nothing"))),
            hint=text("A bar is the test value of an observer at this time of the run. Above the line there is an alarm.")),
     Choice("loop", "", text("the loop"), default=NO_REACTION, group=LOOP,
