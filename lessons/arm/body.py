@@ -27,8 +27,8 @@ from observer_lab.text import format_number, text
 
 TARGET, VOLTAGE = 6, 7  # in the record of the stage
 OWN = 6  # what of it the plant's own body takes
-BEHIND_ARM, DASH_FROM, DASH_TO, DASHES = -0.2, 0.3, 1.86, 9  # y of the target's line; where its dashes begin and end, from the joint
-ARC, ARC_PARTS, ANGLE_WORDS = 1.66, 12, 1.98  # radius of the arc from the target to the arm, its parts; where its size is
+BEHIND_ARM, DASH_FROM, DASH_TO, DASHES = -0.2, 0.3, 1.72, 9  # y of the target's line; where its dashes begin and end, from the joint
+ARC, ARC_PARTS, ANGLE_WORDS = 1.56, 12, 1.82  # radius of the arc from the target to the arm, its parts; where its size is
 LEAST_AWAY, LEAST_LOAD = 0.5, 0.005  # degrees and N m: nothing less is marked
 BELOW: Vector = (0.0, 0.0, -9.0)
 ARROW_GAP, LOAD_WORDS = 0.2, (0.26, 0.08)  # from the head of the arrow of the voltage to its size; from the hand to that of the load
