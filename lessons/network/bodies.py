@@ -122,7 +122,7 @@ def ridge_with_target() -> Body:
 
     gate = tuple(Part(f"gate {name}", Rod(GATE_THICK), COLOURS["estimate"]) for name in ("left", "right", "top"))
     return replace(body, parts=(*body.parts, Part("target", Ball(BALL), COLOURS["force"], opacity=TARGET_SHADE), *gate), pose=pose,
-                   marks=size, names=(*body.names, PartName(text("gate: the estimate ± 3σ"), "gate left", (-0.9, -0.2, 0.5))))
+                   marks=size, names=(*body.names, PartName(text("gate: ± 3σ"), "gate left", (-0.55, -0.2, 0.3))))
 
 
 def gate_ends(believed: float, wide: float, gain: float) -> tuple[float, float]:
