@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Iterator
 from contextlib import nullcontext
 from dataclasses import replace
 from functools import cache
@@ -34,6 +35,7 @@ RUN_PANEL = 0.222  # of the stage's height that the lab's panel of the run takes
 IN_LARGE_PRINT = "hall"
 RUN_BAR = 0.1  # of the canvas' height, at its foot: the row of the run
 MOMENTS = 12
+LINE, RIM = 1.2, 0.015  # height of a line over its letters; of half the canvas' height: so much of two labels may lie on one another
 LEAST_FILLED = 0.57  # of the canvas' height or width: what stands on the stage, and the map in front of it
 ABOVE_SHEET = 0.17  # of half the canvas' height, above its middle: the upper edge of a sheet with the row of the run
 LEAST_PLANT = 0.48  # of the canvas' width, beside or below boards
@@ -131,7 +133,7 @@ def _named(stage: Stage, scene: Scene, first: bool) -> tuple[Word, ...]:
 
     found = [Word(said(words), at, "top-center") for words, at in body.labels]
     if stage.xhat is not None and body.marks is not None:
-        found += [Word((words,), at, anchor, WORDS_SIZE) for words, at, anchor in body.marks(x, xhat, body.gain).words if at[2] > 0]
+        found += [Word(said(words), at, anchor, WORDS_SIZE) for words, at, anchor in body.marks(x, xhat, body.gain).words if at[2] > 0]
     for name in body.names if first else ():
         there, away_by = _end_of_line(name, ghost if name.ghost else poses), name.away
         found.append(Word(said(name.words), (there[0] + away_by[0], there[1] + away_by[1], there[2] + away_by[2]), _anchor(away_by)))
@@ -268,22 +270,39 @@ def test_a_ghost_has_its_name_only_where_it_stands_apart_from_the_plant() -> Non
         assert (heights > -1.0).sum() == len(body.names) - (not seen)
 
 
+def _boxes(case: OnStage, canvas: str) -> Iterator[tuple[str, np.ndarray]]:
+    """Each word on a stage in each language with where it is seen: left, low, right, high, the canvas from −1 to 1 on its height."""
+    camera, view = seen_from(case, canvas)
+    em, eye = view.letters(canvas == IN_LARGE_PRINT) * view.nearness(), np.array(camera.position)
+    ahead = np.array(camera.look_at) - eye
+    for word in case.named:
+        letter = em * word.size / math.tan(SIGHT / 2) / ((np.array(word.at) - eye) @ ahead / np.linalg.norm(ahead))
+        (x, y), = seen(camera, np.array([word.at]))
+        high = y + LINE * letter * {"top": 0.0, "center": 0.5, "bottom": 1.0}[word.anchor.partition("-")[0]]
+        for said in word.said:
+            wide = letter * text_width(said, 1.0)
+            left = x - wide * {"left": 0.0, "center": 0.5, "right": 1.0}[word.anchor.partition("-")[2]]
+            yield said, np.array([left, high - LINE * letter, left + wide, high])
+
+
 def test_what_is_written_on_a_stage_is_wholly_in_sight() -> None:
     """In the letters of the window, in each language, from where the scene looks; the row of the run hides none of it."""
     def law(case: OnStage, canvas: str) -> None:
-        camera, view = seen_from(case, canvas)
-        em, (across, up) = view.letters(canvas == IN_LARGE_PRINT) * view.nearness(), CANVASES[canvas]
-        for word in case.named:
-            at = np.array(word.at)
-            ahead = np.array(camera.look_at) - np.array(camera.position)
-            letter = em * word.size / math.tan(SIGHT / 2) / ((at - np.array(camera.position)) @ ahead / np.linalg.norm(ahead))
-            (x, y), = seen(camera, at[None])
-            for said in word.said:
-                wide = letter * text_width(said, 1.0)
-                left = x - (wide / 2 if word.anchor.endswith("center") else 0.0 if word.anchor.endswith("left") else wide)
-                ends = left * up / 2, (left + wide) * up / 2  # px from the middle
-                assert -across / 2 <= ends[0] and ends[1] <= across / 2, f"{said}: {ends[0]:.0f} to {ends[1]:.0f} px"
-                assert -1 + 2 * RUN_BAR <= y <= 1, f"{said}: {y:.2f} up"
+        across, up = CANVASES[canvas]
+        for said, (left, low, right, high) in _boxes(case, canvas):
+            assert -across / up <= left and right <= across / up, f"{said}: {left * up / 2:.0f} to {right * up / 2:.0f} px"
+            assert -1 + 2 * RUN_BAR - (high - low) <= low and high - (high - low) / 2 <= 1, f"{said}: {high:.2f} up"
+    holds_for_all(itertools.product(scenes_on_stage(), CANVASES), law, name)
+
+
+def test_no_words_on_a_stage_lie_on_others() -> None:
+    """Names that hang at one place are moved apart by the stage itself; of all others at most a rim touches."""
+    def law(case: OnStage, canvas: str) -> None:
+        boxes, count = list(_boxes(case, canvas)), len(languages())
+        for k in range(count):
+            for (one, a), (other, b) in itertools.combinations(boxes[k::count], 2):
+                common = np.minimum(a[2:], b[2:]) - np.maximum(a[:2], b[:2])
+                assert (common <= RIM).any(), f"{one} and {other}: {common[0]:.3f}, {common[1]:.3f}"
     holds_for_all(itertools.product(scenes_on_stage(), CANVASES), law, name)
 
 

@@ -40,7 +40,7 @@ FOOT_LABEL = -0.4, 0.24  # y and z of their names
 SCALE_X = 1.84  # of the numbers of the scale
 BAR_X, TICK = CORE - 0.31, 0.07  # where the bar of the core's error stands, half the width of its ends
 CORE_LABEL = CHIP_X, -0.42, BOARD_TOP + 0.18  # on the core: its temperature is not measured
-SENSOR_LABEL = CHIP_X + 0.14, -0.56, BOARD_TOP + 0.9  # of what is measured
+SENSOR_LABEL = CHIP_X - 0.14, -0.56, BOARD_TOP + 0.9  # of what is measured
 UNLIT = COLOURS["unlit"]
 LOWEST_LEVEL, ZERO_LEVEL = 0.46, 0.95  # lowest level of a column, its level at ambient temperature
 MAX_COLUMN_RISE, MAX_COLUMN_FALL = 1.15, 0.42  # highest and lowest drawn level from there
@@ -165,7 +165,7 @@ def body(parameters: Parameters = Parameters()) -> Body:
         error, case = (format_number(value, ".1f") for value in (float(x[0]) - float(xhat[0]), float(x[1])))
         return ErrorMarks(((true, believed), *ends), (
             (f"e₁ = {error} K", (BAR_X - TICK, -0.2, (true[2] + believed[2]) / 2), "center-right"),
-            ("T₁ = ?", CORE_LABEL, "center-center"), (f"T₂ = {case} K", SENSOR_LABEL, "center-left")))
+            ("T₁ = ?", CORE_LABEL, "center-center"), (f"T₂ = {case} K", SENSOR_LABEL, "center-right")))
 
     return Body(_parts(), pose, arrows, anchors, 1.0, text("Left column: core; right column: case, the only one "
                                                            "measured; a tick every 20 K"),

@@ -81,7 +81,7 @@ class CauseRows:
         return (*((name, (NAMES, y - 0.06, high + 0.12)) for name, (y, high) in
                   zip((self.start, *self.causes, self.total), self._rows(), strict=True)),
                 *((name, (ZERO + HALF * at, front, low)) for name, at in zip(self.marks, (-1, 0, 1), strict=True)),
-                (self.axis, (ZERO, front, low - 0.13)))
+                (self.axis, (ZERO, front, low - 0.16)))
 
 
 def _drawn(share: float) -> float:
