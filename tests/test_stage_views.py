@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections import Counter
 from collections.abc import Iterator
 from contextlib import nullcontext
 from dataclasses import replace
@@ -77,7 +78,8 @@ class Word(NamedTuple):
 
 
 class OnStage(NamedTuple):
-    """A scene with its boards and its map, the corners of the body in its run, where the words about its size end, and all other words."""
+    """A scene with its boards and its map, the corners of the body in its run, where the words about its size end, all other words, and
+    the names of its parts."""
 
     lesson: Lesson
     scene: Scene
@@ -86,6 +88,7 @@ class OnStage(NamedTuple):
     body: np.ndarray
     words: np.ndarray
     named: tuple[Word, ...]
+    parts: tuple[str, ...]
 
 
 def looked_at(case: OnStage, canvas: str) -> Any:
@@ -152,7 +155,8 @@ def scenes_on_stage() -> tuple[OnStage, ...]:
                 named = [f for f in lesson.figures(outcome) if f.id in scene.figures] if lesson.pick is not None else []
                 maps = [f for f in named if isinstance(f, MapFigure)]
                 found.append(OnStage(lesson, scene, boards, next(iter(maps), None), body_corners(outcome.stage, MOMENTS),
-                                     _words(outcome.stage, bool(maps)), _named(outcome.stage, scene, k == 0)))
+                                     _words(outcome.stage, bool(maps)), _named(outcome.stage, scene, k == 0),
+                                     tuple(part.name for part in outcome.stage.body.parts)))
     return tuple(found)
 
 
@@ -283,6 +287,13 @@ def _boxes(case: OnStage, canvas: str) -> Iterator[tuple[str, np.ndarray]]:
             wide = letter * text_width(said, 1.0)
             left = x - wide * {"left": 0.0, "center": 0.5, "right": 1.0}[word.anchor.partition("-")[2]]
             yield said, np.array([left, high - LINE * letter, left + wide, high])
+
+
+def test_no_two_parts_on_a_stage_have_one_name() -> None:
+    """The second would take the place of the first, and a published page, which keeps its scene on a tape, cannot be made."""
+    def law(case: OnStage) -> None:
+        assert [part for part, count in Counter(case.parts).items() if count > 1] == []
+    holds_for_all([(case,) for case in scenes_on_stage()], law, lambda case: f"{case.lesson.id} {case.scene.id}")
 
 
 def test_what_is_written_on_a_stage_is_wholly_in_sight() -> None:

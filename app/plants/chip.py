@@ -27,23 +27,22 @@ from .bodies.body import (
     Pose,
     Rod,
     Vector,
-    bound_displacement,
 )
 from .bodies.body import force_arrow as arrow
 from .model import Model, Signal, Window
 
 LEAKAGE = 1.4  # W/K that makes the default chip run away
-STAGE_SCALE = 0.02  # stage units per kelvin on the two columns
+STAGE_SCALE = 0.0125  # stage units per kelvin on the two columns
 CHIP_X, BOARD_TOP = -0.62, 0.30  # middle of the chip, top of the board
 CORE, CASE = 0.95, 1.42  # where the two columns stand
 FOOT_LABEL = -0.4, 0.24  # y and z of their names
-SCALE_X = 1.84  # of the numbers of the scale
+SCALE_X, TICKS = 1.84, 5  # across: the numbers of the scale; its marks, 20 K from one to the next
 BAR_X, TICK = CORE - 0.31, 0.07  # where the bar of the core's error stands, half the width of its ends
 CORE_LABEL = CHIP_X, -0.42, BOARD_TOP + 0.18  # on the core: its temperature is not measured
 SENSOR_LABEL = CHIP_X - 0.14, -0.56, BOARD_TOP + 0.9  # of what is measured
 UNLIT = COLOURS["unlit"]
 LOWEST_LEVEL, ZERO_LEVEL = 0.46, 0.95  # lowest level of a column, its level at ambient temperature
-MAX_COLUMN_RISE, MAX_COLUMN_FALL = 1.15, 0.42  # highest and lowest drawn level from there
+MAX_COLUMN_RISE, MAX_COLUMN_FALL = 1.2, 0.42  # highest and lowest drawn level from there
 GLOW = tuple((kelvin, rgb(COLOURS[role])) for kelvin, role in (
     (-30.0, "cold"), (0.0, "steel"), (30.0, "warm-steel"), (70.0, "hot"), (120.0, "white-hot")))  # temperature above ambient in K, colour
 
@@ -88,7 +87,7 @@ def _parts() -> tuple[Part, ...]:
         Part(f"{name} level", Cylinder(0.17, 0.05), PLANT_COLOUR, twin=True),
     ))
     ticks = tuple(Part(f"tick {i}", Box((1.0 if i == 0 else 0.8, 0.02, 0.03 if i == 0 else 0.014)), DARK_GREY)
-                  for i in range(3))
+                  for i in range(TICKS))
     return (
         *feet,
         Part("board", Box((3.4, 1.7, 0.1)), DARK_GREY),
@@ -116,7 +115,7 @@ def _fixed() -> dict[str, Pose]:
     for i, (sx, sy) in enumerate(((-1, -1), (1, -1), (-1, 1), (1, 1))):
         poses[f"foot {i}"] = Pose((1.5 * sx, 0.65 * sy, 0.1))
         poses[f"post {i}"] = Pose((CHIP_X + 0.55 * sx, 0.48 * sy, BOARD_TOP + 0.1), scale=(1.0, 1.0, 0.56))
-    for i in range(3):
+    for i in range(TICKS):
         poses[f"tick {i}"] = Pose(((CORE + CASE) / 2, 0.265, ZERO_LEVEL + 20.0 * i * STAGE_SCALE))
     return poses
 
@@ -137,7 +136,7 @@ def body(parameters: Parameters = Parameters()) -> Body:
     fixed = _fixed()
 
     def level(kelvin: float, gain: float) -> float:
-        return ZERO_LEVEL + bound_displacement(kelvin * STAGE_SCALE * gain, MAX_COLUMN_RISE if kelvin > 0 else MAX_COLUMN_FALL)
+        return ZERO_LEVEL + min(max(kelvin * STAGE_SCALE * gain, -MAX_COLUMN_FALL), MAX_COLUMN_RISE)
 
     def pose(x: Sequence[float], gain: float) -> Mapping[str, Pose]:
         core, case = float(x[0]), float(x[1])
@@ -170,7 +169,8 @@ def body(parameters: Parameters = Parameters()) -> Body:
     return Body(_parts(), pose, arrows, anchors, 1.0, text("Left column: core; right column: case, the only one "
                                                            "measured; a tick every 20 K"),
                 ((text_in("chip", "core"), (CORE, *FOOT_LABEL)), (text_in("chip", "case"), (CASE, *FOOT_LABEL)),
-                 *((f"{20 * i} K" if i else "0", (SCALE_X, 0.26, ZERO_LEVEL + 20.0 * i * STAGE_SCALE + 0.07)) for i in range(3))), names=(
+                 *((f"{20 * i} K" if i else "0", (SCALE_X, 0.26, ZERO_LEVEL + 20.0 * i * STAGE_SCALE + 0.07)) for i in range(0, TICKS, 2))),
+                names=(
         PartName(text("core: no sensor"), "die", (-0.6, -0.75, 0.16)),
         PartName(text("sensor on the case"), "sensor", (-0.2, -0.4, 0.75)),
         PartName(GHOST_NAME, "core level", (-0.6, -0.5, -0.3), True),

@@ -24,6 +24,7 @@ ASSUMED = ((KEPT, text("controllable and observable")), (UNREACHED, text("the in
            (STATIC_FIT, text("T = 0, with K a multiple of C")))
 RE_LOW, RE_HIGH, IM_HIGH = -12.0, 1.0, 6.0  # of the observer's board
 SLIPS_GROUP = text("Find the slips")
+ROWS_AND_J, ROWS_ALONE = "both", "rows"  # what stands before and beside the gauges
 ERRORS_GROUP = text("The plant is not the model")
 SEARCH = text("Criterion and region")
 ASSUMED_GROUP = text("Assumptions")
@@ -90,6 +91,9 @@ KNOBS = (
            when=("example", (EXAMPLE_FOUR,)), hint=text("With both ends a and b, a rectangle for the poles. 0: real poles only.")),
     Choice("assumed", "", text("what is assumed of the plant"), default=KEPT, options=ASSUMED, group=ASSUMED_GROUP,
            hint=text("Example 1 with an unstable mode more, in the tab Assumptions: each choice takes one assumption away.")),
+    Choice("shown", "", text("on the stage"), default=ROWS_AND_J, group=ERRORS_GROUP, hidden=True,
+           options=((ROWS_AND_J, text("rows and J")), (ROWS_ALONE, text("rows"))),
+           hint=text("With the slabs of J or without them.")),
     Choice("remark", "", text("remark 3 should read"), default="printed", group=SLIPS_GROUP, when=("example", (EXAMPLE_TWO,)),
            options=tuple((name, same(words)) for name, words in REMARKS.items()),
            hint=text("Five matrices that are to meet the observer conditions again; Λ is any regular matrix.")),

@@ -38,7 +38,7 @@ from observer_lab.text import Text, joined, text
 from ..toolkit.boards import listed
 from ..toolkit.latex import pole_words
 from .formulas import formulas_of
-from .knobs import ERRORS_GROUP, EXAMPLE_FOUR, EXAMPLE_ONE, EXAMPLE_THREE, EXAMPLE_TWO, IM_HIGH, KNOBS, NORMS, RE_HIGH, RE_LOW
+from .knobs import ERRORS_GROUP, EXAMPLE_FOUR, EXAMPLE_ONE, EXAMPLE_THREE, EXAMPLE_TWO, IM_HIGH, KNOBS, NORMS, RE_HIGH, RE_LOW, ROWS_AND_J
 from .loop import CONDITION_RTOL, Drive, Errors, Loop, Run, Setting, amplitudes, loop_of, run_of, weighed
 from .loop import Story as PlainStory
 from .parts import Cause, error_parts
@@ -58,12 +58,12 @@ MIN_POLE_GAP = 1e-3  # two real poles of example 2 must be farther apart than th
 class Case:
     """One example with its body, and the knobs that hold its poles and the three model errors.
 
-    `full`: the error that a bar on the stage draws at full length. `body_input` has a row for the error of the input as well.
+    `full`: the error that a bar on the stage draws at full length. `bodies` are those without and with a row for the error of the input,
+    for each of these without and with the slabs of J.
     """
 
     example: Example
-    body: Body
-    body_input: Body
+    bodies: tuple[tuple[Body, Body], tuple[Body, Body]]
     poles: str
     deltas: tuple[str, str, str]
     full: float
@@ -79,8 +79,9 @@ def _case(example: Example, poles: str, deltas: tuple[str, str, str], q: int, fu
         return CauseRows(text("first error"), [called.get(name, ERROR_KNOBS[name].label) for name in names], text("sum: error of û"),
                          (f"≤ −{bar:g}", "0", f"≥ {bar:g}"), axis)
 
-    bodies = (rack_body(example.plant.n, q, full, rows(*names), most) for names in (deltas, (*deltas, "input")))
-    return Case(example, *bodies, poles, deltas, bar)
+    first, second = ((rack_body(example.plant.n, q, full, rows(*names)), rack_body(example.plant.n, q, full, rows(*names), most))
+                     for names in (deltas, (*deltas, "input")))
+    return Case(example, (first, second), poles, deltas, bar)
 
 
 EXAMPLE_CASES: MappingProxyType[str, Case] = MappingProxyType({
@@ -259,7 +260,8 @@ def _stage(design: Design, story: Story) -> Stage:
     index = np.tile(index_parts(design, story.observer), (len(run.t), 1))
     states = np.hstack([np.clip(np.hstack([run.x, run.z]), -DISPLAY_LIMIT, DISPLAY_LIMIT), shares, parts, index])
     true, ghost = (np.hstack([states, np.clip(u, -DISPLAY_LIMIT, DISPLAY_LIMIT)]) for u in (wanted, given))
-    return Stage(case.body_input if design["input"] else case.body, run.t, true, ghost, np.clip(given, -DISPLAY_LIMIT, DISPLAY_LIMIT))
+    body = case.bodies[bool(design["input"])][design["shown"] == ROWS_AND_J]
+    return Stage(body, run.t, true, ghost, np.clip(given, -DISPLAY_LIMIT, DISPLAY_LIMIT))
 
 
 def _live(design: Design, metrics: Mapping[str, float]) -> Text:

@@ -298,7 +298,7 @@ def bars_of(**values: object) -> tuple[dict[str, float], list[str], list[float]]
     assert stage is not None and stage.xhat is not None
     x, ghost = stage.x[5].tolist(), stage.body.pose(stage.xhat[5].tolist(), 1.0)
     poses = stage.body.pose(x, 1.0)
-    long, bare = ({floor: each[f"{floor} bar"].scale[2] / 4.2 for floor in ("upper", "lower")} for each in (poses, ghost))
+    long, bare = ({floor: each[f"{floor} bar"].scale[2] / 3.6 for floor in ("upper", "lower")} for each in (poses, ghost))
     return long, [words for words, _, _ in stage.body.marks(x, x, 1.0).words], list(bare.values())
 
 

@@ -16,7 +16,7 @@ from ...text import NO_WORDS, Text, format_number
 from ..charts.text_layout import text_width
 from ..words import phrases
 from .board_face import BoardColours
-from .scene_labels import ROW_HEIGHT_EM, SceneLabels
+from .scene_labels import SceneLabels
 from .viewpoint import BOARD_HEIGHT, BOARD_MARGIN, BOARD_WIDTH
 
 FIRST_MARK_HALF_HEIGHT, MARK_GROWTH = (
@@ -24,7 +24,7 @@ FIRST_MARK_HALF_HEIGHT, MARK_GROWTH = (
     0.018,
 )  # half the height of the first pin's marks, in stage units, and how much each next one's is larger
 THICK = 0.018
-BELOW = 0.02  # stage units from a board's foot to the numbers of its axis
+ABOVE = 0.05  # stage units: the words on the rings stand over the lower edge of the board
 RING, LARGEST_RING = 0.04, 0.13  # radii of the ring around one placed pole, and of that where most were placed
 CORNERS = ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0), (1.0, 0.0))
 CIRCLE = tuple((math.cos(k * math.pi / 16), math.sin(k * math.pi / 16)) for k in range(33))
@@ -50,14 +50,6 @@ class PinMarks:
         """What of it is on the board."""
         return [*self._lines_shown, *([] if self._said is None else [self._said])]
 
-    def fit(self) -> None:
-        """Stand below the numbers of the axis in letters of another size."""
-        if self._said is not None:
-            self._said.position = self._below_axis()
-
-    def _below_axis(self) -> tuple[float, float, float]:
-        return 0.0, -0.06, -BOARD_HEIGHT / 2 - BELOW - ROW_HEIGHT_EM * self._letters.em
-
     def show(self, board: Board, language: str) -> None:
         """The marks that a board has now, and what its rings are."""
         shown = board.pinned, board.placed, board.began, board.loop, board.poles if board.began or board.loop else ()
@@ -80,7 +72,7 @@ class PinMarks:
                                       self._node(f"{name} way", self._ways(board.poles, others, before), colour, WAY)]
         said = ring_words(board)(language)
         self._said = self._letters.write(
-            f"{self._root}/rings", said, self._below_axis(), "top-center",
+            f"{self._root}/rings", said, (0.0, -0.06, -BOARD_HEIGHT / 2 + ABOVE), "bottom-center",
             lambda em: min(1.0, (BOARD_WIDTH + 3 * BOARD_MARGIN) / max(text_width(said, em), em))) if said else None
 
     def _node(self, name: str, lines: np.ndarray, colour: Any, thick: float) -> Any:

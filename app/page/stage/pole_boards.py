@@ -239,7 +239,6 @@ class BoardView:
     def fit(self, em: float) -> None:
         """Make letters, and what the hand takes hold of, as large as camera and window ask for."""
         if self._letters.resize(em) and self._shown is not None:
-            self._pins.fit()
             self._move(self._board)  # names find their places anew
         self._grips.fit()
         self._locks.fit()

@@ -118,7 +118,7 @@ class StageView:
             if not part.unseen:
                 self._solid.add(part, palette(self._dark)["bench"] if part.colour == BENCH else part.colour, part.opacity)
             if part.twin and stage.xhat is not None:
-                self._ghost.add(part, ghostly, 0.55 if self._dark else 0.36, edged=True)
+                self._ghost.add(part, ghostly, 0.55 if self._dark else 0.36, edged=part.edged)
         self._hand = PullingHand(self._scene, body.gain)
         if self._pulled is not None:
             self._hand.listen([grip for grip, _ in stage.held], self._solid.nodes, self._pulled)

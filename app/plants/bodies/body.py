@@ -67,7 +67,7 @@ class Part:
     """One solid part. `twin` parts are drawn a second time, translucent, where the estimate says they are.
 
     `opacity` below 1 lets what is behind or inside shine through: a region rather than a thing. What is `unseen` is drawn only where
-    the estimate says that it is.
+    the estimate says that it is. Its ghost has lines along its edges if it is `edged`.
     """
 
     name: str
@@ -76,6 +76,7 @@ class Part:
     twin: bool = False
     opacity: float | None = None
     unseen: bool = False
+    edged: bool = True
 
 
 @dataclass(frozen=True)

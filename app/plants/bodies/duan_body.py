@@ -59,20 +59,20 @@ def columns(n: int, q: int) -> tuple[float, ...]:
     )
 
 
-def rack_body(n: int, q: int, full: Sequence[float], rows: CauseRows, most: float) -> Body:
+def rack_body(n: int, q: int, full: Sequence[float], rows: CauseRows, most: float | None = None) -> Body:
     """The rack for n plant states and q observer states; `full`: the values (x, z, u) drawn about 0.5 high; `rows` before it.
 
-    `most`: the J that fills its tower.
+    `most`: the J that fills its tower, None without one.
     """
     places, last, up = columns(n, q), n + q, rows.top - BASE_TOP
-    tower = CriterionTower(TOWER, rows.top, most)
+    tower = None if most is None else CriterionTower(TOWER, rows.top, most)
     names = (*(f"x{i + 1}" for i in range(n)), *(f"z{i + 1}" for i in range(q)), "u")
     zero, panel = ZERO_LEVEL + up, up + (PANEL_LOW + PANEL_HIGH) / 2
-    parts = [Part("base", Box((RIGHT - LEFT, BASE_DEEP, rows.top)), BENCH), *rows.parts(), *tower.parts(),
+    parts = [Part("base", Box((RIGHT - LEFT, BASE_DEEP, rows.top)), BENCH), *rows.parts(), *(() if tower is None else tower.parts()),
              Part("zero plant", Box((gap(n) * (n - 1) + 0.5, 0.02, 0.02)), DARK_GREY),
              Part("zero observer", Box((gap(q) * (q - 1) + 0.5, 0.02, 0.02)), DARK_GREY),
              Part("zero u", Box((0.95, 0.02, 0.03)), DARK_GREY)]
-    fixed = {"base": Pose((0.0, 0.0, rows.top / 2)), **rows.fixed(), **tower.fixed(),
+    fixed = {"base": Pose((0.0, 0.0, rows.top / 2)), **rows.fixed(), **({} if tower is None else tower.fixed()),
              "zero plant": Pose(((places[0] + places[n - 1]) / 2, 0.2, zero)),
              "zero observer": Pose(((places[n] + places[last - 1]) / 2, 0.2, zero)),
              "zero u": Pose((GAUGE, 0.2, zero))}
@@ -106,7 +106,7 @@ def rack_body(n: int, q: int, full: Sequence[float], rows: CauseRows, most: floa
         index = len(x) - 1 - len(SLABS)
         levels = {f"{name} level": Pose((place, 0.0, level(k, shown[k], gain)))
                   for k, (name, place) in enumerate(zip(names, places, strict=True))}
-        return {**fixed, **rows.moving(x[last:index]), **tower.moving(x[index:-1]), **levels}
+        return {**fixed, **rows.moving(x[last:index]), **({} if tower is None else tower.moving(x[index:-1])), **levels}
 
     def arrows(x: Sequence[float], u: Sequence[float], gain: float) -> tuple[Arrow, ...]:
         return ()
@@ -115,13 +115,14 @@ def rack_body(n: int, q: int, full: Sequence[float], rows: CauseRows, most: floa
         return tuple((GAUGE + side, 0.0, level(last, x[-1], gain)) for side in (-0.38, 0.38))
 
     def marks(x: Sequence[float], xhat: Sequence[float], gain: float) -> ErrorMarks:
+        assert tower is not None
         return tower.words(x[-1 - len(SLABS):-1])
 
     return Body(tuple(parts), pose, arrows, anchors, 1.0, text(
         "Blue columns: the plant's states; orange columns: the observer's. The gauge shows the input wanted, its ghost the input given. "
         "Rows in front: a bead is an error of the model, its bar what it adds to the error of the input. The last bar is the sum. "
         "The slabs on the right are the parts of J"),
-        labels, marks=marks, names=(
+        labels, marks=None if tower is None else marks, names=(
         PartName(text("input wanted"), "u level", (-0.75, -0.4, -0.4)),
         PartName(GHOST_NAME, "u level", (0.75, -0.4, 0.6), True),
         PartName(text("error of the model"), "bead 2", (0.2, -0.3, -0.2)),

@@ -129,12 +129,12 @@ def _parts() -> tuple[Part, ...]:
         *(Part(f"tick {each}", Box((0.2, 0.04, 0.025)), DARK_GREY) for each in TICKS_KM),
         Part("true altitude", Rod(0.024), PLANT_COLOUR),
         *(Part(f"arc {i}", Rod(0.02), COLOURS["muted"]) for i in range(ARC_PIECES)),
-        Part("tangent", Rod(0.028), estimate, twin=True, unseen=True),
-        Part("band", Box((2 * BAND, 0.04, 1.0)), estimate, twin=True, unseen=True),
-        *(Part(f"band {end}", Box((2 * BAND, 0.08, 0.035)), estimate, twin=True, unseen=True) for end in ("top", "foot")),
-        Part("capsule", Cylinder(CAPSULE, 2 * CAPSULE), PLANT_COLOUR, twin=True),
-        Part("nose", Ball(CAPSULE), PLANT_COLOUR, twin=True),
-        Part("shield", Cylinder(1.5 * CAPSULE, 0.4 * CAPSULE), STEEL, twin=True),
+        Part("tangent", Rod(0.028), estimate, twin=True, unseen=True, edged=False),
+        Part("band", Box((2 * BAND, 0.04, 1.0)), estimate, twin=True, unseen=True, edged=False),
+        *(Part(f"band {end}", Box((2 * BAND, 0.08, 0.035)), estimate, twin=True, unseen=True, edged=False) for end in ("top", "foot")),
+        Part("capsule", Cylinder(CAPSULE, 2 * CAPSULE), PLANT_COLOUR, twin=True, edged=False),
+        Part("nose", Ball(CAPSULE), PLANT_COLOUR, twin=True, edged=False),
+        Part("shield", Cylinder(1.5 * CAPSULE, 0.4 * CAPSULE), STEEL, twin=True, edged=False),
     )
 
 
@@ -189,7 +189,7 @@ def body(parameters: Parameters = PARAMETERS) -> Body:
         "band of ±3σ. Errors are drawn 100 times larger, large ones less. Blue line: the true altitude. Grey: equal distances from "
         "the radar. Orange: the tangent that the filter uses"),
         (*((f"{each} km", (RULER_AT - 0.24, 0.0, _level(1000.0 * each) + 0.06)) for each in TICKS_KM),
-         (text("estimate ± 3σ, error × 100"), (LANE, 0.0, TOP + 0.1))), names=(
+         (text("estimate ± 3σ, error × 100"), (LANE, 0.0, TOP + 0.19))), names=(
         PartName(text("radar"), "dish", (-0.5, 0.0, 0.35)),
         PartName(text("falling body"), "capsule", (-0.35, 0.0, 0.75)),
         PartName(text("equal distances"), f"arc {ARC_PIECES - 2}", (-0.6, 0.0, 0.4)),

@@ -56,7 +56,7 @@ def with_bars(body: Body, states: int, bars: Sequence[Bar], marks: Sequence[tupl
     """
     count, end = len(bars), BEGIN + LONG + 0.12
     rows = [(FIRST_Y - PITCH * k, FLOOR + STEP * (count - 1 - k)) for k in range(count)]  # y of each bar, and how high its step is
-    fixed = {f"step {k}": Pose(((LEFT + end) / 2, y, high / 2)) for k, (y, high) in enumerate(rows)}
+    fixed = {f"bar step {k}": Pose(((LEFT + end) / 2, y, high / 2)) for k, (y, high) in enumerate(rows)}
     front = rows[-1][0] - PITCH / 2
     fixed |= {f"bar mark {k}": Pose((BEGIN + LONG * share, front, FLOOR / 2)) for k, (_, share) in enumerate(marks)}
 
@@ -87,7 +87,7 @@ def with_bars(body: Body, states: int, bars: Sequence[Bar], marks: Sequence[tupl
                                *((size_words(float(share), *decades), at, "center-left")
                                  for share, at in zip(x[states:], places, strict=False))))
 
-    parts = (*body.parts, *plinth, *(Part(f"step {k}", Box((end - LEFT, PITCH, high)), BENCH) for k, (_, high) in enumerate(rows)),
+    parts = (*body.parts, *plinth, *(Part(f"bar step {k}", Box((end - LEFT, PITCH, high)), BENCH) for k, (_, high) in enumerate(rows)),
              *(Part(f"bar mark {k}", Box((0.025, 0.03, FLOOR)), DARK_GREY) for k in range(len(marks))),
              *(Part(f"bar {k}", Rod(THICK), bar.colour) for k, bar in enumerate(bars)),
              *((Part("gate", Box((0.04, FIRST_Y - front - 0.02, GATE)), DARK_GREY),) if gate else ()))

@@ -11,11 +11,11 @@ from .body import DARK_GREY, PLANT_COLOUR, STEEL, Arrow, Body, Box, ErrorMarks, 
 
 STOREY = 2.62  # stage units from one deck's floor to the other's
 PILLAR_X, PILLAR_Y, SLAB_TOP = 2.5, 0.8, 0.14
-BAR_FROM, BAR_LONG, BAR_AT = -2.45, 4.2, (-1.1, 0.2)  # where bars begin, how long one of 1 is, y and z before a slab
+BAR_FROM, BAR_LONG, BAR_AT = -2.45, 3.6, (-1.1, 0.2)  # where bars begin, how long one of 1 is, y and z before a slab
 RAIL_SIZE, RAIL_AT, BAR = (5.2, 0.05, 0.4), (0.0, -1.0, 0.2), 0.1  # the light rail behind a bar; the radius of a bar
 MOST_SHARE, LEAST_SHARE = 1.05, 0.01  # of the full length that a bar shows
 NAME_AT, TITLE_AT = (-1.9, -1.06, -0.04), (0.95, -1.06, -0.4)  # below the rail of each deck; the title below that of the upper one
-SIZE_AT = 1.98  # across: where the number of a bar begins
+SIZE_AT = 1.45  # across: where the number of a bar begins
 FLOORS = ("upper", "lower")
 
 
