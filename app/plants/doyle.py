@@ -59,7 +59,7 @@ def body() -> Body:
     return replace(
         shape, pose=pose,
         anchors=lambda x, gain: anchors((x[0], x[1], PER_SUM * (x[0] + x[1])), gain), gain=4.0,
-        labels=(*gauge_labels(places, ("x₁", "x₂"), "x₁ + x₂"), *lamps),
+        marks=None, labels=(*gauge_labels(places, ("x₁", "x₂"), "x₁ + x₂"), *lamps),
         caption=text("Small gauges: the states x₁ and x₂; x₁ is measured and lit; large gauge: x₁ + x₂ and its ghost"))
 
 

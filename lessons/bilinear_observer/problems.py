@@ -15,8 +15,8 @@ from observer_lab.engine.observers import BilinearObserver
 from observer_lab.plants import bilinear as example
 from observer_lab.plants.bodies.body import PLANT_COLOUR, Body
 from observer_lab.plants.bodies.front_bars import Bar, decade_marks, with_bars
-from observer_lab.plants.bodies.gauge_body import gauge_body
-from observer_lab.plants.bodies.term_pipes import with_pipes
+from observer_lab.plants.bodies.gauge_body import free_space, gauge_body
+from observer_lab.plants.bodies.term_pipes import with_lag_pipe, with_pipes
 from observer_lab.text import Text, text
 
 PAPER_PROBLEM, THREE_SENSORS, FITTING_SENSORS, NO_SOLUTION = "paper", "three", "three-fitting", "stuck"
@@ -24,9 +24,11 @@ PAPER_PROBLEM, THREE_SENSORS, FITTING_SENSORS, NO_SOLUTION = "paper", "three", "
 LOW, HIGH = -12, 4  # decades of the bars on the stage
 PLINTH_HIGH, BEHIND = 0.26, 0.5  # stage units that the gauges stand up and back, so that no bar hides a foot
 BARS = (Bar(text("wanted |g|"), PLANT_COLOUR), Bar(text("error |ĝ − g|"), COLOURS["error"]))
-ROOM = -2.1, -0.3  # of the small gauges: the pipes run from there to the large one
+ROOM, LARGE_AT = (-2.1, -0.3), 1.5  # of the small gauges, and where the large one stands: pipes run in the free space between them
 TERMS = ("F T₂", "A T₃", "F T₃")  # unknown terms of the error
-LAG_FULL = 10.0  # missed by the differentiator where its pipe is as thick as that of the largest term
+LAG_FULL = 10.0  # missed by the differentiator where its pipe has the cross-section of share one
+LAG_BARS, LAG_ERROR = BARS[1:], 0.2  # the bar before the pipe of a lag, and the error at its end
+LAG_MARKS = (("0", 0.0), ("0.1", 0.5), ("0.2", 1.0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,7 +53,7 @@ class Problem:
 def _problem(name: str, label: Text, measured: tuple[int, ...], K: np.ndarray) -> Problem:
     plant = example.with_sensors(measured)
     solved = bilinear_functional_observer(plant.A, plant.B, plant.F, plant.C, K, example.POLE)
-    return Problem(name, label, measured, plant, K, _behind_bars(gauge_body(plant.n, measured, ROOM), plant.n + 1), solved)
+    return Problem(name, label, measured, plant, K, _behind_bars(gauge_body(plant.n, measured, ROOM, LARGE_AT), plant.n + 1), solved)
 
 
 def _behind_bars(body: Body, states: int) -> Body:
@@ -65,14 +67,25 @@ def unknown_terms(o: BilinearObserver, L: np.ndarray) -> np.ndarray:
     return np.array([[np.linalg.norm(row @ block) for block in blocks] for row in (o.V[1], o.V[1] - L @ o.V[0])])
 
 
-@lru_cache(maxsize=8)
-def piped_body(problem: str, lag: bool) -> Body:
-    """The gauges with a pipe for each unknown term, and with the lag of a differentiator one for what it misses."""
+@lru_cache(maxsize=4)
+def piped_body(problem: str) -> Body:
+    """The gauges with a pipe for each unknown term."""
     p = PROBLEMS[problem]
     alone = unknown_terms(p.solved, np.zeros((1, p.plant.m)))[0]
-    n, missed = p.plant.n + 1, text("lag of ẏ") if lag else None
-    body = with_pipes(gauge_body(p.plant.n, p.measured, ROOM), n, tuple(zip(TERMS, alone / alone.max(), strict=True)), missed, LAG_FULL)
-    return _behind_bars(body, n + len(TERMS) + lag)
+    n = p.plant.n + 1
+    body = with_pipes(gauge_body(p.plant.n, p.measured, ROOM, LARGE_AT), n, tuple(zip(TERMS, alone / alone.max(), strict=True)),
+                      free_space(p.plant.n, p.measured, ROOM, LARGE_AT))
+    return _behind_bars(body, n + len(TERMS))
+
+
+@lru_cache(maxsize=4)
+def lag_body(problem: str) -> Body:
+    """The gauges with the pipe of what a differentiator misses, behind a bar of the error on an even scale."""
+    p = PROBLEMS[problem]
+    n = p.plant.n + 1
+    body = with_lag_pipe(gauge_body(p.plant.n, p.measured, ROOM, LARGE_AT), n, (text("lag of ẏ"), text("L · lag")), LAG_FULL,
+                         free_space(p.plant.n, p.measured, ROOM, LARGE_AT))
+    return with_bars(body, n + 2, LAG_BARS, LAG_MARKS, BEHIND, PLINTH_HIGH, full=LAG_ERROR)
 
 
 def _fitting() -> np.ndarray:

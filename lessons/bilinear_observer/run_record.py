@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -21,6 +21,7 @@ class Record:
 
     heard (n_t, 3, r) is the part of the errors that the sensors' noise made. law (n_t, r): ε of the chosen form as its own
     equation has it from the start, or from the kick. fed (n_t, 2): the first row of L ẏ, true and as the differentiator gives it.
+    missed (n_t,): the length of ẏ less what the differentiator gives for it.
     """
 
     t: np.ndarray
@@ -32,6 +33,7 @@ class Record:
     heard: np.ndarray
     law: np.ndarray
     fed: np.ndarray
+    missed: np.ndarray = field(default_factory=lambda: np.zeros(0))
 
 
 @dataclass(frozen=True)
@@ -134,7 +136,8 @@ def run_of(s: Setting, design: Design) -> Record:
     errors, still = (whole("error", of)[:count].reshape(count, 3, r) for of in (pieces, calm))
     u, x, g, estimates = (whole(name, pieces)[:count] for name in ("u", "x", "g", "estimate"))
     return Record(s.dt * np.arange(count), u, x * s.scale, g[:, :r], estimates.reshape(count, 3, r), errors, errors - still,
-                  s.law(calm)[:count], fed_of(s.plant, s.exact.R[0], pieces, 3 * q, tau)[:count])
+                  s.law(calm)[:count], fed_of(s.plant, s.exact.R[0], pieces, 3 * q, tau)[:count],
+                  missed_of(s.plant, pieces, s.dt, tau)[:count])
 
 
 def kicked_at(kick: float, dt: float, last: int) -> int | None:
@@ -154,8 +157,39 @@ def end_to_end(parts: list[np.ndarray]) -> np.ndarray:
 
 def fed_of(plant: BilinearPlant, L: np.ndarray, pieces: list[BilinearRun], d: int, tau: float) -> np.ndarray:
     """L ẏ (n_t, 2) for one row L (m,), true and as the differentiator gives it, whose state is number d."""
-    x, u, y, z = (whole(name, pieces) for name in ("x", "u", "y", "z"))
+    y, z = (whole(name, pieces) for name in ("y", "z"))
+    return np.column_stack([_rate(plant, pieces) @ L, (y @ L - z[:, d]) / tau])
+
+
+def missed_of(plant: BilinearPlant, pieces: list[BilinearRun], dt: float, tau: float) -> np.ndarray:
+    """The length (n_t,) of m = ẏ − (y − y_f)/τ with τ ẏ_f = y − y_f from y_f(0) = y(0): τ ṁ = τ ÿ − m, and a jump of y takes 1/τ of it.
+
+    Between samples ẏ is taken as even in time; noise is held from one to the next, and a kick jumps at its sample.
+    """
+    rate, y = _rate(plant, pieces), whole("y", pieces)
+    jumps = np.diff(y - whole("x", pieces) @ plant.C.T, axis=0, prepend=0.0)  # of noise
+    jumps[0] = 0.0
+    kept, m = np.exp(-dt / tau), np.empty_like(rate)
+    m[0] = rate[0]
+    last = 0
+    ends = []  # ẏ and y of a piece at the sample where the next one begins
+    for piece in pieces[:-1]:
+        last += len(piece.t) - 1
+        ends.append((last, _rate(plant, [piece])[-1], piece.x[-1] @ plant.C.T))
+    before = {k: (r, c) for k, r, c in ends}
+    for k in range(1, len(m)):
+        slope, leap, jump = rate[k], 0.0, jumps[k]
+        if k in before:
+            slope, was = before[k]
+            leap, jump = rate[k] - slope, jump + whole("x", pieces)[k] @ plant.C.T - was
+        m[k] = kept * m[k - 1] + (1 - kept) * tau / dt * (slope - rate[k - 1]) + leap - jump / tau
+    return np.linalg.norm(m, axis=1)
+
+
+def _rate(plant: BilinearPlant, pieces: list[BilinearRun]) -> np.ndarray:
+    """The true ẏ (n_t, m)."""
+    x, u = (whole(name, pieces) for name in ("x", "u"))
     rate = x @ plant.A.T + columns(u) @ plant.B.T
     for each, F in zip(columns(u).T, plant.parts, strict=True):
         rate += each[:, None] * (x @ F.T)
-    return np.column_stack([rate @ plant.C.T @ L, (y @ L - z[:, d]) / tau])
+    return rate @ plant.C.T

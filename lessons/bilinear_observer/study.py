@@ -28,12 +28,13 @@ from .problems import (
     AS_PRINTED,
     COMPUTED_GAIN,
     HIGH,
-    LAG_FULL,
+    LAG_ERROR,
     LOW,
     PAPER_PROBLEM,
     PROBLEMS,
     ROUNDED_GAIN,
     Problem,
+    lag_body,
     nearest_gain,
     piped_body,
     unknown_terms,
@@ -206,15 +207,16 @@ def _boards(design: Design, o: BilinearObserver, pole: float) -> tuple[Board, Bo
 
 
 def _stage(problem: Problem, design: Design, L: np.ndarray, run: Record) -> Stage:
-    """Gauges behind bars; with pipes for the unknown terms from the step on that gives L."""
+    """Gauges behind bars; with pipes for the unknown terms from the step on that gives L, or with that of a differentiator's lag."""
     index = form_index(design)
     bars = share_of_decades(np.column_stack([run.g, run.errors[:, index]]), LOW, HIGH)
     body, pipes = problem.body, np.zeros((len(run.t), 0))
-    if design["step"] >= GAIN_STEP:
+    if design["form"] == FILTERED_DERIVATIVE:
+        bars, body = np.abs(run.errors[:, index]) / LAG_ERROR, lag_body(problem.id)
+        pipes = np.column_stack([run.missed, np.abs(run.fed[:, 0] - run.fed[:, 1])])
+    elif design["step"] >= GAIN_STEP:
         alone, left = unknown_terms(problem.solved, L)
-        missed = [np.abs(run.fed[:, 0] - run.fed[:, 1]) / LAG_FULL] if design["form"] == FILTERED_DERIVATIVE else []
-        body = piped_body(problem.id, bool(missed))
-        pipes = np.column_stack([np.tile(left / alone.max(), (len(run.t), 1)), *missed])
+        body, pipes = piped_body(problem.id), np.tile(left / alone.max(), (len(run.t), 1))
     true, ghost = (np.column_stack([run.x, g, pipes, bars]) for g in (run.g, run.estimates[:, index]))
     return Stage(body, run.t, true, ghost, run.u[:, None])
 

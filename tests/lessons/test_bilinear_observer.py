@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from mpmath import mp, mpf
 from scipy.integrate import solve_ivp
+from scipy.interpolate import CubicSpline
 from scipy.linalg import expm
 
 from observer_lab.colours import COLOURS
@@ -258,32 +259,95 @@ def test_a_pipe_is_as_thick_as_its_unknown_term_and_empty_behind_the_plate_where
     assert (max(left for _, left in sizes) < 1e-6) == gone == all(poses[f"left {k}"].scale[0] < 0.01 for k in range(3))
 
 
-def test_the_pipe_of_the_differentiator_is_as_thick_as_what_it_misses():
-    """L ẏ less L (y − y_f)/τ with y_f = y/(τs + 1), by steps of the filter of our own; no such pipe in the other forms."""
-    tau = 0.02
-    o = outcome(step=6, form="filtered", tau=tau)
-    run, L, C = o.study.run, o.study.setting.L, o.study.setting.plant.C
+def missed_by_hand(run, plant, tau: float) -> np.ndarray:
+    """ẏ (m,) less (y − y_f)/τ with y_f = y/(τs + 1), by fine steps of a filter of our own, from ẏ = C (A x + B u + u F x)."""
+    y = run.x @ plant.C.T
     fine = np.arange(0, 2 + 1e-9, 0.0005)
-    y = np.interp(fine, run.t, (run.x @ C.T @ L.T)[:, 0])
-    slow = y[:1].repeat(len(fine))
+    smooth = np.array([CubicSpline(run.t, each)(fine) for each in y.T]).T
+    slow = smooth.copy()
     for k in range(1, len(fine)):
-        slow[k] = slow[k - 1] + 0.0005 * (0.5 * (y[k] + y[k - 1]) - slow[k - 1]) / (tau + 0.00025)
-    true = np.gradient((run.x @ C.T @ L.T)[:, 0], run.t)
-    for k in (200, 280, 360):
-        missed = abs(true[k] - (y[10 * k] - slow[10 * k]) / tau)
-        pose = o.stage.body.pose(o.stage.x[k].tolist(), 1.0)["left 3"]
-        assert pose.scale[0] ** 2 == pytest.approx(missed / 10, rel=0.05)
-    assert "left 3" not in outcome(step=6, form="plain").stage.body.pose(outcome(step=6).stage.x[0].tolist(), 1.0)
+        slow[k] = slow[k - 1] + 0.0005 * (0.5 * (smooth[k] + smooth[k - 1]) - slow[k - 1]) / (tau + 0.00025)
+    u = run.u[:, None]
+    rate = (run.x @ plant.A.T + u * plant.B.T + u * (run.x @ plant.parts[0].T)) @ plant.C.T
+    return rate - ((smooth - slow) / tau)[::10]
 
 
-def test_dark_gauges_stand_beside_the_large_one_and_pipes_begin_behind_them():
+@pytest.mark.parametrize(("pole", "tau"), [(-30.0, 0.02), (-60.0, 0.02), (-30.0, 0.004)])
+def test_the_pipe_of_the_differentiator_is_as_thick_as_what_it_misses_and_past_the_plate_as_l_times_that(pole, tau):
+    """Cross-sections are ‖m‖ and |L m| beside 10; both sizes are written; no pipe of terms beside it."""
+    o = outcome(step=6, form="filtered", tau=tau, pole=[pole])
+    missed, L = missed_by_hand(o.study.run, BILINEAR_PLANT, tau), o.gains["L"]
+    for k in (200, 212, 280, 360):
+        poses = o.stage.body.pose(o.stage.x[k].tolist(), 1.0)
+        sizes = np.linalg.norm(missed[k]), abs((L @ missed[k]).item())
+        for name, size, word in zip(("missed", "missed times L"), sizes, said(o.stage, k)[1:3], strict=True):
+            assert poses[name].scale[0] ** 2 == pytest.approx(size / 10, rel=0.05), (k, name)
+            assert float(word) == pytest.approx(size, rel=0.08)
+        assert poses["missed"].position[0] + poses["missed"].scale[2] == pytest.approx(poses["gain plate"].position[0])
+        assert poses["missed times L"].position[0] == pytest.approx(poses["gain plate"].position[0])
+        assert "term 0" not in poses
+    assert "missed" not in outcome(step=6, form="plain").stage.body.pose(outcome(step=6).stage.x[0].tolist(), 1.0)
+
+
+def said(stage, k: int) -> list[str]:
+    """The words of the stage at a sample, those out of sight left out: sizes of bars first, of pipes, and arrows of gauges."""
+    words = stage.body.marks(stage.x[k].tolist(), stage.xhat[k].tolist(), 1.0).words
+    return [word for word, at, _ in words if at[2] > -5]
+
+
+@pytest.mark.parametrize("kick", [0.5])
+def test_what_the_differentiator_misses_jumps_with_a_kick_and_with_noise_as_l_times_it_does(kick):
+    """A sensor that the kick reaches, and noise: the length is at least |L m|/‖L‖, which the run's own filter gives."""
+    for changes in ({"problem": NO_SOLUTION, "kick": kick}, {"noise": 0.01}):
+        run, s = (o := outcome(form="filtered", **changes)).study.run, o.study.setting
+        along = np.abs(run.fed[:, 0] - run.fed[:, 1]) / np.linalg.norm(s.L)
+        late = slice(20, None)
+        assert np.all(run.missed[late] >= 0.97 * along[late] - 0.02), changes
+        assert np.max(run.missed[late]) > 3 * np.median(run.missed[late])
+
+
+def test_the_bar_of_the_error_is_even_where_a_differentiator_is_used():
+    """3.2 stage units for 0.2, its size beside it, an arrow where it would be longer."""
+    for pole in (-30.0, -60.0):
+        stage = (o := outcome(form="filtered", pole=[pole])).stage
+        for k in (10, 212, 360):
+            error = abs(o.study.run.estimates[k, 2, 0] - o.study.run.x[k] @ WANTED[0])
+            assert stage.body.pose(stage.x[k].tolist(), 1.0)["bar 0"].scale[2] == pytest.approx(min(16 * error, 3.2), abs=0.013)
+            assert float(said(stage, k)[0].removeprefix("→ ")) == pytest.approx(error, rel=0.06)
+            assert said(stage, k)[0].startswith("→") == (error > 0.2)
+    plain = outcome(form="exact").stage.body
+    assert [name for name, _ in plain.labels if name in ("0.1", "0.2")] == []
+
+
+def test_a_gauge_whose_value_is_far_past_its_end_has_an_arrow():
+    """A column goes 1 up or 0.78 down, 0.28 for one of a state and 0.026 for one of g; an arrow from twice an end on."""
+    o = outcome(input="step", amplitude=3.0)
+    seen = set()
+    for k in range(0, 401, 20):
+        values = [*(0.28 * o.study.run.x[k]), 0.026 * o.study.run.g[k, 0]]
+        wanted = ["↑" for v in values if v > 2.0] + ["↓" for v in values if v < -1.56]
+        assert sorted(w for w in said(o.stage, k) if w in "↑↓") == sorted(wanted), k
+        seen |= set(wanted)
+    assert seen == {"↑", "↓"}
+    assert not [w for w in said(outcome().stage, 6) if w in "↑↓"]
+
+
+def test_dark_gauges_stand_beside_the_large_one_and_pipes_run_in_the_free_space_between_their_plates():
     for problem in PROBLEMS.values():
-        stage = outcome(problem=problem.id, step=6).stage
-        poses = stage.body.pose(stage.x[0].tolist(), 1.0)
-        places = {i: poses[f"column {i}"].position[0] for i in range(6)}
-        dark = [places[i] for i in range(6) if i not in problem.measured]
-        assert max(places[i] for i in problem.measured) < min(dark) and max(dark) < poses["gain plate"].position[0]
-        assert all(min(dark) - 0.4 < poses[f"term {k}"].position[0] < max(dark) for k in range(3))
+        for form in ("plain", "filtered"):
+            stage = outcome(problem=problem.id, step=6, form=form).stage
+            poses = stage.body.pose(stage.x[200].tolist(), 1.0)
+            size = {part.name: part.shape.size[0] for part in stage.body.parts if part.name.startswith(("back", "large back"))}
+            places = {i: poses[f"column {i}"].position[0] for i in range(6)}
+            dark = {places[i]: i for i in range(6) if i not in problem.measured}
+            assert max(places[i] for i in problem.measured) < min(dark) and max(dark) < poses["gain plate"].position[0]
+            begin = max(dark) + size[f"back {dark[max(dark)]}"] / 2
+            end = poses["large back"].position[0] - size["large back"] / 2
+            firsts, lasts = ([f"term {k}" for k in range(3)], [f"left {k}" for k in range(3)]) if form == "plain" else (
+                ["missed"], ["missed times L"])
+            assert [poses[name].position[0] for name in firsts] == pytest.approx([begin] * len(firsts))
+            assert [poses[n].position[0] + poses[n].scale[2] for n in lasts] == pytest.approx([end] * len(lasts))
+            assert end - begin > 1.4
 
 
 def test_every_step_has_its_formulas_and_rows():

@@ -48,11 +48,12 @@ def size_words(share: float, low: int, high: int) -> str:
 
 
 def with_bars(body: Body, states: int, bars: Sequence[Bar], marks: Sequence[tuple[Text | str, float]],
-              by: float = BEHIND, up: float = 0.0, gate: bool = False, decades: tuple[int, int] | None = None) -> Body:
+              by: float = BEHIND, up: float = 0.0, gate: bool = False, decades: tuple[int, int] | None = None,
+              full: float | None = None) -> Body:
     """The body, moved back `by` and `up` onto a plinth, behind a flight of steps, a bar on each.
 
     After its states comes the share of each bar, 0 to 1; `marks` stand below, each at a share. With a `gate` the end of the first
-    bar is marked across the others. Where the shares are of `decades`, each bar has its size at its end.
+    bar is marked across the others. Where the shares are of `decades`, or of a `full` size, each bar has its size at its end.
     """
     count, end = len(bars), BEGIN + LONG + 0.12
     rows = [(FIRST_Y - PITCH * k, FLOOR + STEP * (count - 1 - k)) for k in range(count)]  # y of each bar, and how high its step is
@@ -78,14 +79,18 @@ def with_bars(body: Body, states: int, bars: Sequence[Bar], marks: Sequence[tupl
     def anchors(x: Sequence[float], gain: float) -> tuple[Vector, ...]:
         return tuple(moved_back(place, by, up) for place in body.anchors(x[:states], gain))
 
+    def said(share: float) -> str:
+        if full is None:
+            assert decades is not None
+            return size_words(share, *decades)
+        return ("→ " if share > 1.0 else "") + format_number(share * full, ".2g")
+
     def sizes(x: Sequence[float], xhat: Sequence[float], gain: float) -> ErrorMarks:
-        assert decades is not None
         own = () if body.marks is None else body.marks(x[:states], xhat[:states], gain).words
-        places = tuple((BEGIN + LONG * float(share) + SIZE_AT, y - THICK, high + 1.3 * THICK)
+        places = tuple((BEGIN + LONG * min(float(share), 1.0) + SIZE_AT, y - THICK, high + 1.3 * THICK)
                        for (y, high), share in zip(rows, x[states:states + count], strict=True))
-        return ErrorMarks((), (*((words, moved_back(at, by, up), side) for words, at, side in own),
-                               *((size_words(float(share), *decades), at, "center-left")
-                                 for share, at in zip(x[states:], places, strict=False))))
+        return ErrorMarks((), (*((said(float(share)), at, "center-left") for share, at in zip(x[states:], places, strict=False)),
+                               *((words, moved_back(at, by, up), side) for words, at, side in own)))
 
     parts = (*body.parts, *plinth, *(Part(f"bar step {k}", Box((end - LEFT, PITCH, high)), BENCH) for k, (_, high) in enumerate(rows)),
              *(Part(f"bar mark {k}", Box((0.025, 0.03, FLOOR)), DARK_GREY) for k in range(len(marks))),
@@ -95,6 +100,6 @@ def with_bars(body: Body, states: int, bars: Sequence[Bar], marks: Sequence[tupl
               *((bar.name, (NAME_AT, y - THICK, high + 1.3 * THICK)) for bar, (y, high) in zip(bars, rows, strict=True)),
               *((name, (BEGIN + LONG * share, front - 0.08, 0.0)) for name, share in marks))
     return replace(
-        body, parts=parts, pose=pose, anchors=anchors, labels=labels, marks=body.marks if decades is None else sizes,
+        body, parts=parts, pose=pose, anchors=anchors, labels=labels, marks=body.marks if decades is None and full is None else sizes,
         arrows=lambda x, u, gain: tuple(replace(arrow, tail=moved_back(arrow.tail, by, up), head=moved_back(arrow.head, by, up))
                                         for arrow in body.arrows(x[:states], u, gain)))
