@@ -166,23 +166,18 @@ def missed_of(plant: BilinearPlant, pieces: list[BilinearRun], dt: float, tau: f
 
     Between samples ẏ is taken as even in time; noise is held from one to the next, and a kick jumps at its sample.
     """
-    rate, y = _rate(plant, pieces), whole("y", pieces)
-    jumps = np.diff(y - whole("x", pieces) @ plant.C.T, axis=0, prepend=0.0)  # of noise
-    jumps[0] = 0.0
+    rate, clean = _rate(plant, pieces), whole("x", pieces) @ plant.C.T
+    jumps = np.diff(whole("y", pieces) - clean, axis=0)  # of the noise
+    slopes, leaps, last = np.diff(rate, axis=0), np.zeros_like(jumps), 0
+    for piece in pieces[:-1]:  # what a kick adds at its sample is no slope
+        last += len(piece.t) - 1
+        leaps[last - 1] = rate[last] - _rate(plant, [piece])[-1]
+        slopes[last - 1] -= leaps[last - 1]
+        jumps[last - 1] += clean[last] - piece.x[-1] @ plant.C.T
     kept, m = np.exp(-dt / tau), np.empty_like(rate)
     m[0] = rate[0]
-    last = 0
-    ends = []  # ẏ and y of a piece at the sample where the next one begins
-    for piece in pieces[:-1]:
-        last += len(piece.t) - 1
-        ends.append((last, _rate(plant, [piece])[-1], piece.x[-1] @ plant.C.T))
-    before = {k: (r, c) for k, r, c in ends}
-    for k in range(1, len(m)):
-        slope, leap, jump = rate[k], 0.0, jumps[k]
-        if k in before:
-            slope, was = before[k]
-            leap, jump = rate[k] - slope, jump + whole("x", pieces)[k] @ plant.C.T - was
-        m[k] = kept * m[k - 1] + (1 - kept) * tau / dt * (slope - rate[k - 1]) + leap - jump / tau
+    for k, step in enumerate((1 - kept) * tau / dt * slopes + leaps - jumps / tau):
+        m[k + 1] = kept * m[k] + step
     return np.linalg.norm(m, axis=1)
 
 
