@@ -36,6 +36,8 @@ def knobs(model: Model) -> tuple[Knob, ...]:
                hint=text("The process noise that the Kalman filter of the tab Noise assumes; below 1 it trusts its model too much.")),
         Number("tolerance", r"\tau", text("tolerance of the rank"), low=1e-16, high=1.0, default=1e-12, scale="log",
                hint=text("Singular values at or below τ times the largest count as zero.")),
+        Switch("columns", "", text("singular values on the stage"),
+               hint=text("Those of the observability matrix as columns in place of the tubes, with the tolerance as a plate.")),
         *run_knobs(model.horizon),
         *pull_knobs(model),
     )

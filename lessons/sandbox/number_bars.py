@@ -13,11 +13,12 @@ from observer_lab.colours import COLOURS
 from observer_lab.course.lesson import Stage
 from observer_lab.plants import Model
 from observer_lab.plants.bodies.body import (
-    BENCH,
+    DARK_GREY,
     GHOST_NAME,
     METAL,
     PLANT_COLOUR,
     STEEL,
+    Ball,
     Body,
     Box,
     ErrorMarks,
@@ -25,18 +26,20 @@ from observer_lab.plants.bodies.body import (
     PartName,
     Pose,
     Quaternion,
+    Shape,
     Vector,
     bound_displacement,
 )
 from observer_lab.plants.bodies.front_bars import BEGIN, FIRST_Y, FLOOR, LONG, PITCH, STEP, THICK, Bar, share_of_decades, with_bars
 from observer_lab.plants.bodies.gain_lanes import moved_back
-from observer_lab.plants.bodies.own_body import rows_of
+from observer_lab.plants.bodies.own_body import LIT_COLOUR, rows_of
 from observer_lab.plants.examples import example
 from observer_lab.plants.own_plant import plant_of
 from observer_lab.plants.signal_names import signal_name
 from observer_lab.text import same, text
 
 from .analyses import Refusal, Trial, attempt, margins
+from .rank_columns import with_columns
 
 DECADES = -1, 1  # of the bars
 START = -DECADES[0] / (DECADES[1] - DECADES[0])  # the share of a bar of 1
@@ -45,36 +48,66 @@ MARGIN_STATES = 6  # of a plant whose disk margin is drawn; that of a larger one
 BARS = (Bar(text("largest |L|"), STEEL), Bar(text("disk margin"), COLOURS["force"]), Bar(text("mean NIS"), COLOURS["error"]))
 BEHIND, UP, ALL_BACK = 0.62, 0.36, 0.4  # stage units that the plant moves back and up, and then all of it back
 NAME_DROP = 0.2  # stage units that a name is lifted less than the lamp of the first row is high
-AROUND, PLATE_Y, PLATE = 0.34, 0.3, 0.04  # stage units of the plate beside the tubes, from them back to it, its thickness
-AIRCRAFT_Z, STEEPEST = 2.5, 0.7  # height of the aircraft before it moves up; rad of the largest angle in its tube
+AROUND, ABOVE, PLATE_Y, PLATE = 0.34, 0.36, 0.3, 0.04  # stage units of the plate beside tubes and above lamps, back to it, its thickness
+APART, MOST_APART, INPUT_NAME = 1.65, 1.22, 0.3  # stage units to which outer tubes move apart, at most so many times; from lamps to names
+AIRCRAFT_Z, STEEPEST = 2.95, 0.7  # height of the aircraft before it moves up; rad of the largest angle in its tube
 SIDESLIP, BANK = 0, 3  # of its states
+ONE: Vector = (1.0, 1.0, 1.0)
 
 
 @lru_cache(maxsize=16)
 def body_of(model: Model) -> Body:
     """The plant's body behind the bars, its names high on the tubes, a plate behind them, the aircraft's above them."""
-    body = model.body
-    poses = body.pose([0.0] * model.plant.n, body.gain)
-    top = poses["lamp 0"].position[2]
-    tails = [arrow.tail for arrow in body.arrows([0.0] * model.plant.n, [1.0] * model.plant.m, body.gain)]
-    inputs = tuple((signal_name(model.plant, name), (x, y, z - 0.02))
-                   for name, (x, y, z) in zip(model.plant.input_names, tails, strict=False))
-    high = replace(body, labels=(*((name, (x, y, z + top - NAME_DROP)) for name, (x, y, z) in body.labels), *inputs))
-    high = _with_plate(high, poses, top) if len(rows_of(model.plant.n)) == 1 else high
-    barred = with_bars(with_aircraft(high) if is_aircraft(model) else high, model.plant.n, BARS, MARKS, BEHIND, UP, decades=DECADES)
+    barred = with_bars(_plant(model), model.plant.n, BARS, MARKS, BEHIND, UP, decades=DECADES)
     fixed = {f"start {k}": Pose((BEGIN + LONG * START / 2, FIRST_Y - PITCH * k, FLOOR + STEP * (len(BARS) - 1 - k) + THICK))
              for k in range(len(BARS))}
     pale = tuple(Part(name, Box((LONG * START, 2.4 * THICK, 2.2 * THICK)), COLOURS["muted"], opacity=0.35) for name in fixed)
     return _set_back(replace(barred, pose=lambda x, gain: {**barred.pose(x, gain), **fixed}, parts=(*barred.parts, *pale)), ALL_BACK)
 
 
+@lru_cache(maxsize=16)
+def ranked_body_of(model: Model) -> Body:
+    """The singular values of the observability matrix in place of the plant, below the aircraft where it is one."""
+    plant = _set_back(_plant(model), BEHIND + ALL_BACK)
+    return with_columns(plant, model.plant.n, tuple(name for name, *_ in AIRFRAME), UP)
+
+
+def _plant(model: Model) -> Body:
+    """The plant's body with its names high on the tubes, a plate behind one row of them, and the aircraft where it is one."""
+    body = model.body
+    poses = body.pose([0.0] * model.plant.n, body.gain)
+    top = poses["lamp 0"].position[2]
+    tails = [arrow.tail for arrow in body.arrows([0.0] * model.plant.n, [1.0] * model.plant.m, body.gain)]
+    inputs = tuple((signal_name(model.plant, name), (x, y, top + INPUT_NAME))
+                   for name, (x, y, _) in zip(model.plant.input_names, tails, strict=False))
+    high = replace(body, labels=(*((name, (x, y, z + top - NAME_DROP)) for name, (x, y, z) in body.labels), *inputs))
+    if len(rows_of(model.plant.n)) == 1:
+        high = _with_plate(_apart(high, poses), top + ABOVE)
+    return with_aircraft(high) if is_aircraft(model) else high
+
+
+def _apart(body: Body, poses: Mapping[str, Pose]) -> Body:
+    """The body with few tubes farther apart, and lamps that are lit in a stronger colour."""
+    outer = max(pose.position[0] for pose in poses.values())
+    times = min(max(APART / outer, 1.0), MOST_APART) if outer > 0 else 1.0
+
+    def aside(at: Vector) -> Vector:
+        return times * at[0], at[1], at[2]
+
+    lamps = tuple(replace(part, colour=COLOURS["lamp"]) if part.colour == LIT_COLOUR else part for part in body.parts)
+    return replace(
+        body, parts=lamps, labels=tuple((word, aside(at)) for word, at in body.labels),
+        pose=lambda x, gain: {name: replace(each, position=aside(each.position)) for name, each in body.pose(x, gain).items()},
+        arrows=lambda x, u, gain: tuple(replace(each, tail=aside(each.tail), head=aside(each.head)) for each in body.arrows(x, u, gain)),
+        anchors=lambda x, gain: tuple(aside(at) for at in body.anchors(x, gain)))
+
+
 def _set_back(body: Body, by: float) -> Body:
     """The body with all that belongs to it, farther from the viewer: its foot is in sight on a phone."""
     marks = body.marks
-    assert marks is not None
 
     def words(x: Sequence[float], xhat: Sequence[float], gain: float) -> ErrorMarks:
-        found = marks(x, xhat, gain)
+        found = ErrorMarks((), ()) if marks is None else marks(x, xhat, gain)
         return ErrorMarks(tuple((moved_back(a, by), moved_back(b, by)) for a, b in found.bars),
                           tuple((word, moved_back(at, by), side) for word, at, side in found.words))
 
@@ -86,19 +119,25 @@ def _set_back(body: Body, by: float) -> Body:
         anchors=lambda x, gain: tuple(moved_back(at, by) for at in body.anchors(x, gain)))
 
 
-def _with_plate(body: Body, poses: Mapping[str, Pose], top: float) -> Body:
-    """The body with a plate behind its tubes, on which the glass is seen."""
+def _with_plate(body: Body, top: float) -> Body:
+    """The body with a dark plate behind its tubes, on which the glass is seen."""
+    poses = body.pose([0.0] * len([part for part in body.parts if part.name.startswith("tube ")]), body.gain)
     places = [pose.position for name, pose in poses.items() if name.startswith("tube ")]
     low, high, y = min(x for x, *_ in places) - AROUND, max(x for x, *_ in places) + AROUND, places[0][1] + PLATE_Y
     plate = Pose(((low + high) / 2, y, top / 2))
-    return replace(body, parts=(*body.parts, Part("plate", Box((high - low, PLATE, top)), BENCH)),
+    return replace(body, parts=(*body.parts, Part("plate", Box((high - low, PLATE, top)), DARK_GREY)),
                    pose=lambda x, gain: {**body.pose(x, gain), "plate": plate})
 
 
 # --- the aircraft ------------------------------------------------------------------------------------------------------
-AIRFRAME = (  # name, size and place in it, seen from behind: right, ahead, up
-    ("fuselage", (0.17, 1.2, 0.17), (0.0, 0.0, 0.0), METAL), ("wings", (2.1, 0.32, 0.05), (0.0, 0.1, 0.05), PLANT_COLOUR),
-    ("tailplane", (0.74, 0.2, 0.04), (0.0, -0.5, 0.04), PLANT_COLOUR), ("fin", (0.05, 0.26, 0.4), (0.0, -0.48, 0.24), PLANT_COLOUR))
+AIRFRAME: tuple[tuple[str, Shape, Vector, Vector, str], ...] = (  # name, shape, its scale, place in it from behind: right, ahead, up
+    ("fuselage", Ball(0.2), (1.0, 4.9, 1.0), (0.0, 0.0, 0.0), METAL), ("wings", Box((3.3, 0.5, 0.1)), ONE, (0.0, 0.15, 0.06), PLANT_COLOUR),
+    ("tailplane", Box((1.05, 0.28, 0.07)), ONE, (0.0, -0.82, 0.62), PLANT_COLOUR),
+    ("fin", Box((0.08, 0.38, 0.58)), ONE, (0.0, -0.78, 0.36), PLANT_COLOUR),
+    ("canopy", Ball(0.13), (0.9, 2.2, 1.0), (0.0, 0.4, 0.14), DARK_GREY),
+    ("left engine", Ball(0.13), (1.0, 2.4, 1.0), (-0.75, 0.2, -0.06), METAL),
+    ("right engine", Ball(0.13), (1.0, 2.4, 1.0), (0.75, 0.2, -0.06), METAL))
+GHOSTLY = ("fuselage", "wings")  # parts that the estimate has too
 
 
 def is_aircraft(model: Model) -> bool:
@@ -108,7 +147,7 @@ def is_aircraft(model: Model) -> bool:
 
 
 def with_aircraft(body: Body) -> Body:
-    """The tubes below a small aircraft, seen from behind: it has the bank angle, and its nose the sideslip, at the scale of their tubes."""
+    """The tubes below an aircraft, seen from behind: it has the bank angle, and its nose the sideslip, at the scale of their tubes."""
     def attitude(x: Sequence[float], gain: float) -> tuple[float, float]:
         rest, now = body.pose([0.0] * 4, gain), body.pose(x, gain)
 
@@ -119,11 +158,11 @@ def with_aircraft(body: Body) -> Body:
 
     def pose(x: Sequence[float], gain: float) -> Mapping[str, Pose]:
         turn = _turned(*attitude(x, gain))
-        return {**body.pose(x, gain), **{name: Pose(_moved(at, turn), turn) for name, _, at, _ in AIRFRAME}}
+        return {**body.pose(x, gain), **{name: Pose(_moved(at, turn), turn, scale) for name, _, scale, at, _ in AIRFRAME}}
 
-    named = (*(name for name in body.names if not name.ghost), PartName(GHOST_NAME, "wings", (1.3, -0.2, 0.3), True))
-    return replace(body, parts=(*body.parts, *(Part(name, Box(size), colour, twin=True) for name, size, _, colour in AIRFRAME)), pose=pose,
-                   names=named)
+    named = (*(name for name in body.names if not name.ghost), PartName(GHOST_NAME, "wings", (0.4, -0.2, 0.35), True, (1.2, 0.0, 0.0)))
+    airframe = tuple(Part(name, shape, colour, twin=name in GHOSTLY) for name, shape, _, _, colour in AIRFRAME)
+    return replace(body, parts=(*body.parts, *airframe), pose=pose, names=named)
 
 
 def _turned(sideslip: float, bank: float) -> Quaternion:
@@ -165,10 +204,17 @@ def nis_over_expected(found: Trial | Refusal) -> float:
     return 0.0 if isinstance(found, Refusal) else float(found.test.mean / found.test.dof)
 
 
-def with_numbers(stage: Stage, model: Model, K: np.ndarray, L: np.ndarray, nis: float) -> Stage:
-    """The stage with these bars before its plant; `nis` as `nis_over_expected` gives it."""
+def with_numbers(stage: Stage, model: Model, K: np.ndarray, L: np.ndarray, nis: float, ranked: np.ndarray | None = None) -> Stage:
+    """The stage with these bars before its plant; `nis` as `nis_over_expected` gives it. `ranked`: columns instead of them."""
     if stage.xhat is None:
         return stage
+    if ranked is not None:
+        return _before(stage, ranked_body_of(model), ranked)
     numbers = (*times_the_start(model, K, L), nis)
-    bars = np.tile(share_of_decades(np.array(numbers), *DECADES), (len(stage.t), 1))
-    return replace(stage, body=body_of(model), x=np.hstack([stage.x, bars]), xhat=np.hstack([stage.xhat, bars]), plain=stage)
+    return _before(stage, body_of(model), share_of_decades(np.array(numbers), *DECADES))
+
+
+def _before(stage: Stage, body: Body, shares: np.ndarray) -> Stage:
+    assert stage.xhat is not None
+    more = np.tile(shares, (len(stage.t), 1))
+    return replace(stage, body=body, x=np.hstack([stage.x, more]), xhat=np.hstack([stage.xhat, more]), plain=stage)

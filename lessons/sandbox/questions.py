@@ -7,10 +7,11 @@ from types import MappingProxyType
 import numpy as np
 
 from observer_lab.course.figures.records import Point
-from observer_lab.course.guiding.questions import Asked, DrawnQuestion, question_of_bar_groups, question_of_bars, question_of_poles
+from observer_lab.course.guiding.questions import Asked, DrawnQuestion, question_of_bar_groups, question_of_poles
 from observer_lab.engine import observer_gain
 from observer_lab.text import text
 
+from ..toolkit.questions import question_of_decades
 from .analyses import Refusal
 
 NEW_POLES = (-0.4 - 2.0j, -0.4 + 2.0j, -1.2 - 0.6j, -1.2 + 0.6j)  # about the plant's pace: some right of its poles, some complex
@@ -49,8 +50,9 @@ def surprise(asked: Asked) -> DrawnQuestion:
     factor = asked.after.design["belief"] / asked.entry.design["belief"]
     test = asked.entry.study.trial
     expected = 0.0 if isinstance(test, Refusal) else float(test.test.dof)
-    return question_of_bars(text("mean NIS in this record"), "NIS", ((text("expected"), expected), (text("as tuned"), now)),
-                            text("1000 times the noise"), (now / factor, now / 4, FAR_ABOVE * expected), after, "estimate")
+    return question_of_decades(text("mean NIS in this record"), "NIS", ((text("expected"), expected), (text("as tuned"), now)),
+                               (text("1000 times the noise"),), ((now / factor,), (now / 4,), (FAR_ABOVE * expected,)), (after,),
+                               "estimate")
 
 
 QUESTIONS = MappingProxyType({"recall": recall, "predict": predict, "surprise": surprise})

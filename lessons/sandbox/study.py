@@ -23,6 +23,7 @@ from ..toolkit.knobs import kicks
 from ..toolkit.latex import gain_words, pole_words, tiny
 from .analyses import Margins, Noise, Refusal, Structure, Trial, attempt, certificates, margins, noise, noises, structure, trial
 from .number_bars import MARGIN_STATES, nis_over_expected, with_numbers
+from .rank_columns import columns_of
 
 RECOVERY_LEVELS = np.logspace(-3, 3, 9)  # of the recovery knob q, in natural units
 POINTS = 140  # of the sensitivity over frequency
@@ -102,7 +103,8 @@ def compute(model: Model, design: Design) -> Outcome[Study]:
          "plant": plant.poles},
         LazyMap(lambda: _metrics(study, limit)), LazySequence(lambda: _checks(study.rows)), run,
         pole_boards(model, design, loop.controller_poles, loop.observer_poles, plant.A - L @ plant.C),
-        with_numbers(stage(model, run, design), model, K, L, nis_over_expected(study.trial) if plant.n <= MARGIN_STATES else 0.0),
+        with_numbers(stage(model, run, design), model, K, L, nis_over_expected(study.trial) if plant.n <= MARGIN_STATES else 0.0,
+                     columns_of(study.structure.seen, design["tolerance"]) if design["columns"] else None),
         (Formula("K", gain_words("K", K)), Formula("L", gain_words(r"L^{\mathsf T}", L.T))),
         LazyValue(lambda: _live(study.rows)), study)
 

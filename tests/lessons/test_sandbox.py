@@ -13,6 +13,7 @@ from scipy.spatial.transform import Rotation
 from observer_lab.course.figures.records import TableFigure
 from observer_lab.course.lesson import Lesson, Outcome
 from observer_lab.engine import Plant, closed_loop, controllability, hankel_singular_values, loop_margins, observability
+from observer_lab.engine.design import in_natural_units
 from observer_lab.engine.filters.linear.filter_trial import simulate_filter
 from observer_lab.lessons.sandbox.analyses import ASSUMED_NOISE_RATIOS, RECORD_SAMPLES, UNTESTED_SAMPLES, Refusal, noises, trial
 from observer_lab.lessons.sandbox.lesson import LESSON
@@ -221,3 +222,34 @@ def test_the_aircraft_banks_and_turns_its_nose_as_the_tubes_say_and_stands_on_no
     assert nose[0] < -0.05 and nose[2] == pytest.approx(0, abs=1e-12)
     assert turned("wings", (1, 0, 0), bank=0.2)[2] < right[2] < turned("wings", (1, 0, 0), bank=-0.1)[2]
     assert np.allclose(turned("wings", (1, 0, 0), roll=0.3, yaw=0.3), (1, 0, 0))
+
+
+@pytest.mark.parametrize(("tolerance", "counted"), [(1e-12, 4), (0.01, 4), (0.29, 3), (0.5, 2)])
+def test_the_columns_above_the_plate_are_the_singular_values_above_the_tolerance(tolerance: float, counted: int) -> None:
+    """σ of [C; CA; CA²; CA³] in natural units, over the largest: 1.75 long at 1, none at 0.01; the plate is as high as τ."""
+    outcome = LESSON.compute(LESSON.apply(LESSON.start(), {"columns": True, "tolerance": tolerance}))
+    stage, plant = outcome.stage, in_natural_units(outcome.study.model.plant)
+    assert stage is not None and stage.body.marks is not None
+    values = np.linalg.svd(np.vstack([plant.C @ np.linalg.matrix_power(plant.A, k) for k in range(4)]), compute_uv=False)
+    shares, state = values / values[0], stage.x[30].tolist()
+    poses = stage.body.pose(state, 1.0)
+    columns = [poses[f"column {k}"] for k in range(4)]
+    np.testing.assert_allclose([each.scale[2] for each in columns], 1.75 * (1 + np.log10(shares) / 2), rtol=1e-6)
+    assert poses["tolerance"].position[2] - columns[0].position[2] == pytest.approx(1.75 * max(1 + np.log10(tolerance) / 2, 0), abs=1e-9)
+    assert [each.colour == columns[0].colour for each in columns] == (shares > tolerance).tolist()
+    assert sum(shares > tolerance) == counted == outcome.study.structure.seen.matrix_rank(tolerance)
+    *sizes, said = (words for words, *_ in stage.body.marks(state, state, 1.0).words)
+    np.testing.assert_allclose([float(words) for words in sizes], shares, rtol=5e-3)
+    assert said.startswith("τ = ") and all(poses[f"tube {k}"].position[2] < -1 for k in range(4))
+
+
+def test_the_columns_of_other_plants_are_as_many_as_their_states() -> None:
+    for name in EXAMPLES:
+        lesson = LESSON.fit(example(name))
+        stage = lesson.compute(lesson.apply(lesson.start(), {"columns": True})).stage
+        assert stage is not None
+        columns = sum(part.name.startswith("column ") and part.name[7:].isdigit() for part in stage.body.parts)
+        n = own_model(plant_of(example(name))).plant.n
+        assert stage.xhat is None or columns == (n if n <= 10 else 0), name
+        poses = stage.body.pose(stage.x[0].tolist(), stage.body.gain)
+        assert {part.name for part in stage.body.parts} <= set(poses), name
