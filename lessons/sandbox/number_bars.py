@@ -43,14 +43,15 @@ from .rank_columns import with_columns
 
 DECADES = -1, 1  # of the bars
 START = -DECADES[0] / (DECADES[1] - DECADES[0])  # the share of a bar of 1
-MARKS = ((same("0.1"), 0.0), (text("1: as at the start, as expected"), START), (same("10"), 1.0))
+MARKS = ((same("0.1"), 0.0), (text("1: at the start, as expected"), START), (same("10"), 1.0))
 MARGIN_STATES = 6  # of a plant whose disk margin is drawn; that of a larger one takes too long for a hand on a knob
 BARS = (Bar(text("largest |L|"), STEEL), Bar(text("disk margin"), COLOURS["force"]), Bar(text("mean NIS"), COLOURS["error"]))
 BEHIND, UP, ALL_BACK = 0.62, 0.36, 0.4  # stage units that the plant moves back and up, and then all of it back
+NAMES_UP = 0.16, 0.1, 0.03  # stage units that the names of bars are lifted: on a phone there is room for all
 NAME_DROP = 0.2  # stage units that a name is lifted less than the lamp of the first row is high
-AROUND, ABOVE, PLATE_Y, PLATE = 0.34, 0.36, 0.3, 0.04  # stage units of the plate beside tubes and above lamps, back to it, its thickness
-APART, MOST_APART, INPUT_NAME = 1.65, 1.22, 0.3  # stage units to which outer tubes move apart, at most so many times; from lamps to names
-AIRCRAFT_Z, STEEPEST = 2.95, 0.7  # height of the aircraft before it moves up; rad of the largest angle in its tube
+AROUND, ABOVE, PLATE_Y, PLATE = 0.34, 0.32, 0.3, 0.04  # stage units of the plate beside tubes and above lamps, back to it, its thickness
+APART, MOST_APART, INPUT_NAME = 1.65, 1.22, 0.28  # stage units to which outer tubes move apart, at most so many times; from lamps to names
+AIRCRAFT_Z, STEEPEST, BEND = 2.58, 0.7, 0.62  # height of the aircraft before it moves up; rad at the end of a tube, were it not bent
 SIDESLIP, BANK = 0, 3  # of its states
 ONE: Vector = (1.0, 1.0, 1.0)
 
@@ -61,6 +62,8 @@ def body_of(model: Model) -> Body:
     barred = with_bars(_plant(model), model.plant.n, BARS, MARKS, BEHIND, UP, decades=DECADES)
     fixed = {f"start {k}": Pose((BEGIN + LONG * START / 2, FIRST_Y - PITCH * k, FLOOR + STEP * (len(BARS) - 1 - k) + THICK))
              for k in range(len(BARS))}
+    higher = {bar.name: up for bar, up in zip(BARS, NAMES_UP, strict=True)}
+    barred = replace(barred, labels=tuple((name, moved_back(at, 0.0, higher.get(name, 0.0))) for name, at in barred.labels))
     pale = tuple(Part(name, Box((LONG * START, 2.4 * THICK, 2.2 * THICK)), COLOURS["muted"], opacity=0.35) for name in fixed)
     return _set_back(replace(barred, pose=lambda x, gain: {**barred.pose(x, gain), **fixed}, parts=(*barred.parts, *pale)), ALL_BACK)
 
@@ -132,8 +135,8 @@ def _with_plate(body: Body, top: float) -> Body:
 # --- the aircraft ------------------------------------------------------------------------------------------------------
 AIRFRAME: tuple[tuple[str, Shape, Vector, Vector, str], ...] = (  # name, shape, its scale, place in it from behind: right, ahead, up
     ("fuselage", Ball(0.2), (1.0, 4.9, 1.0), (0.0, 0.0, 0.0), METAL), ("wings", Box((3.3, 0.5, 0.1)), ONE, (0.0, 0.15, 0.06), PLANT_COLOUR),
-    ("tailplane", Box((1.05, 0.28, 0.07)), ONE, (0.0, -0.82, 0.62), PLANT_COLOUR),
-    ("fin", Box((0.08, 0.38, 0.58)), ONE, (0.0, -0.78, 0.36), PLANT_COLOUR),
+    ("tailplane", Box((1.05, 0.28, 0.07)), ONE, (0.0, -0.82, 0.54), PLANT_COLOUR),
+    ("fin", Box((0.08, 0.38, 0.5)), ONE, (0.0, -0.78, 0.32), PLANT_COLOUR),
     ("canopy", Ball(0.13), (0.9, 2.2, 1.0), (0.0, 0.4, 0.14), DARK_GREY),
     ("left engine", Ball(0.13), (1.0, 2.4, 1.0), (-0.75, 0.2, -0.06), METAL),
     ("right engine", Ball(0.13), (1.0, 2.4, 1.0), (0.75, 0.2, -0.06), METAL))
@@ -153,7 +156,7 @@ def with_aircraft(body: Body) -> Body:
 
         def angle(k: int) -> float:
             away = now[f"collar {k}"].position[2] - rest[f"collar {k}"].position[2]
-            return STEEPEST * bound_displacement(away / (0.75 * rest["tube 0"].position[2]), 1.5)
+            return STEEPEST * bound_displacement(away / (0.75 * rest["tube 0"].position[2]), BEND)
         return angle(SIDESLIP), angle(BANK)
 
     def pose(x: Sequence[float], gain: float) -> Mapping[str, Pose]:

@@ -1,4 +1,4 @@
-"""Stand the singular values of the observability matrix before a plant as columns, the tolerance as a plate."""
+"""Stand singular values as columns in place of a plant, the tolerance as a plate."""
 
 from __future__ import annotations
 
