@@ -66,9 +66,10 @@ def outcome_of(design: Design, study: Study) -> Outcome[Study]:
 
 
 def _bars(s: Study, who: str, tested: bool) -> np.ndarray:
-    """Shares (n_t, 2) of the bars: NEES per state and NIS per reading, or what the filter states of its error and its RMS error."""
+    """Shares (n_t, 2) of the bars: mean NEES per state and mean NIS per reading, or the error that the filter states and the RMS error."""
     if tested:
-        return share_of_decades(np.column_stack([s.nees[who] / s.x.shape[1], s.nis[who] / len(s.case.R)]), *TEST_DECADES)
+        means = np.mean(s.nees[who]) / s.x.shape[1], np.mean(s.nis[who]) / len(s.case.R)
+        return np.tile(share_of_decades(np.array(means), *TEST_DECADES), (len(s.t), 1))
     signal = s.case.watched[judged(s.case)]
     stated = np.sqrt(np.square(s.sigmas[who]) @ np.square(signal.weights))
     return share_of_decades(signal.scale * np.column_stack([stated, s.rms[who][:, judged(s.case)]]), *s.case.decades)

@@ -49,9 +49,10 @@ def surprise(asked: Asked) -> DrawnQuestion:
     now, after = asked.entry.metrics["nis_mean"], asked.after.metrics["nis_mean"]
     factor = asked.after.design["belief"] / asked.entry.design["belief"]
     test = asked.entry.study.trial
-    expected = 0.0 if isinstance(test, Refusal) else float(test.test.dof)
-    return question_of_decades(text("mean NIS in this record"), "NIS", ((text("expected"), expected), (text("as tuned"), now)),
-                               (text("1000 times the noise"),), ((now / factor,), (now / 4,), (FAR_ABOVE * expected,)), (after,),
+    expected = 1.0 if isinstance(test, Refusal) else float(test.test.dof)
+    return question_of_decades(text("mean NIS in this record"), text("times the expected value"), ((text("as tuned"), now / expected),),
+                               (text("1000 times the noise"),),
+                               tuple((value / expected,) for value in (now / factor, now / 4, FAR_ABOVE * expected)), (after / expected,),
                                "estimate")
 
 

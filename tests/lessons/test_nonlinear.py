@@ -305,7 +305,7 @@ def test_the_bars_of_both_tests_are_their_means_over_the_runs_and_say_their_size
     assert stage is not None and stage.xhat is not None and stage.body.marks is not None
     step = (len(stage.t) - 1) // (len(study.t) - 1)
     for k in (0, len(study.t) // 2, len(study.t) - 1):
-        sizes = study.nees[EKF][k] / study.x.shape[1], study.nis[EKF][k] / len(study.case.R)
+        sizes = study.nees[EKF].mean() / study.x.shape[1], study.nis[EKF].mean() / len(study.case.R)
         state = stage.x[step * k].tolist()
         poses, words = stage.body.pose(state, 1.0), stage.body.marks(state, state, 1.0).words
         for bar, size in enumerate(sizes):

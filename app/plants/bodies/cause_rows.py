@@ -47,7 +47,7 @@ class CauseRows:
         last = self.count - 1
         steps = tuple(part for k, (_, high) in enumerate(self._rows()) for part in (
             Part(f"step {k}", Box((RIGHT - LEFT, PITCH, high)), BENCH),
-            *(Part(f"{side} {k}", Box((MARK, 0.8 * PITCH, 0.03)), DARK_GREY) for side in ("least", "most")),
+            *(Part(f"{side} {k}", Box((MARK, 0.8 * PITCH, 0.03)), DARK_GREY) for side in ("least", "most") if k == last),
             Part(f"none {k}", Box((MARK, 0.8 * PITCH, 0.22)), DARK_GREY),
             Part(f"part {k}", Rod(THICK if k == last else THIN), COLOURS["error"])))
         beads = tuple(part for k in range(len(self.causes)) for part in (
@@ -59,8 +59,9 @@ class CauseRows:
         """The poses of all parts that do not move."""
         found = {}
         for k, (y, high) in enumerate(self._rows()):
-            found |= {f"step {k}": Pose(((LEFT + RIGHT) / 2, y, high / 2)), f"none {k}": Pose((ZERO, y, high + 0.11)),
-                      f"least {k}": Pose((ZERO - HALF, y, high + 0.015)), f"most {k}": Pose((ZERO + HALF, y, high + 0.015))}
+            found |= {f"step {k}": Pose(((LEFT + RIGHT) / 2, y, high / 2)), f"none {k}": Pose((ZERO, y, high + 0.11))}
+            if k == self.count - 1:
+                found |= {f"{side} {k}": Pose((ZERO + sign * HALF, y, high + 0.015)) for side, sign in (("least", -1), ("most", 1))}
             if 0 < k < self.count - 1:
                 found |= {f"track {k - 1}": Pose((TRACK, y, high + 0.02)), f"model {k - 1}": Pose((TRACK, y, high + 0.05))}
         return found

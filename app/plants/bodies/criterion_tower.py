@@ -10,7 +10,7 @@ from ...text import format_number
 from .body import DARK_GREY, STEEL, Box, ErrorMarks, Part, Pose, Vector
 
 SLABS = (("T", COLOURS["muted"]), ("L", COLOURS["second"]), ("M", COLOURS["force"]))  # lowest first: each names the matrix of its size
-HALF, FOOT, DEEP, PLATE_Y = 0.19, 0.05, 0.3, 0.2  # half the width of a slab, height of the foot, depth of a slab, y of the plate behind
+HALF, FOOT, DEEP, PLATE_Y = 0.17, 0.05, 0.3, 0.2  # half the width of a slab, height of the foot, depth of a slab, y of the plate behind
 LEAST, NAMED = 0.004, 0.09  # stage units: the least height of a slab that is drawn; from which height on a slab has its name
 SIZE = 1.5  # the highest tower
 BESIDE, ABOVE, HIDDEN = 0.06, 0.05, -9.0  # from a slab to its name, from the tower to the value; out of sight

@@ -42,7 +42,7 @@ OBSERVER_COLOUR = COLOURS["estimate"]
 PANEL_LOW, PANEL_HIGH, PANEL_Y = 0.18, 1.68, 0.2  # of the plates behind the gauges
 NAME_AT = 0.0, 1.84  # y and z of the upper edge of a gauge's name
 SCALE_AT = 0.59  # from the gauge of u to the numbers of its scale
-TOWER = 2.06  # where the tower of J stands
+TOWER = 2.11  # where the tower of J stands
 
 
 def gap(count: int) -> float:

@@ -14,7 +14,7 @@ PILLAR_X, PILLAR_Y, SLAB_TOP = 2.5, 0.8, 0.14
 BAR_FROM, BAR_LONG, BAR_AT = -2.45, 3.6, (-1.1, 0.2)  # where bars begin, how long one of 1 is, y and z before a slab
 RAIL_SIZE, RAIL_AT, BAR = (5.2, 0.05, 0.4), (0.0, -1.0, 0.2), 0.1  # the light rail behind a bar; the radius of a bar
 MOST_SHARE, LEAST_SHARE = 1.05, 0.01  # of the full length that a bar shows
-NAME_AT, TITLE_AT = (-1.9, -1.06, -0.04), (0.95, -1.06, -0.4)  # below the rail of each deck; the title below that of the upper one
+NAME_AT, TITLE_AT = (-1.9, -1.06, -0.04), (0.75, -1.06, -0.04)  # below the rail of each deck; the title below that of the lower one
 SIZE_AT = 1.45  # across: where the number of a bar begins
 FLOORS = ("upper", "lower")
 
@@ -66,7 +66,7 @@ def two_decks(deck: Body, states: int, inputs: int, names: tuple[Text, Text],
     return replace(
         deck, parts=parts, pose=pose, arrows=arrows, anchors=anchors, marks=marks,
         labels=(*((words, _raised(NAME_AT, height)) for words, height in zip(names, heights, strict=True)),
-                *((words, _raised(place, height)) for words, place in tags for height in heights), (title, _raised(TITLE_AT, STOREY))),
+                *((words, _raised(place, height)) for words, place in tags for height in heights), (title, TITLE_AT)),
         names=tuple(replace(name, part=f"upper {name.part}") for name in deck.names))
 
 
