@@ -8,7 +8,9 @@ from typing import Any, cast
 import viser
 
 from ...colours import COLOURS, rgb
-from ...course.lesson import Outcome
+from ...course.figures.veil import boards_with_beginning
+from ...course.lesson import Design, Outcome
+from ...course.scenes import Scene
 from ...session.state.token import write_token
 from ...session.state.view import Picture
 from ..charts.charts import Chart
@@ -103,7 +105,7 @@ class AudienceScreen(Screen):
     def __init__(self, page: SharedPage, language: str, window: tuple[float, float]) -> None:
         super().__init__(cast(viser.ClientHandle, page))
         self._language, self._window = language, window
-        self._outcome: tuple[Outcome, Outcome] | None = None
+        self._outcome: tuple[tuple[Outcome, Scene | None, Design | None], Outcome] | None = None  # what a picture was made of; as shown
 
     def build(self, picture: Picture) -> None:
         """Lay everything out anew."""
@@ -144,9 +146,10 @@ class AudienceScreen(Screen):
 
     def _for_followers(self, picture: Picture) -> Picture:
         """The picture in the followers' language and window, with boards that nobody drags and without the counts of an open vote."""
-        if self._outcome is None or self._outcome[0] is not picture.outcome:
-            boards = tuple(replace(board, knob=None) for board in picture.outcome.boards)
-            self._outcome = picture.outcome, replace(picture.outcome, boards=boards)
+        seen = picture.outcome, picture.scene, picture.began
+        if self._outcome is None or any(a is not b for a, b in zip(self._outcome[0], seen, strict=True)):
+            boards = boards_with_beginning(picture.outcome.boards, picture.scene, picture.began, picture.design)
+            self._outcome = seen, replace(picture.outcome, boards=tuple(replace(board, knob=None) for board in boards))
         state = replace(picture.state, language=self._language, window=self._window, lecture=False, dark=False, landscape=False)
         if state.room is not None:
             state = replace(state, room=replace(state.room, votes=tuple(vote.sealed() for vote in state.room.votes)))
