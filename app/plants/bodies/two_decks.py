@@ -11,10 +11,10 @@ from .body import DARK_GREY, PLANT_COLOUR, STEEL, Arrow, Body, Box, ErrorMarks, 
 
 STOREY = 2.62  # stage units from one deck's floor to the other's
 PILLAR_X, PILLAR_Y, SLAB_TOP = 2.5, 0.8, 0.14
-BAR_FROM, BAR_LONG, BAR_AT = -2.45, 3.6, (-1.1, 0.2)  # where bars begin, how long one of 1 is, y and z before a slab
-RAIL_SIZE, RAIL_AT, BAR = (5.2, 0.05, 0.4), (0.0, -1.0, 0.2), 0.1  # the light rail behind a bar; the radius of a bar
+BAR_FROM, BAR_LONG, BAR_AT = -2.45, 3.6, (-1.1, 0.5)  # where bars begin, how long one of 1 is, y and z before a slab
+RAIL_SIZE, RAIL_AT, BAR = (5.2, 0.05, 0.68), (0.0, -1.0, 0.34), 0.1  # the light rail behind a bar; the radius of a bar
 MOST_SHARE, LEAST_SHARE = 1.05, 0.01  # of the full length that a bar shows
-NAME_AT, TITLE_AT = (-1.9, -1.06, -0.04), (0.75, -1.06, -0.04)  # below the rail of each deck; the title below that of the lower one
+NAME_AT, TITLE_AT = (-2.0, -1.06, 0.22), (1.0, -1.06, 0.21)  # below the bar on its rail: the name of each deck, what bars show
 SIZE_AT = 1.45  # across: where the number of a bar begins
 FLOORS = ("upper", "lower")
 
@@ -66,7 +66,7 @@ def two_decks(deck: Body, states: int, inputs: int, names: tuple[Text, Text],
     return replace(
         deck, parts=parts, pose=pose, arrows=arrows, anchors=anchors, marks=marks,
         labels=(*((words, _raised(NAME_AT, height)) for words, height in zip(names, heights, strict=True)),
-                *((words, _raised(place, height)) for words, place in tags for height in heights), (title, TITLE_AT)),
+                *((words, _raised(place, height)) for words, place in tags for height in heights), (title, _raised(TITLE_AT, STOREY))),
         names=tuple(replace(name, part=f"upper {name.part}") for name in deck.names))
 
 
