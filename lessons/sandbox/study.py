@@ -118,6 +118,7 @@ def _metrics(study: Study, limit: float | None) -> dict[str, float]:
         metrics["disk_margin"] = study.margins.together
     if not isinstance(study.trial, Refusal):
         metrics["nis_mean"], metrics["nis_expected"] = study.trial.test.mean, study.trial.expected
+        metrics["nis_share"] = study.trial.test.mean / study.trial.test.dof
     return metrics
 
 
