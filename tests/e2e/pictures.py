@@ -25,6 +25,7 @@ from PIL import Image, ImageDraw
 from playwright.sync_api import Page, sync_playwright
 from tab import DRAWN, FLAGS, Tab, eventually  # type: ignore[import-not-found]
 
+from observer_lab.course.scenes import entry_values
 from observer_lab.lessons import LESSONS
 from observer_lab.session.state.saved_state import SavedState
 from observer_lab.session.state.token import write_token
@@ -60,7 +61,9 @@ def opened(tab: Tab) -> None:
 def guide(page: Page, address: str) -> Image.Image:
     """A scene of the guide as it is entered, with the hand that shows where to drag."""
     lesson = LESSONS[LESSON]
-    page.goto(f"{address}#{write_token(lesson, SavedState(lesson.start(), 'en', False, mode='guide', scene=SCENE))}")
+    k = next(k for k, scene in enumerate(lesson.path) if scene.id == SCENE)
+    entered = lesson.apply(lesson.start(), entry_values(lesson.path, k, lesson.start()))
+    page.goto(f"{address}#{write_token(lesson, SavedState(entered, 'en', False, mode='guide', scene=SCENE))}")
     page.wait_for_selector(f".ol-card[data-scene={SCENE}]", timeout=PATIENCE)
     page.wait_for_selector(".ol-hand:not([hidden])", state="attached", timeout=PATIENCE)
     page.wait_for_function("window.observerLabViser.scene().environment !== null", timeout=PATIENCE)
