@@ -26,7 +26,7 @@ PLINTH_HIGH, BEHIND = 0.26, 0.5  # stage units that the gauges stand up and back
 BARS = (Bar(text("wanted |g|"), PLANT_COLOUR), Bar(text("error |ĝ − g|"), COLOURS["error"]))
 ROOM, LARGE_AT = (-2.1, -0.3), 1.5  # of the small gauges, and where the large one stands: pipes run in the free space between them
 TERMS = ("F T₂", "A T₃", "F T₃")  # unknown terms of the error
-LAG_FULL = 10.0  # missed by the differentiator where its pipe has the cross-section of share one
+LAG_FULL = 8.0  # missed by the differentiator where its pipe has the cross-section of share one
 LAG_BARS, LAG_ERROR = BARS[1:], 0.2  # the bar before the pipe of a lag, and the error at its end
 LAG_MARKS = (("0", 0.0), ("0.1", 0.5), ("0.2", 1.0))
 
