@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import pytest
 from dealing import dealt
 from hypothesis import HealthCheck, Phase, settings
-from sampling import WHOLE, left_out
+from sampling import WHOLE, left_out, whole
 
 if TYPE_CHECKING:
     from redis_server import RedisServer
@@ -56,8 +56,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     if not config.getoption("--whole"):
         kept = [item for item in items if not item.get_closest_marker("whole")]
-        named = config.getoption("keyword") or any("::" in word for word in config.args)  # who names tests gets all of them
-        out = set() if named else left_out(kept, law_of)
+        out = set() if whole() else left_out(kept, law_of)
         kept = [item for k, item in enumerate(kept) if k not in out]
         config.hook.pytest_deselected(items=[*{*items} - {*kept}])
         items[:] = kept
@@ -122,8 +121,10 @@ def pytest_collection_finish() -> None:
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    if config.getoption("--whole"):
+    named = config.getoption("keyword") or any("::" in word for word in config.args)
+    if named or config.getoption("--whole"):  # who names tests gets all of their cases
         os.environ[WHOLE] = "1"
+    if config.getoption("--whole"):
         settings.load_profile("whole")
     config.pluginmanager.register(NoWarnings(), "no warnings")
     logging.getLogger("asyncio").addHandler(Unheard(logging.ERROR))

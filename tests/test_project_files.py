@@ -52,6 +52,16 @@ def test_the_security_page_is_ten_lines_and_every_file_it_names_exists() -> None
     assert [name for name in re.findall(r"\]\(([^)]+)\)", page) if not (ROOT / name).exists()] == []
 
 
+def test_every_path_that_a_contributor_is_told_exists() -> None:
+    """All but those with a place for a name, and those of a lesson and a language that a reader begins."""
+    for page in ("README.md", "CONTRIBUTING.md"):
+        told = {word for code in re.findall(r"`([^`]+)`", read(page)) for word in code.split()
+                if re.match(r"(app|lessons|tests|assets|\.ci)/", word) and "<" not in word
+                and not word.startswith(("lessons/leaky_tank", "app/locale/de/"))}
+        assert told, page
+        assert [word for word in sorted(told) if not list(ROOT.glob(word.rstrip("/,.")))] == []
+
+
 def test_a_python_that_numba_has_no_wheel_for_installs_without_it() -> None:
     assert "numba" not in [need.name for need in map(Requirement, PROJECT["dependencies"])]
     versions = [line.rpartition(" ")[2] for line in PROJECT["classifiers"] if re.search(r":: 3\.\d+$", line)]
