@@ -18,7 +18,7 @@ from observer_lab.course.figures.records import MapFigure
 from observer_lab.course.lesson import Board, Lesson
 from observer_lab.lessons import LESSONS
 from observer_lab.page.charts.text_layout import Box, text_width
-from observer_lab.page.stage.board_labels import MARK_HALF_SIZE, MARK_NAME_GAP, Place, free_place, leader_line, pole_name
+from observer_lab.page.stage.board_labels import MARK_HALF_SIZE, MARK_NAME_GAP, Place, best_place, free_place, leader_line, pole_name
 from observer_lab.page.stage.body_extent import reach
 from observer_lab.page.stage.map_board import NEARER, place, written
 from observer_lab.page.stage.pole_boards import BOARD_HEIGHT, BOARD_WIDTH, NAME_FRAME
@@ -104,6 +104,25 @@ def test_a_line_leads_from_a_far_name_to_its_mark(mark: tuple[float, float], to:
     else:
         start, end = line
         assert math.dist(start, mark) == pytest.approx(MARK_HALF_SIZE) and end == at.nearest(*mark)
+
+
+def test_a_name_beside_an_axis_and_a_way_keeps_clear_of_both() -> None:
+    way = [(0.5 - 0.1 * k, 0.5) for k in range(1, 6)]
+    at = best_place(0.5, 0.5, "−4 ± 5j", 0.13, NAME_FRAME, [], [(0.5, 0.5), (0.5, -0.5)], way, ((0.75, None), (None, 0.0)))
+    assert at is not None and at.x + at.half <= 0.75 and at.z - at.tall >= 0.0
+    assert not any(at.covers(*spot) for spot in way)
+
+
+@given(inside)
+def test_axes_and_ways_cost_no_mark_its_name(mark: tuple[float, float]) -> None:
+    plain = free_place(*mark, "fixed mode −0.25 ± 0.487j", 0.13, NAME_FRAME, [], [mark])
+    found = best_place(*mark, "fixed mode −0.25 ± 0.487j", 0.13, NAME_FRAME, [], [mark], [(0.0, 0.3)], ((0.0, None), (None, 0.0)))
+    assert (plain is None) == (found is None)
+
+
+def test_a_name_nearer_to_another_mark_has_a_line_to_its_own() -> None:
+    at = Place(-0.4, 0.2, 0.35, 0.08)
+    assert leader_line(at, 0.05, 0.0, [(0.05, 0.0)]) is None and leader_line(at, 0.05, 0.0, [(0.05, 0.0), (-0.3, 0.0)]) is not None
 
 
 def test_where_there_is_no_room_there_is_no_name() -> None:

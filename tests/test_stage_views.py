@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from contextlib import nullcontext
 from dataclasses import replace
 from functools import cache
@@ -24,9 +24,9 @@ from observer_lab.page.charts.text_layout import text_width
 from observer_lab.page.stage.body_extent import body_corners, reach
 from observer_lab.page.stage.map_board import NEARER, place, written
 from observer_lab.page.stage.part_names import WORDS_SIZE, PartNames, _anchor, _end_of_line
-from observer_lab.page.stage.pole_boards import BOARD_HEIGHT, BOARD_PLACES, BOARD_WIDTH, board_contains
+from observer_lab.page.stage.pole_boards import BOARD_HEIGHT, BOARD_WIDTH, board_contains
 from observer_lab.page.stage.stage import StageView, factors, factors_at
-from observer_lab.page.stage.viewpoint import BOARD_MARGIN, SIGHT, Viewpoint
+from observer_lab.page.stage.viewpoint import BOARD_MARGIN, SIGHT, Viewpoint, board_place
 from observer_lab.plants import MODELS
 from observer_lab.text import Text, label_in_language, languages
 
@@ -106,9 +106,9 @@ def seen_from(case: OnStage, canvas: str) -> tuple[Any, Viewpoint]:
     return camera, view
 
 
-def board_corners(side: str, foot: float, em: float) -> np.ndarray:
+def board_corners(side: str, foot: float, em: float, shown: Collection[Board] | None = None) -> np.ndarray:
     """The corners of a board with its title and the numbers below it, seen from the front (4, 3)."""
-    (x, y), turn = BOARD_PLACES[side]
+    (x, y), turn = board_place(side, shown)
     half, top = BOARD_WIDTH / 2 + BOARD_MARGIN, foot + BOARD_HEIGHT + BOARD_MARGIN + 0.06 + 1.2 * em
     return np.array([[x + a * half * math.cos(turn), y + a * half * math.sin(turn), z]
                      for a in (-1, 1) for z in (foot - 0.02 - 0.9 * em, top)])
@@ -169,7 +169,8 @@ def test_a_plant_hides_neither_the_boards_of_a_scene_nor_the_numbers_below_them(
         camera, view = seen_from(case, canvas)
         body = seen(camera, case.body)
         for board in case.boards:
-            corners = seen(camera, board_corners(board.side, view.composed.foot, view.letters(canvas == IN_LARGE_PRINT)))
+            em = view.letters(canvas == IN_LARGE_PRINT)
+            corners = seen(camera, board_corners(board.side, view.composed.foot, em, case.boards))
             before = body[(body[:, 0] > corners[:, 0].min()) & (body[:, 0] < corners[:, 0].max())]
             assert before[:, 1].max(initial=-1.0) <= corners[:, 1].min() + 0.01, f"{board.id} is hidden"
     holds_for_all([case for case in itertools.product(scenes_on_stage(), CANVASES) if case[0].boards], law, name)
@@ -179,7 +180,8 @@ def test_all_that_stands_on_the_stage_is_in_sight_above_the_row_of_the_run_and_f
     def law(case: OnStage, canvas: str) -> None:
         (camera, view), (across, up) = seen_from(case, canvas), CANVASES[canvas]
         em, foot = view.letters(canvas == IN_LARGE_PRINT), view.composed.foot
-        points = np.concatenate([seen(camera, case.body), *(seen(camera, board_corners(board.side, foot, em)) for board in case.boards),
+        stood = [board_corners(board.side, foot, em, case.boards) for board in case.boards]
+        points = np.concatenate([seen(camera, case.body), *(seen(camera, each) for each in stood),
                                  *([] if case.map is None else [seen(camera, map_corners(case.map, em))])])
         low, high = points.min(axis=0), points.max(axis=0)
         assert (seen(camera, case.words)[:, 0] <= across / up).all(), "the words about its size are cut"
@@ -214,6 +216,13 @@ def test_a_scene_begins_with_its_poles_on_its_boards() -> None:
         outside = [(board.id, pole) for board in case.boards for pole in (*board.poles, *board.fixed) if not board_contains(board, pole)]
         assert outside == []
     holds_for_all([(case,) for case in scenes_on_stage() if case.boards], law, lambda case: f"{case.lesson.id} {case.scene.id}")
+
+
+def test_a_board_stands_in_the_middle_where_a_scene_shows_it_alone() -> None:
+    for side in ("left", "right"):
+        (x, _), turn = board_place(side, ["observer"])
+        assert (x, turn) == (0.0, 0.0)
+        assert board_place(side, None) == board_place(side, ["controller", "observer"]) and abs(board_place(side, None)[0][0]) > 1.0
 
 
 def test_letters_on_a_board_are_more_than_eleven_pixels_of_a_laptop_in_guide_and_lab() -> None:
@@ -326,7 +335,8 @@ def test_boards_and_their_plant_are_in_sight_above_a_sheet() -> None:
         view.compose(True, False, False, below=True, body=opened(case.lesson.id)[1])
         view.camera("all")
         em, foot = view.letters(False), view.composed.foot
-        points = np.concatenate([seen(camera, case.body), *(seen(camera, board_corners(board.side, foot, em)) for board in case.boards)])
+        stood = [board_corners(board.side, foot, em, case.boards) for board in case.boards]
+        points = np.concatenate([seen(camera, case.body), *(seen(camera, each) for each in stood)])
         (left, low), (right, high) = points.min(axis=0), points.max(axis=0)
         assert high <= 1.0 and low >= ABOVE_SHEET and max(-left, right) <= size[0] / size[1], f"{left:.2f} {right:.2f} {low:.2f} {high:.2f}"
     cases = [case for case in scenes_on_stage() if case.boards and case.map is None]

@@ -79,7 +79,8 @@ class Solve:
 
 
 Do = Read | Choose | Move | Press | Solve
-Camera = Literal["all", "map", "plant", "bare", "boards", "near", "left", "right", "above"]  # from where the stage is seen
+Camera = Literal[  # from where the stage is seen
+    "all", "map", "plant", "bare", "boards", "near", "left", "right", "above", "low", "low left", "low right", "table"]
 
 
 @dataclass(frozen=True)

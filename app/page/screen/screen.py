@@ -166,7 +166,7 @@ class Screen(Browser):
             for board in picture.boards:
                 view = self._board(board, picture)
                 view.show(board, picture.covers(board), picture.veiled, picture.state.calm, picture.resting)
-                view.set_visible(picture.scene is None or board.id in picture.scene.boards)
+                view.stand_among(None if picture.scene is None else picture.scene.boards)
                 if board.landscape is not None:
                     view.show_landscape(picture.state.landscape)
             self._show_map(picture)

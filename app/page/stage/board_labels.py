@@ -15,7 +15,8 @@ MARK_HALF_SIZE = 0.11  # half of a mark, in stage units
 MARK_NAME_GAP = 0.04  # between a mark and its name
 LINE_HEIGHT_EM = 1.25  # height of a line of letters in their size
 PLACES_ACROSS, PLACES_UP = 49, 41  # places of a name that are tried where those beside its mark are taken
-LEADER = 0.12  # a name farther than this from its mark is joined to it by a line
+FAR, NEAR_ENOUGH = 9.0, 0.45  # half an axis; how far from its mark a name goes to be clear of lines
+LEADER = 0.135  # a name farther than this from its mark is joined to it by a line
 
 
 class Frame(NamedTuple):
@@ -67,6 +68,18 @@ def free_place(x: float, z: float, words: str, em: float, frame: Frame, taken: S
     return _anywhere(x, z, half, tall, room, taken, marks)
 
 
+def best_place(x: float, z: float, words: str, em: float, frame: Frame, taken: Sequence[Place], marks: Sequence[tuple[float, float]],
+               ways: Sequence[tuple[float, float]], axes: Sequence[tuple[float | None, float | None]]) -> Place | None:
+    """The same, clear also of places on `ways` and of the `axes`, each at one x or at one z, where a name has room beside them."""
+    lines = [Place(0.0 if at is None else at, 0.0 if up is None else up, FAR if at is None else 0.0, FAR if up is None else 0.0)
+             for at, up in axes]
+    for others, more in (((*taken, *lines), ways), (taken, ways)):
+        at = free_place(x, z, words, em, frame, others, [*marks, *more])
+        if at is not None and math.dist(at.nearest(x, z), (x, z)) <= NEAR_ENOUGH:
+            return at
+    return free_place(x, z, words, em, frame, taken, marks)
+
+
 def _anywhere(x: float, z: float, half: float, tall: float, room: Frame, taken: Sequence[Place],
               marks: Sequence[tuple[float, float]]) -> Place | None:
     px, pz = np.meshgrid(np.linspace(room.left, room.right, PLACES_ACROSS), np.linspace(room.bottom, room.top, PLACES_UP))
@@ -82,11 +95,13 @@ def _anywhere(x: float, z: float, half: float, tall: float, room: Frame, taken: 
     return Place(float(px.flat[best]), float(pz.flat[best]), half, tall)
 
 
-def leader_line(at: Place, x: float, z: float) -> tuple[tuple[float, float], tuple[float, float]] | None:
-    """The line that joins a name to its mark, None where it stands beside it."""
+def leader_line(at: Place, x: float, z: float,
+                marks: Sequence[tuple[float, float]] = ()) -> tuple[tuple[float, float], tuple[float, float]] | None:
+    """The line that joins a name to its mark, None where it stands beside it, and beside no other of the marks that is nearer."""
     to = at.nearest(x, z)
     gap = math.dist(to, (x, z))
-    if gap <= MARK_HALF_SIZE + LEADER:
+    nearer = any(math.dist(at.nearest(*mark), mark) < gap - 1e-9 for mark in marks)
+    if gap <= MARK_HALF_SIZE + (MARK_NAME_GAP if nearer else LEADER):
         return None
     share = MARK_HALF_SIZE / gap
     return (x + share * (to[0] - x), z + share * (to[1] - z)), to

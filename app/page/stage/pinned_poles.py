@@ -16,6 +16,7 @@ from ...text import NO_WORDS, Text, format_number
 from ..charts.text_layout import text_width
 from ..words import phrases
 from .board_face import BoardColours
+from .board_labels import LINE_HEIGHT_EM, Place
 from .scene_labels import SceneLabels
 from .viewpoint import BOARD_HEIGHT, BOARD_MARGIN, BOARD_WIDTH
 
@@ -24,13 +25,15 @@ FIRST_MARK_HALF_HEIGHT, MARK_GROWTH = (
     0.018,
 )  # half the height of the first pin's marks, in stage units, and how much each next one's is larger
 THICK = 0.018
-ABOVE = 0.05  # stage units: the words on the rings stand over the lower edge of the board
+LEFT, SMALLEST = -BOARD_WIDTH / 2 - 0.04, 0.85  # where the words on the rings begin; of the letters: their least size
+ABOVE = 0.03  # stage units: the words on the rings stand over the lower edge of the board
 RING, LARGEST_RING = 0.04, 0.13  # radii of the ring around one placed pole, and of that where most were placed
 CORNERS = ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0), (1.0, 0.0))
 CIRCLE = tuple((math.cos(k * math.pi / 16), math.sin(k * math.pi / 16)) for k in range(33))
 Mark = tuple[complex, float]  # a pole and the size around it
 BEGAN, LOOP = 0.115, 0.085  # radii of the rings where a pole began and where the loop has one
 BOLD, WAY = 0.03, 0.016  # stage units: a ring of the loop, and the line from a pole to its ring
+WAY_SPOTS = 5  # places on the line from a pole to its ring that names keep clear of
 CROSS = 0.05  # stage units that a ring of the loop stands before the crosses
 MOVED = 1e-9  # of a pole: one that is nearer has not moved
 
@@ -50,11 +53,11 @@ class PinMarks:
         """What of it is on the board."""
         return [*self._lines_shown, *([] if self._said is None else [self._said])]
 
-    def show(self, board: Board, language: str) -> None:
-        """The marks that a board has now, and what its rings are."""
+    def show(self, board: Board, language: str) -> bool:
+        """The marks that a board has now, and what its rings are; whether any came, went or moved."""
         shown = board.pinned, board.placed, board.began, board.loop, board.poles if board.began or board.loop else ()
         if shown == self._shown:
-            return
+            return False
         for node in self._lines_shown:
             node.remove()
         if self._said is not None:
@@ -71,9 +74,27 @@ class PinMarks:
                 self._lines_shown += [self._node(name, self._lines([(pole, radius) for pole in others], CIRCLE, before), colour, thick),
                                       self._node(f"{name} way", self._ways(board.poles, others, before), colour, WAY)]
         said = ring_words(board)(language)
+        room = self._room(board)
         self._said = self._letters.write(
-            f"{self._root}/rings", said, (0.0, -0.06, -BOARD_HEIGHT / 2 + ABOVE), "bottom-center",
-            lambda em: min(1.0, (BOARD_WIDTH + 3 * BOARD_MARGIN) / max(text_width(said, em), em))) if said else None
+            f"{self._root}/rings", said, (LEFT, -0.06, -BOARD_HEIGHT / 2 + ABOVE), "bottom-left",
+            lambda em: _fitting(said, em, room)) if said else None
+        return True
+
+    def taken(self, board: Board, language: str) -> tuple[list[Place], list[tuple[float, float]]]:
+        """What the words on the rings take of the board, and places on the lines from poles to their rings; nothing without rings."""
+        said, em = ring_words(board)(language), self._letters.em
+        if not said:
+            return [], []
+        size = _fitting(said, em, self._room(board)) * em
+        half, tall = text_width(said, size) / 2 + 0.25 * size, LINE_HEIGHT_EM * size / 2
+        pairs = zip(board.poles, board.loop or board.began, strict=True)
+        spots = [self._place(pole + k / WAY_SPOTS * (other - pole)) for pole, other in pairs if pole != other for k in range(1, WAY_SPOTS + 1)]
+        return [Place(LEFT + half, -BOARD_HEIGHT / 2 + ABOVE + tall, half, tall)], [(x, z) for x, _, z in spots]
+
+    def _room(self, board: Board) -> float:
+        """How wide the words on the rings may be: to the imaginary axis, or across the board where that is at its left."""
+        axis = self._place(0j)[0] - LEFT
+        return axis if not board.disc and axis > BOARD_WIDTH / 2 else BOARD_WIDTH + BOARD_MARGIN
 
     def _node(self, name: str, lines: np.ndarray, colour: Any, thick: float) -> Any:
         return self._scene.add_line_segments(f"{self._root}/{name}", lines, colour, thickness=thick)
@@ -102,6 +123,12 @@ def ring_words(board: Board) -> Text:
     if board.loop:
         return phrases.LOOP_RINGS.format(size=size)
     return phrases.NO_POLE_MOVED if far <= MOVED * max(map(abs, board.poles)) else phrases.POLES_MOVED.format(size=size)
+
+
+def _fitting(said: str, em: float, room: float) -> float:
+    """Of the letters' size: words that reach no farther than the room, if that leaves them large enough to read."""
+    size = min(1.0, room / max(text_width(said, em), em))
+    return size if size >= SMALLEST else min(1.0, (BOARD_WIDTH + BOARD_MARGIN) / max(text_width(said, em), em))
 
 
 def _rings(placed: tuple[tuple[complex, int], ...]) -> list[Mark]:

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from itertools import pairwise
-from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -20,15 +19,14 @@ from ..charts.axes import ticks
 from ..charts.text_layout import text_width
 from ..words import phrases
 from .board_face import board_colours, draw_board_texture
-from .board_labels import Frame, Place, free_place, leader_line, pole_name
+from .board_labels import Frame, Place, best_place, leader_line, pole_name
 from .drag_handles import GRIPS, LOCKS, DragHandles, Vector
 from .meshes import bolt, cross, landscape
 from .pinned_poles import PinMarks
 from .scene_labels import SceneLabels, Size
 from .trails import PoleTrail
-from .viewpoint import BOARD_ASIDE, BOARD_HEIGHT, BOARD_MARGIN, BOARD_WIDTH
+from .viewpoint import BOARD_HEIGHT, BOARD_MARGIN, BOARD_WIDTH, board_place
 
-BOARD_PLACES = MappingProxyType({"left": ((-BOARD_ASIDE, 1.5), 0.13), "right": ((BOARD_ASIDE, 1.5), -0.13), "middle": ((0.0, 1.5), 0.0)})
 SNAP = 0.02  # of the window's height: nearer to the real axis than this is on it
 NUMBERS_WIDE = 0.28  # stage units inside the right edge for the numbers of the imaginary axis
 NAME_FRAME = Frame(
@@ -37,7 +35,7 @@ NAME_FRAME = Frame(
 HIDDEN_SEGMENT = ((0.0, 0.0, -9.0), (0.0, 0.0, -9.0))  # of a line that is not seen: viser keeps a node that has at least one
 UPRIGHT = (math.sqrt(0.5), math.sqrt(0.5), 0.0, 0.0)  # pictures lie flat until they are turned
 RING, RING_SIDES = 0.085, 28  # radius of a zero's mark in stage units
-CORNER = 0.93  # of the height of a board's lower half: from there on is its corner
+CORNER = 0.78  # of the height of a board's lower half: from there on is its corner, where the words on its rings are
 
 
 class BoardView:
@@ -49,7 +47,7 @@ class BoardView:
         self._board, self._letters, self._language = board, SceneLabels(client.scene, em), language
         self._ink = board_colours(dark)
         self._root = f"/board/{board.id}"
-        (x, y), turn = BOARD_PLACES[board.side]
+        (x, y), turn = board_place(board.side, None)
         self._origin = np.array([x, y, foot + BOARD_HEIGHT / 2])
         self._turn = turn
         self._frame = self._scene.add_frame(self._root, show_axes=False, position=tuple(self._origin),
@@ -143,22 +141,26 @@ class BoardView:
         self._locks.show([self.local(pole) for pole in locked])
         if board.zeros != self._zeros:
             self._make_rings(board)
-        self._pins.show(board, self._language)
+        ringed = self._pins.show(board, self._language)
         signature = (len(board.poles), board.fixed, board.knob)
         if signature != self._signature:
             self._make_poles(board)
             self._signature = signature
             before = None
         self._shown = board.poles
-        if before != board.poles:  # else nothing moved: no message, and no frame of the scene
+        if ringed or before != board.poles:  # else nothing moved: no message, and no frame of the scene
             self._move(board)
         if calm or (rests and self._grabbed is None):
             self._trail.end()
         self._trail.draw()
         self._cover(veiled)
 
-    def set_visible(self, visible: bool) -> None:
-        """Show or hide the whole board."""
+    def stand_among(self, shown: Collection[str] | None) -> None:
+        """Be seen where a scene shows this board, and always for None; a board that is alone stands in the middle."""
+        visible, ((x, _), turn) = shown is None or self._board.id in shown, board_place(self._board.side, shown)
+        if turn != self._turn:
+            self._origin[0], self._turn = x, turn  # the discs look from this array too
+            self._frame.position, self._frame.wxyz = tuple(self._origin), (math.cos(turn / 2), 0.0, 0.0, math.sin(turn / 2))
         if self._frame.visible != visible:
             self._frame.visible = visible
 
@@ -174,7 +176,7 @@ class BoardView:
     def _move(self, board: Board) -> None:
         """Crosses to where the poles are, and their names to where they cover nothing; a pair has one name."""
         spots = [(at[0], at[2]) for at in map(self.local, (*board.poles, *board.zeros, *board.fixed))]
-        taken: list[Place] = []
+        taken, ways, axes = *self._pins.taken(board, self._language), ((self.local(0j)[0], None), (None, 0.0))
         leaders: list[tuple[Vector, Vector]] = []
         named = [(pole, pole_name(pole, board), label) for pole, label in zip(board.poles, self._labels, strict=True) if pole.imag >= 0]
         named += [(pole, f"{phrases.FIXED(self._language)} {pole_name(pole, board)}", label)
@@ -184,7 +186,7 @@ class BoardView:
         self._nameless = {label.name for label in self._labels} - {label.name for _, _, label in named}
         for pole, text, label in named:
             x, y, z = self.local(pole, 0.1)
-            at = free_place(x, z, text, self._letters.em, NAME_FRAME, taken, spots)
+            at = best_place(x, z, text, self._letters.em, NAME_FRAME, taken, spots, ways, axes)
             if at is None:
                 self._nameless.add(label.name)
                 continue
@@ -192,7 +194,7 @@ class BoardView:
             if label.text != text:
                 label.text = text
             label.position = (at.x, y, at.z)
-            if (line := leader_line(at, x, z)) is not None:
+            if (line := leader_line(at, x, z, spots)) is not None:
                 leaders.append(((line[0][0], y, line[0][1]), (line[1][0], y, line[1][1])))
         points = np.array(leaders or [HIDDEN_SEGMENT], dtype=np.float32)
         if not np.array_equal(points, self._leaders.points):

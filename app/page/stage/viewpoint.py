@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 
@@ -31,9 +31,11 @@ LAB_FLOOR_SHARE = 0.52  # the same where the panel of the run lies over the stag
 TOP_SHARE, SIDE_SHARE = 0.945, 0.965  # of half the canvas: the titles, what is at a side
 FRONT = 1.0  # stage units from the plant to the front of its base
 LOOKS_DOWN = 0.115  # stage units that the composed view falls in each unit ahead
+BOARD_PLACES = MappingProxyType({"left": ((-BOARD_ASIDE, 1.5), 0.13), "right": ((BOARD_ASIDE, 1.5), -0.13), "middle": ((0.0, 1.5), 0.0)})
 LETTER_SHARES = 1 / 48, 1 / 80, 1 / 56  # of the window's height: a letter in large print, on a phone, elsewhere
 LEAST_LETTER = 0.115  # stage units: where boards are large in the window, so are their letters
 USUAL_HALF_WIDTH, USUAL_HEIGHT = 2.6, 3.3  # stage units of a body that "plant" shows
+LOW_AIM = 0.15  # of its size: the eye aims so far below the middle of a low body, clear of the run
 LEAST_BODY = 0.6  # of that: a smaller body is not looked at from nearer
 CAMERAS = MappingProxyType({
     "map": ((0.0, -13.4, 3.6), (0.0, 0.6, 1.5)),  # all where a map lies in front
@@ -42,7 +44,9 @@ CAMERAS = MappingProxyType({
 })
 TURNS = MappingProxyType({  # how far round the plant (rad), how high (rad) and how many times as far off as "plant" is
     "plant": (0.0, 0.0, 1.0), "near": (0.0, -0.04, 0.8), "left": (-0.42, 0.02, 1.0), "right": (0.42, 0.02, 1.0),
-    "above": (0.0, 0.42, 1.0)})
+    "above": (0.0, 0.42, 1.0), "low": (0.0, 0.16, 1.02), "low left": (-0.3, 0.16, 1.0), "low right": (0.3, 0.16, 1.0),
+    "table": (0.0, 0.36, 0.98)})
+LOW, TABLE_AIM = ("low", "low left", "low right"), (-0.5, 0.85)  # y and z that "table" looks at
 Place = tuple[Sequence[float], Sequence[float]]  # position and target of the eye
 
 
@@ -95,6 +99,11 @@ def aspect_of(camera: viser.CameraHandle) -> float:
 USUAL = composition(USUAL_HALF_WIDTH, USUAL_HEIGHT)  # where nothing is known of the body
 
 
+def board_place(side: str, shown: Collection[object] | None) -> tuple[tuple[float, float], float]:
+    """Where a board of a side stands, x and y, and how it is turned (rad), if a scene shows these boards; None outside of scenes."""
+    return BOARD_PLACES["middle" if shown is not None and len(shown) == 1 else side]
+
+
 def letters(camera: viser.CameraHandle, lecture: bool, composed: Composition = USUAL) -> float:
     """The size of letters (stage units) at the boards that is a certain share of the window's height in the composed view.
 
@@ -112,14 +121,20 @@ def body_scale(box: tuple[float, float]) -> float:
     return max(box[0] / USUAL_HALF_WIDTH, box[1] / USUAL_HEIGHT, LEAST_BODY)
 
 
-def round_plant(scale: float) -> dict[str, Place]:
-    """From where a body so many times as large as usual is seen alone, by the names of TURNS."""
+def round_plant(scale: float, tall: float = USUAL_HEIGHT) -> dict[str, Place]:
+    """From where a body so many times as large as usual, and so `tall`, is seen alone, by the names of TURNS.
+
+    From a place of LOW the eye aims at the middle of a low body and stands higher: neither sky nor floor takes most of the picture.
+    From "table" it looks down on what stands before the body too.
+    """
     (_, ahead, up), (_, _, aim) = CAMERAS["plant"]
     off, high, found = scale * math.hypot(ahead, up - aim), math.atan2(up - aim, -ahead), dict[str, Place]()
     for name, (turn, rise, nearer) in TURNS.items():
+        deep, at = 0.0, min(scale * aim, max(tall / 2 - LOW_AIM * scale, 0.0)) if name in LOW else scale * aim
+        if name == "table":
+            deep, at = scale * TABLE_AIM[0], scale * TABLE_AIM[1]
         across = nearer * off * math.cos(high + rise)
-        found[name] = ((across * math.sin(turn), -across * math.cos(turn), scale * aim + nearer * off * math.sin(high + rise)),
-                       (0.0, 0.0, scale * aim))
+        found[name] = (across * math.sin(turn), deep - across * math.cos(turn), at + nearer * off * math.sin(high + rise)), (0.0, deep, at)
     return found
 
 
@@ -176,7 +191,7 @@ class Viewpoint:
         whether the lab's panel of the run lies over the stage."""
         if body is not None:
             self._body = body
-            self._look_at_body(body_scale(body))
+            self._look_at_body(body)
         self.composed = composition(*self._body, lecture, lab)
         whole, lower = self.composed.place if boards and not charted else CAMERAS["map" if charted else "bare"], LOWER * lecture
         before, self._whole = self._whole, whole
@@ -185,9 +200,9 @@ class Viewpoint:
             self._seen_from = whole if self._seen_from == before else self._seen_from
             self._look()
 
-    def _look_at_body(self, scale: float) -> None:
+    def _look_at_body(self, body: tuple[float, float]) -> None:
         """See the plant from as many times farther off as its body is larger than usual."""
-        before, self._plants = self._plants, round_plant(scale)
+        before, self._plants = self._plants, round_plant(body_scale(body), body[1])
         for name, place in before.items():
             if self._seen_from == place != self._plants[name]:
                 self._seen_from = self._plants[name]
