@@ -15,7 +15,8 @@ from observer_lab.text import Text, format_number, text
 FULL_MM, HIGH = 5.0, 1.5  # height at the far end of the gauge, and its length in stage units
 MARKS = 6  # one for each millimetre
 MIDDLE, FRONT, FOOT = 0.0, -1.15, 0.06  # x, y and lowest z of the gauge
-WIDE, COLUMN, BESIDE, THIN = 1.9, 0.5, 0.45, 0.02  # of the plate, of a column; from the middle to the old column; of a line
+WIDE, COLUMN, THIN = 1.75, 0.38, 0.02  # of the plate, which fits between the springs; of a column; of a line
+ALONE, OWN, BESIDE = 0.25, -0.08, 0.66  # across: a column that is alone, that of the present run beside an old one, the old one
 LEAST, LIFT = 0.004, 0.03  # stage units: the least length of a column that is drawn; from a column to its number
 COUNT = 3  # values after the deck's states: height, command, height without integral action, in mm
 
@@ -35,7 +36,7 @@ def gauge_share(height: float, up: bool) -> float:
 @lru_cache(maxsize=8)
 def with_height_gauge(deck: Body, states: int, up: bool, compared: bool) -> Body:
     """The deck with a gauge before it; `compared` shows the other run as a pale column beside."""
-    foot, own = FOOT if up else FOOT + HIGH, -BESIDE if compared else 0.0  # where columns begin, and where that of the present run is
+    foot, own = FOOT if up else FOOT + HIGH, OWN if compared else ALONE  # where columns begin, and where that of the present run is
 
     def level(height: float) -> float:
         return foot + (1 if up else -1) * HIGH * gauge_share(height, up)
@@ -53,12 +54,12 @@ def with_height_gauge(deck: Body, states: int, up: bool, compared: bool) -> Body
 
     def words(x: Sequence[float], xhat: Sequence[float], gain: float) -> ErrorMarks:
         z, r, old = map(float, x[states:states + COUNT])
-        lift, side = (LIFT, "bottom-center") if up else (-LIFT, "top-center")
+        lift, side, under = (LIFT, "bottom-center", "top-left") if up else (-LIFT, "top-center", "bottom-left")
 
         def above(height: float) -> float:
             return level(max(height, r) if up else min(height, r)) + lift
         found = [(f"z = {format_number(z, '.2f')} mm", (MIDDLE + own, FRONT - 0.1, above(z)), side),
-                 (f"r = {format_number(r, '.3g')} mm", (MIDDLE - WIDE / 2 - 0.05, FRONT - 0.1, level(r)), "center-right")]
+                 (f"r = {format_number(r, '.3g')} mm", (MIDDLE - WIDE / 2 + 0.02, FRONT - 0.1, level(r) - lift), under)]
         if compared:
             found.append((f"{format_number(old, '.2f')} mm", (MIDDLE + BESIDE, FRONT - 0.1, above(old)), side))
         return ErrorMarks((), tuple(found))
