@@ -41,8 +41,8 @@ REST, TRAVEL, LARGER = 0.55, 0.42, 1.3  # stage units of a test mass above its b
 MAX_DRAWN_MOTION = np.array([3.6e-3, 3.6e-3, 16e-3, 2.2e-3, 2.2e-3])  # m, m, rad, m, m: how far a motion is drawn
 PARTS = text("across"), text("height"), text("tilt"), text("left mass"), text("right mass")  # as `relative` has them
 MOTION, LONG, LEAST_SHARE = "second", 0.62, 0.08  # the role of its arrows, stage units of the longest; a share that is drawn
-ACROSS_AT, HEIGHT_AT, TILT_AT = (0.0, -0.3, 2.62), (-1.95, -0.8, 1.42), (1.5, -0.8, 1.42)  # where arrows begin; of tilt at both ends
-NAMES_BESIDE = (0.0, 0.3), (-1.0, 0.06), (1.0, 0.06), (-1.0, 0.06), (1.0, 0.06)  # which side of its arrow and how high a name is
+ACROSS_AT, HEIGHT_AT, TILT_AT = (0.0, -0.3, 2.62), (-0.5, -0.8, 0.72), (1.5, -0.8, 1.42)  # where arrows begin; of tilt at both ends
+NAMES_BESIDE = (0.0, 0.3), (-1.0, 0.0), (1.0, 0.06), (-1.0, 0.06), (1.0, 0.06)  # which side of its arrow and how high a name is
 ASIDE, NAME_ASIDE = 0.34, 0.34  # stage units from a mass to its arrow, and from an arrow to its name
 LOWEST = -18.0  # decades below the largest singular value: a column without height
 HIGH, THICK = 0.62, 0.07  # stage units of the largest value's column, and its radius
@@ -87,7 +87,7 @@ BODY = Body(
     20.0,
     text("Deck with its sensors; the dark balls are their test masses"),
     names=(PartName(text("test mass of a sensor"), "test mass left", (-0.4, -0.2, 0.6)),
-           PartName(text("deck"), "deck", (-0.95, -0.7, -0.4)),
+           PartName(text("deck"), "deck", (0.3, -0.2, -0.4), at=(0.0, -0.65, 0.0)),
            PartName(text("ghost: the smaller model"), "payload lid", (0.9, -0.3, 0.4), True)),
     ghost="dimmed",
 )

@@ -10,10 +10,11 @@ from ...text import Text
 from .body import PLANT_COLOUR, STEEL, Body, Box, ErrorMarks, Part, Pose, Rod, Vector, pose_between
 
 LEFT, RIGHT, BEGIN, LONG = -2.1, 2.1, -0.85, 2.0  # x of the board's ends, of where bars begin; how long a bar of 1 is
-BEHIND, IN_FRONT, BEFORE, LETTER = 0.85, -1.1, 0.06, 0.1  # y of a board; how far before it bars and words are; half a letter
-ROW, EDGE, TITLE, THICK = 0.26, 0.07, 0.24, 0.17  # from one row to the next, above and below all rows, of the title; height of a bar
+BEHIND, IN_FRONT, BEFORE, LETTER = 0.85, -1.55, 0.06, 0.1  # y of a board; how far before it bars and words are; half a letter
+ROW, FRONT_ROW = 0.26, 0.36  # from one row to the next, behind and in front
+EDGE, TITLE, THICK = 0.07, 0.24, 0.17  # above and below all rows, of the title; height of a bar
 MOST, LEAST = 1.15, 0.004  # of the full length: the longest and the shortest bar that are drawn
-BESIDE, LEG, BELOW = 0.08, 0.035, 0.3  # from the end of a bar to its number; radius of a leg; from a board in front to its title
+BESIDE, LEG, BELOW = 0.08, 0.035, 0.18  # from the end of a bar to its number; radius of a leg; from a board in front to its title
 
 
 def with_score_board(body: Body, states: int, names: Sequence[Text], title: Text, said: Callable[[float], str], foot: float,
@@ -23,9 +24,10 @@ def with_score_board(body: Body, states: int, names: Sequence[Text], title: Text
     The board begins `foot` high. It stands behind the body on legs from `floor`, without one before the body with its title below.
     """
     title_high, at = (TITLE, BEHIND) if floor is not None else (0.0, IN_FRONT)
-    count, high = len(names), ROW * len(names) + 2 * EDGE + title_high
+    count, row = len(names), ROW if floor is not None else FRONT_ROW
+    high = row * count + 2 * EDGE + title_high
     middle, legs = (LEFT + RIGHT) / 2, (LEFT + 0.3, RIGHT - 0.3) if floor is not None else ()
-    rows = [foot + high - EDGE - title_high - ROW * (k + 0.5) for k in range(count)]
+    rows = [foot + high - EDGE - title_high - row * (k + 0.5) for k in range(count)]
     fixed = {"score board": Pose((middle, at, foot + high / 2))}
     fixed |= {f"score leg {k}": pose_between((x, at, floor or 0.0), (x, at, foot)) for k, x in enumerate(legs)}
     fixed |= {f"full bar {k}": Pose((BEGIN + LONG / 2, at - BEFORE / 2, z)) for k, z in enumerate(rows)}
