@@ -43,7 +43,7 @@ BANK_SHOWN, DECK_ALONE = "bank", "deck"  # what stands before the deck: the bars
 GAUGE_AT, GAUGE_UP, GAUGE_Y = 1.02, 0.17, -0.42  # where the horizontal sensors stand on the deck
 FRONT_EDGE, MARK_UP = -0.68, -0.02  # where the sensors' names are on the deck, from its middle
 STATES = 20  # what of the record is about the deck
-BENCH_Y, BENCH_HIGH, BAR_PITCH, BAR_RADIUS = -1.25, 0.1, 0.52, 0.12  # of the bars before the deck, in stage units
+BENCH_Y, BENCH_HIGH, BAR_PITCH, BAR_RADIUS = -1.38, 0.1, 0.52, 0.12  # of the bars before the deck, in stage units
 TALL_AT_THRESHOLD, HIGHEST, LEAST = 0.36, 2.6, 0.03  # how high a bar is at its threshold; the most and the least that is drawn, of it
 OVER, WITHIN = rgb(COLOURS["error"]), rgb(COLOURS["plant"])
 LINE_END = 3.6 * BAR_PITCH
@@ -103,7 +103,7 @@ def _sensor_names(x: Sequence[float], xhat: Sequence[float], gain: float) -> Err
 DECK = Body(
     _parts(), _pose, lambda x, u, gain: BASE.arrows(x[:6], u, gain), lambda x, gain: BASE.anchors(x[:6], gain), BASE.gain,
     text("Blue: sensors VL, VR (near the middle) and HL, HR (with needles). Pink: what really fails; the flag: the diagnosed part"),
-    names=(PartName(text("coil u1"), "coil left", (-0.75, -0.5, 0.1)), PartName(text("coil u2"), "coil right", (0.75, -0.5, 0.1)),
+    names=(PartName(text("coil u1"), "coil left", (-0.28, -0.4, 0.12)), PartName(text("coil u2"), "coil right", (0.28, -0.4, 0.12)),
            PartName(text("coil u3"), "coil across", (0.2, -0.2, 0.6)), PartName(GHOST_NAME, "payload lid", (-0.7, -0.2, 0.5), True)),
     marks=_sensor_names)
 
@@ -133,7 +133,8 @@ def _with_bank(body: Body) -> Body:
                                         colour=OVER if value > 1 else WITHIN)
         return {**body.pose(x, gain), **fixed, **bars}
     labels = (*((same(name), (across, BENCH_Y - 0.3, 0.02)) for across, name in zip(bar_places(), MEMBER_NAMES, strict=True)),
-              (text("threshold"), (LINE_END + 0.4, BENCH_Y, level + 0.1)))
+              (text("test value of each observer; −HL: without HL"), (0.0, BENCH_Y - 0.58, 0.02)),
+              (text("threshold"), (LINE_END + 0.42, BENCH_Y - 0.15, level - 0.12)))
     said = text("Pink: what really fails; the flag: the diagnosed part. Bars: the test value of each observer, −HL is the one without HL. "
                 "Above the line it gives an alarm")
     return replace(body, parts=(*body.parts, *parts), pose=pose, labels=labels, caption=said)
