@@ -92,8 +92,10 @@ COLOURS = MappingProxyType({
     "unlit": "#5A616C",
     "lamp": "#FFD65A",
     "off": "#C4C9D1",
-    "cold": "#5A626E",  # and from there steel, warm, hot, white-hot
-    "warm-steel": "#B2B4B6",
+    "brass": "#B8A46A",  # contacts
+    "laminate": "#7C8896",  # the board of a circuit
+    "ceramic": "#D9D6CE",  # what a chip sits on
+    "warm-steel": "#B2B4B6",  # hotter than steel; then hot, white-hot
     "hot": "#DCD6CA",
     "white-hot": "#FFF4DC",
 })

@@ -40,11 +40,11 @@ SCALE_X, TICKS = 1.84, 5  # across: the numbers of the scale; its marks, 20 K fr
 BAR_X, TICK = CORE - 0.31, 0.07  # where the bar of the core's error stands, half the width of its ends
 CORE_LABEL = CHIP_X, -0.42, BOARD_TOP + 0.18  # on the core: its temperature is not measured
 SENSOR_LABEL = CHIP_X - 0.14, -0.56, BOARD_TOP + 0.9  # of what is measured
-UNLIT = COLOURS["unlit"]
+BRASS, SIDES, FRONT_CONTACTS, SIDE_CONTACTS = COLOURS["brass"], ("left", "right"), 9, 7
 LOWEST_LEVEL, ZERO_LEVEL = 0.46, 0.95  # lowest level of a column, its level at ambient temperature
 MAX_COLUMN_RISE, MAX_COLUMN_FALL = 1.2, 0.42  # highest and lowest drawn level from there
 GLOW = tuple((kelvin, rgb(COLOURS[role])) for kelvin, role in (
-    (-30.0, "cold"), (0.0, "steel"), (30.0, "warm-steel"), (70.0, "hot"), (120.0, "white-hot")))  # temperature above ambient in K, colour
+    (-30.0, "dark"), (0.0, "unlit"), (20.0, "steel"), (45.0, "hot"), (90.0, "white-hot")))  # temperature above ambient in K, colour
 
 
 @dataclass(frozen=True)
@@ -90,8 +90,12 @@ def _parts() -> tuple[Part, ...]:
                   for i in range(TICKS))
     return (
         *feet,
-        Part("board", Box((3.4, 1.7, 0.1)), DARK_GREY),
-        Part("package", Box((1.3, 1.3, 0.1)), UNLIT),
+        Part("board", Box((3.4, 1.7, 0.1)), COLOURS["laminate"]),
+        *(Part(f"screw {i}", Cylinder(0.075, 0.05), METAL) for i in range(4)),
+        Part("package", Box((1.3, 1.3, 0.1)), COLOURS["ceramic"]),
+        *(Part(f"contact {i}", Box((0.07, 0.16, 0.035)), BRASS) for i in range(FRONT_CONTACTS)),
+        *(Part(f"contact {side} {i}", Box((0.16, 0.07, 0.035)), BRASS) for side in SIDES for i in range(SIDE_CONTACTS)),
+        Part("die rim", Box((0.86, 0.86, 0.05)), BRASS),
         Part("die", Box((0.72, 0.72, 0.16)), STEEL),
         *posts,
         Part("spreader", Box((1.24, 1.1, 0.1)), STEEL),
@@ -107,6 +111,7 @@ def _fixed() -> dict[str, Pose]:
     poses = {
         "board": Pose((0.0, 0.0, BOARD_TOP - 0.05)),
         "package": Pose((CHIP_X, 0.0, BOARD_TOP + 0.05)),
+        "die rim": Pose((CHIP_X, 0.0, BOARD_TOP + 0.115)),
         "sensor": Pose((CHIP_X, -0.46, BOARD_TOP + 0.87)),
         "scale": Pose(((CORE + CASE) / 2, 0.3, BOARD_TOP + 0.95)),
         "core socket": Pose((CORE, 0.0, BOARD_TOP + 0.08)),
@@ -114,7 +119,12 @@ def _fixed() -> dict[str, Pose]:
     }
     for i, (sx, sy) in enumerate(((-1, -1), (1, -1), (-1, 1), (1, 1))):
         poses[f"foot {i}"] = Pose((1.5 * sx, 0.65 * sy, 0.1))
+        poses[f"screw {i}"] = Pose((1.58 * sx, 0.73 * sy, BOARD_TOP + 0.01))
         poses[f"post {i}"] = Pose((CHIP_X + 0.55 * sx, 0.48 * sy, BOARD_TOP + 0.1), scale=(1.0, 1.0, 0.56))
+    low = BOARD_TOP + 0.0175  # of the contacts, which stand out from under the package
+    poses |= {f"contact {i}": Pose((CHIP_X + 0.14 * (i - 4), -0.69, low)) for i in range(FRONT_CONTACTS)}
+    poses |= {f"contact {side} {i}": Pose((CHIP_X + 0.69 * sign, 0.17 * (i - 3), low))
+              for side, sign in zip(SIDES, (-1, 1), strict=True) for i in range(SIDE_CONTACTS)}
     for i in range(TICKS):
         poses[f"tick {i}"] = Pose(((CORE + CASE) / 2, 0.265, ZERO_LEVEL + 20.0 * i * STAGE_SCALE))
     return poses
