@@ -16,9 +16,9 @@ MOTION_GAIN = (
 )
 NAMES = (
     PartName(text("deck"), "deck", (-0.45, 0.0, 0.55), at=(-1.3, 0.0, 0.09)),
-    PartName(text("coil"), "coil right", (0.95, -0.6, 0.35)),
-    PartName(text("spring"), "seat left", (-0.9, -0.4, 0.25)),
-    PartName(GHOST_NAME, "deck", (-0.5, -0.3, -0.55), True, (-1.5, -0.65, 0.0)),
+    PartName(text("coil"), "coil right", (0.28, -0.4, 0.15)),
+    PartName(text("spring"), "seat left", (0.75, -0.4, 0.1)),
+    PartName(GHOST_NAME, "deck", (0.1, -0.3, -0.5), True, (-0.2, -0.65, 0.0)),
 )  # each where the deck is free of its ghost at the start of the run
 MODEL = replace(MODELS["deck"], body=replace(MODELS["deck"].body, gain=MOTION_GAIN, names=NAMES))
 KNOBS = (
