@@ -180,10 +180,10 @@ class BoardView:
         leaders: list[tuple[Vector, Vector]] = []
         named = [(pole, pole_name(pole, board), label) for pole, label in zip(board.poles, self._labels, strict=True) if pole.imag >= 0]
         named += [(pole, f"{phrases.FIXED(self._language)} {pole_name(pole, board)}", label)
-                  for pole, label in zip(board.fixed, self._bolted, strict=True)]
+                  for pole, label in zip(board.fixed, self._bolted, strict=True) if pole.imag >= 0]
         for handle, pole in zip(self._poles, board.poles, strict=True):
             handle.position = self.local(pole, 0.03)
-        self._nameless = {label.name for label in self._labels} - {label.name for _, _, label in named}
+        self._nameless = {label.name for label in (*self._labels, *self._bolted)} - {label.name for _, _, label in named}
         for pole, text, label in named:
             x, y, z = self.local(pole, 0.1)
             at = best_place(x, z, text, self._letters.em, NAME_FRAME, taken, spots, ways, axes)

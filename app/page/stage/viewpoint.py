@@ -18,7 +18,7 @@ NARROW_PLANT = 1.15  # the same of a canvas that just shows the whole plant from
 SIGHT = 0.62  # radians of the field of view: the boards stay readable
 ABOVE = 1.78  # times farther away that shows the whole stage in what a sheet leaves of it, however wide that is
 ABOVE_BOARDS, BOARDS_AIM_SHARE = 2.25, 0.16  # the same two where boards stand, whose picture is full
-SHEET_AIM_SHARE = 0.14  # of the way to what is looked at: aim this much lower where a sheet lies over the lower half
+SHEET_AIM_SHARE, TABLE_AIM_SHARE = 0.14, 0.22  # of the way to what is looked at: aim so much lower where a sheet lies over the lower half
 LOWER = 0.02  # of the way to what is looked at: aim this much lower above the run in large print
 BOARDS_BEHIND = 0.9  # stage units from what the composed view looks at to the boards
 BOARD_WIDTH, BOARD_HEIGHT, BOARD_MARGIN, BOARD_ASIDE = 2.56, 2.0, 0.12, 1.58  # of the s-plane; glass around it; its middle from the stage's
@@ -244,7 +244,7 @@ class Viewpoint:
         whole = place == composed.place
         if self._below:
             back = max(back, ABOVE_BOARDS if whole else ABOVE)
-            lower = BOARDS_AIM_SHARE if whole else SHEET_AIM_SHARE
+            lower = BOARDS_AIM_SHARE if whole else TABLE_AIM_SHARE if place == self._plants["table"] else SHEET_AIM_SHARE
         else:
             lower = 0.0 if whole else self._lower
         return back, lower * back * away(place)
