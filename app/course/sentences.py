@@ -57,6 +57,9 @@ def figure_parts(figures: Iterable[Figure]) -> Iterator[Part]:
 def _stage(stage: Stage) -> Iterator[Part]:
     yield "stage", stage.body.caption
     yield from numbered("stage.label", (words for words, _ in stage.body.labels))
+    if stage.body.marks is not None and stage.xhat is not None:
+        marks = stage.body.marks(stage.x[0].tolist(), stage.xhat[0].tolist(), stage.body.gain)
+        yield from numbered("stage.mark", (words for words, *_ in marks.words if not isinstance(words, str)))
     yield from numbered("stage.note", stage.note)
 
 

@@ -109,7 +109,7 @@ def _pairing(twins: Twins, relative: float) -> LineFigure:
         "pairing", text("observer forward, dual backward"), twins.pair.t,
         (Curve(same("‖e(t)‖"), np.linalg.norm(twins.pair.e, axis=1), "error"),
          Curve(same("‖x_d(T − t)‖"), np.linalg.norm(twins.pair.z, axis=1), "second", "dash"),
-         Curve(same("x_d(T − t)ᵀ e(t)"), twins.pairing, "reference", "solid", 2.6)),
+         Curve(same("x_d(T − t)ᵀ e(t)"), twins.pairing, "muted", "solid", 2.6)),
         "‖e‖, ‖x_d‖, x_dᵀe", window=(-0.5, 1.5), tab=DUAL_TAB,
         caption=text("The product stays at {value} to {relative:.0e} of the size of its factors.",
                      value=value, relative=relative))

@@ -12,7 +12,6 @@ import numpy as np
 from observer_lab.colours import COLOURS, rgb
 from observer_lab.course.lesson import Stage
 from observer_lab.plants.bodies.body import (
-    BENCH,
     DARK_GREY,
     PLANT_COLOUR,
     STEEL,
@@ -30,7 +29,7 @@ from observer_lab.plants.bodies.body import (
 )
 from observer_lab.plants.bodies.front_bars import share_of_decades, size_words
 from observer_lab.plants.spring_damper import BLOCK_EDGE
-from observer_lab.text import Text, format_number, same, text, text_in
+from observer_lab.text import format_number, text, text_in
 
 from .dual_quantities import Twins
 from .knobs import BOTH, DUAL, MODEL, NOTHING, PAIR
@@ -46,13 +45,17 @@ SENSOR_PARTS = (
 )
 STATES = 3  # of a record before all else: q, v and the sensor's angle
 SIZE, TILE_PITCH, THIN = 0.58, 0.66, 0.08  # edge of a tile, from one to the next, its thickness
-TOP, TILE_Y = 2.32, 0.5  # z of the upper row, y of the tiles
-PLATE_BACK, PLATE_FOOT = 0.07, 1.3  # how far behind the tiles the plate is, z of its lower edge
-ROW_AT, FIRST_ROW, COLUMN_AT = -0.72, -1.5, 0.6  # x of the first tile of K_d, and of those of K and L
+TOP, TILE_Y = 2.32, 0.5  # z of the upper tile of a column, y of the tiles
+MIDDLE = TOP - TILE_PITCH / 2  # z of a row, and of the middle of a column
+PLATE_BACK, PLATE_WIDE, PLATE_FOOT, PLATE_PAST = 0.07, 3.7, 1.18, 0.14  # behind the tiles; its width, z of its foot, past the tiles
+ROW_AT, COLUMN_AT = -0.78, 1.22  # x of the first tile of a row, and of a column
+BRACKET, LINE, BRACKET_TIP = 0.08, 0.035, 0.13  # from tiles to a bracket around them, its thickness, how long its tips are
+NAME_BEFORE = 0.06  # from a bracket to the sign before it
+HOP, BEHIND, UNSEEN = 0.15, 0.004, -9.0  # how far tiles come forward on their way, how far behind others they begin; out of sight
 HALF_TURN_DEG = 45.0  # from which angle on a turning row is called a column
 PAIR_DECADES = -2, 1  # of the bars of the pair
 BAR_AT, BAR_LONG, BAR_PITCH, THICK = -0.5, 1.9, 0.4, 0.09  # where bars begin, three decades of them, to the next row; radius
-NAME_AT, LEAST = -1.18, 0.004  # where the names of bars are; the least share that is drawn
+BAR_TOP, NAME_AT, LEAST = 2.29, -0.62, 0.004  # z of the first bar; where the names of bars end; the least share that is drawn
 PAIR_BARS = ((text("error, forward"), COLOURS["error"]), (text("dual state, backward"), COLOURS["second"]),
              (text("product"), COLOURS["muted"]))
 AS_K, AS_L = rgb(PLANT_COLOUR), rgb(COLOURS["estimate"])
@@ -73,12 +76,16 @@ def with_sensor(body: Body) -> Body:
 
 
 BODY = with_sensor(MODEL.body)
-Tiles = Callable[[Sequence[float]], tuple[tuple[float, Vector, tuple[int, int, int]], ...]]
+Tile = tuple[float, Vector, tuple[int, int, int]]  # its number, its place, its colour
+Tiles = Callable[[Sequence[float]], tuple[Tile, ...]]
+ROW: tuple[Vector, Vector] = ((ROW_AT, TILE_Y, MIDDLE), (ROW_AT + TILE_PITCH, TILE_Y, MIDDLE))
+COLUMN: tuple[Vector, Vector] = ((COLUMN_AT, TILE_Y, TOP), (COLUMN_AT, TILE_Y, TOP - TILE_PITCH))
 
 
-def _with_tiles(body: Body, count: int, tiles: Tiles, labels: tuple[tuple[Text | str, Vector], ...], pale: tuple[Vector, ...]) -> Body:
-    """The body below tiles, each with its number, its place and its colour; `pale` are places where a tile has been."""
-    body, fixed = _with_plate(body), {f"was {k}": Pose(at) for k, at in enumerate(pale)}
+def _with_tiles(body: Body, tiles: Tiles, row: str, empty: bool = False) -> Body:
+    """The body below a row in brackets, named `row`, and a column, which is L; the places of its tiles are pale while it is `empty`."""
+    body, brackets, pale = _with_plate(body), {**_brackets("row", ROW), **_brackets("column", COLUMN)}, COLUMN if empty else ()
+    fixed = {name: pose for name, (pose, _) in brackets.items()} | {f"place {k}": Pose(at) for k, at in enumerate(pale)}
 
     def pose(x: Sequence[float], gain: float) -> Mapping[str, Pose]:
         found = {f"tile {k}": Pose(at, colour=colour) for k, (_, at, colour) in enumerate(tiles(x[STATES:]))}
@@ -86,42 +93,63 @@ def _with_tiles(body: Body, count: int, tiles: Tiles, labels: tuple[tuple[Text |
 
     def marks(x: Sequence[float], xhat: Sequence[float], gain: float) -> ErrorMarks:
         assert body.marks is not None
-        before = body.marks(x, xhat, gain)
-        return ErrorMarks(before.bars, (*before.words, *((format_number(value, ".3g"), (at[0], at[1] - THIN, at[2]), "center-center")
-                                                         for value, at, _ in tiles(x[STATES:]))))
+        before, drawn = body.marks(x, xhat, gain), tiles(x[STATES:])
+        numbers = ((format_number(value, ".3g"), (at[0], at[1] - THIN, at[2] if _seen(at, drawn[:k]) else UNSEEN), "center-center")
+                   for k, (value, at, _) in enumerate(drawn))
+        signs = ((f"{name} =", (first[0] - SIZE / 2 - BRACKET - NAME_BEFORE, TILE_Y - THIN, MIDDLE), "center-right")
+                 for name, (first, _) in ((row, ROW), ("L", COLUMN)))
+        return ErrorMarks(before.bars, (*before.words, *signs, *numbers))
 
-    parts = (*body.parts, *(Part(f"was {k}", Box((SIZE, THIN / 2, SIZE)), COLOURS["muted"], opacity=0.4) for k in range(len(pale))),
-             *(Part(f"tile {k}", Box((SIZE, THIN, SIZE)), PLANT_COLOUR) for k in range(count)))
-    return replace(body, parts=parts, pose=pose, marks=marks, labels=(*body.labels, *labels))
-
-
-def _turning(tail: Sequence[float]) -> tuple[tuple[float, Vector, tuple[int, int, int]], ...]:
-    """The two entries and the angle in degrees: the second tile goes round the first one, from beside it to below it."""
-    first, second, degrees = map(float, tail[:3])
-    turn, colour = math.radians(degrees), AS_L if degrees >= HALF_TURN_DEG else AS_K
-    at = (ROW_AT + TILE_PITCH * math.cos(turn), TILE_Y, TOP - TILE_PITCH * math.sin(turn))
-    return (first, (ROW_AT, TILE_Y, TOP), colour), (second, at, colour)
+    parts = (*body.parts, *(Part(name, Box(size), DARK_GREY) for name, (_, size) in brackets.items()),
+             *(Part(f"place {k}", Box((SIZE, THIN / 2, SIZE)), COLOURS["muted"], opacity=0.35) for k in range(len(pale))),
+             *(Part(f"tile {k}", Box((SIZE, THIN, SIZE)), PLANT_COLOUR) for k in range(len(ROW) + len(COLUMN))))
+    return replace(body, parts=parts, pose=pose, marks=marks)
 
 
-def _both(tail: Sequence[float]) -> tuple[tuple[float, Vector, tuple[int, int, int]], ...]:
+def _seen(at: Vector, before: Sequence[Tile]) -> bool:
+    """Whether no other tile lies before one."""
+    return all(math.dist(at, other) > SIZE / 2 for _, other, _ in before)
+
+
+def _brackets(name: str, tiles: Sequence[Vector]) -> dict[str, tuple[Pose, Vector]]:
+    """The pieces of the brackets on both sides of tiles, each with its size."""
+    high, low = (side(at[2] for at in tiles) + sign * (SIZE / 2 + LINE) for side, sign in ((max, 1), (min, -1)))
+    found = dict[str, tuple[Pose, Vector]]()
+    for end, (edge, sign) in {"left": (min(at[0] for at in tiles), -1), "right": (max(at[0] for at in tiles), 1)}.items():
+        across = edge + sign * (SIZE / 2 + BRACKET)
+        found[f"{name} {end}"] = Pose((across, TILE_Y, (low + high) / 2)), (LINE, LINE, high - low)
+        for tip, z in (("top", high), ("foot", low)):
+            found[f"{name} {end} {tip}"] = Pose((across - sign * (BRACKET_TIP - LINE) / 2, TILE_Y, z)), (BRACKET_TIP, LINE, LINE)
+    return found
+
+
+def _turning(tail: Sequence[float]) -> tuple[Tile, ...]:
+    """The two entries of K_d and an angle in degrees: their copies go from the row to the column as it rises to a right angle."""
+    entries, turn = [float(v) for v in tail[:2]], math.radians(float(tail[2]))
+    colour, gone = AS_L if float(tail[2]) >= HALF_TURN_DEG else AS_K, math.sin(turn)
+    x, z = ROW_AT + (COLUMN_AT - ROW_AT) * gone, MIDDLE + (TOP - MIDDLE) * gone
+    y = TILE_Y + BEHIND * math.cos(turn) - HOP * math.sin(2 * turn)
+    second = x + TILE_PITCH * math.cos(turn), y, z - TILE_PITCH * math.sin(turn)
+    return (*((v, at, AS_K) for v, at in zip(entries, ROW, strict=True)), (entries[0], (x, y, z), colour), (entries[1], second, colour))
+
+
+def _both(tail: Sequence[float]) -> tuple[Tile, ...]:
     """K as a row and L as a column."""
-    K1, K2, L1, L2 = map(float, tail[:4])
-    return ((K1, (FIRST_ROW, TILE_Y, TOP), AS_K), (K2, (FIRST_ROW + TILE_PITCH, TILE_Y, TOP), AS_K),
-            (L1, (COLUMN_AT, TILE_Y, TOP), AS_L), (L2, (COLUMN_AT, TILE_Y, TOP - TILE_PITCH), AS_L))
+    return tuple((float(v), at, colour) for v, at, colour in zip(tail, (*ROW, *COLUMN), (AS_K, AS_K, AS_L, AS_L), strict=False))
 
 
 def _with_plate(body: Body) -> Body:
     """The body below an upright plate on a post."""
-    high = TOP - PLATE_FOOT + SIZE / 2
+    high = TOP - PLATE_FOOT + SIZE / 2 + PLATE_PAST
     fixed = {"plate": Pose((0.0, TILE_Y + PLATE_BACK, PLATE_FOOT + high / 2)),
              "plate post": Pose((0.0, TILE_Y + 2 * PLATE_BACK, TOP / 2))}
-    parts = Part("plate", Box((3.7, 0.04, high)), BENCH), Part("plate post", Box((0.1, 0.06, TOP)), STEEL)
+    parts = Part("plate", Box((PLATE_WIDE, 0.04, high)), COLOURS["paper"]), Part("plate post", Box((0.1, 0.06, TOP)), STEEL)
     return replace(body, parts=(*body.parts, *parts), pose=lambda x, gain: {**body.pose(x, gain), **fixed})
 
 
 def _pair_body() -> Body:
     """Bars on the plate: after the states come the shares of the decades now, then those at the start, which are pale."""
-    body, count, rows = _with_plate(BODY), len(PAIR_BARS), [TOP + 0.05 - BAR_PITCH * k for k in range(len(PAIR_BARS))]
+    body, count, rows = _with_plate(BODY), len(PAIR_BARS), [BAR_TOP - BAR_PITCH * k for k in range(len(PAIR_BARS))]
 
     def bars(name: str, shares: Sequence[float]) -> Mapping[str, Pose]:
         return {f"{name} {k}": pose_between((BAR_AT, TILE_Y, z), (BAR_AT + BAR_LONG * max(float(share), LEAST), TILE_Y, z))
@@ -134,12 +162,12 @@ def _pair_body() -> Body:
         assert body.marks is not None
         before = body.marks(x, xhat, gain)
         farther = [max(float(now), float(then)) for now, then in zip(x[STATES:STATES + count], x[STATES + count:], strict=True)]
-        return ErrorMarks(before.bars, (*before.words, *(
-            (size_words(float(share), *PAIR_DECADES), (BAR_AT + BAR_LONG * end + 0.12, TILE_Y - THIN, z), "center-left")
-            for share, end, z in zip(x[STATES:], farther, rows, strict=False))))
+        sizes = ((size_words(float(share), *PAIR_DECADES), (BAR_AT + BAR_LONG * end + 0.12, TILE_Y - THIN, z), "center-left")
+                 for share, end, z in zip(x[STATES:], farther, rows, strict=False))
+        names = ((name, (NAME_AT, TILE_Y - THIN, z), "center-right") for (name, _), z in zip(PAIR_BARS, rows, strict=True))
+        return ErrorMarks(before.bars, (*before.words, *names, *sizes))
 
-    labels = tuple((name, (NAME_AT, TILE_Y - THIN, z + 0.08)) for (name, _), z in zip(PAIR_BARS, rows, strict=True))
-    return replace(body, pose=pose, marks=marks, labels=(*body.labels, *labels), parts=(
+    return replace(body, pose=pose, marks=marks, parts=(
         *body.parts, *(Part(f"bar {k}", Rod(THICK), colour) for k, (_, colour) in enumerate(PAIR_BARS)),
         *(Part(f"begun {k}", Rod(1.25 * THICK), colour, opacity=0.3) for k, (_, colour) in enumerate(PAIR_BARS))))
 
@@ -148,12 +176,9 @@ def _pair_body() -> Body:
 def body_of(tiles: str, turned: bool) -> Body:
     """The block with its sensor and what is shown beside it; `turned`: whether the row of K_d has become a column."""
     if tiles == DUAL:
-        name = text("L: the column, for (A, C)") if turned else text("K_d: a row, for (Aᵀ, Cᵀ)")
-        pale = ((ROW_AT + TILE_PITCH, TILE_Y, TOP),) if turned else ()
-        return _with_tiles(BODY, 2, _turning, ((name, (1.0, TILE_Y - THIN, TOP + 0.1)),), pale)
+        return _with_tiles(BODY, _turning, "K_d", not turned)
     if tiles == BOTH:
-        return _with_tiles(BODY, 4, _both, ((same("K"), (FIRST_ROW + TILE_PITCH / 2, TILE_Y - THIN, TOP - 0.42)),
-                                            (same("L"), (COLUMN_AT + 0.55, TILE_Y - THIN, TOP - 0.2))), ())
+        return _with_tiles(BODY, _both, "K")
     return _pair_body() if tiles == PAIR else BODY
 
 

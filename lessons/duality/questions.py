@@ -14,6 +14,7 @@ from observer_lab.engine.systems import sorted_poles
 from observer_lab.text import NO_WORDS, same, symbol, text
 
 FASTER = 2.0  # times the controller's pace: an observer whose poles cannot be taken for those of the controller
+OF_K, OF_L = ((text("the run: {gain}", gain="K"), "plant"),), ((text("the run: {gain}", gain="L"), "estimate"),)
 SCALED = 0.5  # a factor that an option says is still missing
 
 
@@ -42,17 +43,17 @@ def predict(asked: Asked) -> DrawnQuestion:
     return question_of_bar_groups(text("K_d is known; how large are the entries of L?"), text("gain"), (),
                                   (same(symbol("L1")), same(symbol("L2"))),
                                   (_entries(twins.K), tuple(-v for v in given), given, tuple(SCALED * v for v in given)),
-                                  _entries(twins.L), level=(text("entries of K_d"), given))
+                                  _entries(twins.L), "estimate", (text("entries of K_d"), given))
 
 
 def surprise(asked: Asked) -> DrawnQuestion:
-    """The entries of both gains with the turned sensor: those of both change places, none, or those of L."""
+    """The entries of both gains with the turned sensor, in the colours of their tiles: those of both change places, none, or those of L."""
     before, after = asked.entry.study, asked.after.study
     K, L = _entries(before.K), _entries(before.L)
     return question_of_bar_groups(text("both gains with the turned sensor"), text("gain"), (),
                                   tuple(same(symbol(name)) for name in ("K1", "K2", "L1", "L2")),
                                   ((*K[::-1], *L[::-1]), (*K, *L), (*K, *L[::-1])), (*_entries(after.K), *_entries(after.L)),
-                                  level=(text("now"), (*K, *L)))
+                                  level=(text("now"), (*K, *L)), runs=OF_K * len(K) + OF_L * len(L))
 
 
 QUESTIONS = MappingProxyType({"recall": recall, "predict": predict, "surprise": surprise})

@@ -14,6 +14,7 @@ from observer_lab.lessons.duality.finite_horizon import horizon_of
 from observer_lab.lessons.duality.knobs import MODEL
 from observer_lab.lessons.duality.lesson import LESSON
 from observer_lab.lessons.duality.study import turned
+from observer_lab.text import label_in_language
 
 
 def outcome(**changes):
@@ -198,12 +199,12 @@ def test_each_branch_of_the_locus_is_one_curve():
 def words_of(o, k: int = 0) -> list[str]:
     """The words that follow the run on the stage, with the signs of numbers."""
     marks = o.stage.body.marks(o.stage.x[k].tolist(), o.stage.xhat[k].tolist(), 1.0)
-    return [words.replace("−", "-") for words, *_ in marks.words]
+    return [label_in_language(words, "en").replace("−", "-") for words, *_ in marks.words]
 
 
 @pytest.mark.parametrize("sensor", [0.0, 40.0, 90.0])
 def test_the_row_of_tiles_is_the_gain_of_the_transposed_plant_and_turns_into_the_column_of_the_observers(sensor):
-    """K_d places the poles of Aᵀ − CᵀK_d; transposed, the first entry stays and the second goes from beside it to below it."""
+    """K_d places the poles of Aᵀ − CᵀK_d; transposed, a copy of the row becomes a column beside it."""
     A, C = np.array([[0.0, 1.0], [-1.0, -0.5]]), np.array([[np.cos(np.radians(sensor)), np.sin(np.radians(sensor))]])
     row, column = (outcome(tiles="dual", transposed=degrees, sensor=sensor) for degrees in (0.0, 90.0))
     K_d = np.array([[float(word) for word in words_of(row)[-2:]]])
@@ -211,12 +212,18 @@ def test_the_row_of_tiles_is_the_gain_of_the_transposed_plant_and_turns_into_the
     L = np.array([[float(word)] for word in words_of(column)[-2:]])
     np.testing.assert_allclose(np.poly(A - L @ C), [1.0, 1.6, 1.28], atol=0.02)
     np.testing.assert_array_equal(L, K_d.T)
-    (first, second), (upper, lower) = ([np.array(o.stage.body.pose(o.stage.x[0].tolist(), 1.0)[f"tile {k}"].position) for k in (0, 1)]
-                                       for o in (row, column))
-    np.testing.assert_allclose(first, upper)
-    np.testing.assert_allclose([(second - first)[0], (lower - upper)[2]], [0.66, -0.66])
-    np.testing.assert_allclose([(second - first)[2], (lower - upper)[0]], 0.0, atol=1e-12)
-    np.testing.assert_allclose(column.stage.body.pose(column.stage.x[0].tolist(), 1.0)["was 0"].position, second)
+    np.testing.assert_allclose([[float(word) for word in words_of(o)[-4:-2]] for o in (row, column)], [K_d[0], K_d[0]])
+    poses = [o.stage.body.pose(o.stage.x[0].tolist(), 1.0) for o in (row, column)]
+    before, after = (np.array([each[f"tile {k}"].position for k in range(4)]) for each in poses)
+    np.testing.assert_allclose(before[:2], after[:2])  # the row itself stays
+    np.testing.assert_allclose(before[2:], before[:2], atol=0.005)  # its copy lies in it at first
+    np.testing.assert_allclose(before[1] - before[0], [0.66, 0.0, 0.0], atol=1e-12)
+    np.testing.assert_allclose(after[3] - after[2], [0.0, 0.0, -0.66], atol=1e-12)
+    assert after[2][0] > after[1][0] + 0.58
+    seen = [[at[2] > 0 for _, at, _ in o.stage.body.marks(o.stage.x[0].tolist(), o.stage.xhat[0].tolist(), 1.0).words[-4:]]
+            for o in (row, column)]
+    assert seen == [[True, True, False, False], [True] * 4]
+    assert poses[0]["tile 2"].colour == poses[0]["tile 0"].colour == poses[1]["tile 0"].colour != poses[1]["tile 2"].colour
 
 
 def test_the_tiles_of_k_are_a_row_and_those_of_l_a_column_and_a_turned_sensor_changes_l_alone():

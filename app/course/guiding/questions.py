@@ -22,7 +22,8 @@ YOU, RUN = text("you"), text("the run")
 YOUR_DIAMONDS, CROSSES_OF_RUN = text("diamonds: you"), text("crosses: the run")
 MAX_SAMPLES = 160  # of a curve in a question's figure
 COLUMNS = 40  # at which a hand draws a curve
-BAR_WIDTH, BAR_GAP = 26.0, 0.19  # px; between the bars of one place, in places
+BAR_WIDTH, BAR_GAP = 26.0, 0.19  # px, the widest; between the bars of one place, in places
+ALL_BARS = 88.0  # px that bars of one each place may take together, so that none touches the next
 SAME = 0.01  # of the axis: curves this near lie on one another
 ROOM, ENDS = 1.08, (1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0)  # of an axis over its largest value; where an axis may end
 LEVEL_WIDTH, LEVEL_HALF = 4.0, 0.42  # px; half the length of a line across a place, in places
@@ -59,8 +60,9 @@ class DrawnQuestion:
         """
         yours = self.options[chosen] if chosen is not None and chosen >= 0 else ()
         if sketch is not None and len(sketch) == len(self.columns):
-            heights = self.heights_of(sketch)
-            yours = tuple(_bar(x, h, YOU, "reference", -1, "dash") for x, h in zip(self.columns, heights, strict=True)) if self.bars else (
+            heights, places = self.heights_of(sketch), len(self.figure.names)
+            yours = tuple(_bar(x, h, YOU, "reference", places, -1, "dash")
+                          for x, h in zip(self.columns, heights, strict=True)) if self.bars else (
                 Curve(YOU, np.array(heights), "reference", "dash", 2.4, np.array(self.columns)),)
         parts = (*yours, *(self.run if answered else ()))
         curves = (*self.figure.curves, *(p for p in parts if isinstance(p, Curve)))
@@ -144,21 +146,25 @@ def question_of_bars(title: Text, y_label: Text | str, known: Sequence[tuple[Tex
 
 def question_of_bar_groups(title: Text, y_label: Text | str, known: Sequence[tuple[Text, float]], asked: Sequence[Text],
                            options: Sequence[Sequence[float]], run: Sequence[float], role: str = "plant",
-                           level: tuple[Text, Sequence[float]] = (NO_WORDS, ())) -> DrawnQuestion:
+                           level: tuple[Text, Sequence[float]] = (NO_WORDS, ()),
+                           runs: Sequence[tuple[Text, str]] = ()) -> DrawnQuestion:
     """Bars at several places that are asked about: each option and the run give one height for each of them.
 
-    `level` is a name and a height for each of these places that is known already, drawn as a line across it.
+    `level` is a name and a height for each of these places that is known already, drawn as a line across it. `runs` are the names and
+    colours of the run's bars where they differ from place to place.
     """
     low, high = _range([np.array([value for _, value in known] or [0.0]), np.array(level[1] or (0.0,)),
                         *(np.array(each, dtype=float) for each in options), np.array(run, dtype=float)])
     first = len(known)
     names = tuple((float(k), name) for k, name in enumerate([*(name for name, _ in known), *asked]))
-    drawn = (*(_bar(k, value, NO_WORDS, "muted") for k, (_, value) in enumerate(known)), *_levels(first, *level))
+    drawn = (*(_bar(k, value, NO_WORDS, "muted", len(names)) for k, (_, value) in enumerate(known)), *_levels(first, *level))
     figure = PlaneFigure("question", title, drawn, (), "", y_label, (-0.6, len(names) - 0.4), (low, high), names=names)
 
-    def group(values: Sequence[float], side: float, name: Text, role: str, dash: Dash = "solid") -> tuple[Curve, ...]:
-        return tuple(_bar(first + k, value, name, role, side, dash) for k, value in enumerate(values))
-    return DrawnQuestion(figure, tuple(group(each, -1, YOU, "reference", "dash") for each in options), group(run, +1, RUN, role),
+    def group(values: Sequence[float], side: float, looks: Sequence[tuple[Text, str]], dash: Dash = "solid") -> tuple[Curve, ...]:
+        return tuple(_bar(first + k, value, name, role, len(names), side, dash)
+                     for k, (value, (name, role)) in enumerate(zip(values, looks, strict=True)))
+    yours, shown = ((YOU, "reference"),) * len(asked), tuple(runs) or ((RUN, role),) * len(asked)
+    return DrawnQuestion(figure, tuple(group(each, -1, yours, "dash") for each in options), group(run, +1, shown),
                          tuple(float(first + k) for k in range(len(asked))), bars=True)
 
 
@@ -169,9 +175,14 @@ def _levels(first: int, name: Text, heights: Sequence[float]) -> Iterator[Curve]
                     np.array([first + k - LEVEL_HALF, first + k + LEVEL_HALF]))
 
 
-def _bar(at: float, value: float, name: Text, role: str, side: float = 0.0, dash: Dash = "solid") -> Curve:
-    """A bar from zero at a place, beside its middle where another one stands there too; with a `dash` its edge alone."""
-    return Curve(name, np.array([0.0, float(value)]), role, dash, BAR_WIDTH, np.full(2, at + side * BAR_GAP))
+def bar_width(places: int) -> float:
+    """How wide a bar is, in px, in a figure with so many places."""
+    return min(BAR_WIDTH, round(ALL_BARS / places, 1))
+
+
+def _bar(at: float, value: float, name: Text, role: str, places: int, side: float = 0.0, dash: Dash = "solid") -> Curve:
+    """A bar from zero at one of the places, beside its middle where another one stands there too; with a `dash` its edge alone."""
+    return Curve(name, np.array([0.0, float(value)]), role, dash, bar_width(places), np.full(2, at + side * BAR_GAP))
 
 
 def question_of_poles(title: Text, known: Sequence[Point], options: Sequence[Sequence[complex]], run: Sequence[complex],

@@ -72,17 +72,17 @@ class PartNames:
 class ErrorMarkLines:
     """The bars and words of an error that is drawn to scale."""
 
-    def __init__(self, scene: viser.SceneApi, letters: SceneLabels, first: ErrorMarks) -> None:
-        self._letters = letters
+    def __init__(self, scene: viser.SceneApi, letters: SceneLabels, first: ErrorMarks, language: str) -> None:
+        self._letters, self._language = letters, language
         self._bars = scene.add_line_segments(ERROR_BARS, np.array([HIDDEN_SEGMENT], np.float32), rgb(COLOURS["error"]), thickness=BAR_THICK)
-        self._labels = [letters.write(f"/error-words/{i}", words, at, anchor, WORDS_SIZE)
+        self._labels = [letters.write(f"/error-words/{i}", label_in_language(words, language), at, anchor, WORDS_SIZE)
                         for i, (words, at, anchor) in enumerate(first.words)]
 
     def place(self, marks: ErrorMarks, frame: Frame) -> None:
         """Write into a frame where they are."""
         frame[ERROR_BARS, "points"] = flatten_segments([*marks.bars, HIDDEN_SEGMENT])
         for label, (words, at, _) in zip(self._labels, marks.words, strict=True):
-            frame[label.name, "position"], frame[label.name, "text"] = at, letters_of(words)
+            frame[label.name, "position"], frame[label.name, "text"] = at, letters_of(label_in_language(words, self._language))
 
     def remove(self) -> None:
         """Take them off the stage."""

@@ -141,7 +141,8 @@ class StageView:
         self._say(stage, language)
         self._called = [(label_in_language(words, language), place) for words, place in body.labels]
         if body.marks is not None and stage.xhat is not None:
-            self._marks = ErrorMarkLines(self._scene, self._letters, body.marks(stage.x[0].tolist(), stage.xhat[0].tolist(), body.gain))
+            self._marks = ErrorMarkLines(self._scene, self._letters, body.marks(stage.x[0].tolist(), stage.xhat[0].tolist(), body.gain),
+                                         language)
         self._names = [self._letters.write(f"/name/{i}", *name, "top-center") for i, name in enumerate(stagger_names(self._called, em))]
 
     def needs_resize(self, em: float) -> bool:

@@ -9,7 +9,7 @@ import numpy as np
 from ...classroom.answer_grids import LEVELS
 from ...classroom.votes import Vote
 from ...course.figures.records import PlaneFigure
-from ...course.guiding.questions import BAR_WIDTH
+from ...course.guiding.questions import bar_width
 from ...session.state.view import Picture
 from ..charts.print_sizes import Sizes
 from ..charts.svg import axes_of_plane, draw, sketch_frame
@@ -48,11 +48,11 @@ def _strokes(vote: Vote, counts: tuple[int, ...], columns: tuple[float, ...], fi
     grid, axes = vote.asked.sketch, axes_of_plane(figure, language, sizes.question())
     places = np.interp(np.linspace(0, len(columns) - 1, grid.columns), np.arange(len(columns)), columns)
     low, high = figure.y_range
-    most, out = max(counts), []
+    most, out, wide = max(counts), [], bar_width(max(len(figure.names), 1))
     for cell, count in enumerate(counts):
         if count:
             ends = [axes.at(float(places[column]), low + level / (LEVELS - 1) * (high - low)) for column, level in grid.places_of(cell)]
             path = " L".join(f"{x:.1f} {y:.1f}" for x, y in ends) if not grid.bars else (
-                f"{ends[0][0] - BAR_WIDTH / 2:.1f} {ends[0][1]:.1f}h{BAR_WIDTH:g}")
+                f"{ends[0][0] - wide / 2:.1f} {ends[0][1]:.1f}h{wide:g}")
             out.append(f'<path d="M{path}" opacity="{FAINTEST + (1 - FAINTEST) * count / most:.2f}"/>')
     return "".join(out)

@@ -117,10 +117,13 @@ class PartName:
 
 @dataclass(frozen=True)
 class ErrorMarks:
-    """An error that is drawn to scale: bars between a plant and its ghost, and words with its size, each with its place and its anchor."""
+    """An error that is drawn to scale: bars between a plant and its ghost, and words with its size, each with its place and its anchor.
+
+    Plain strings are the same in every language.
+    """
 
     bars: tuple[tuple[Vector, Vector], ...]
-    words: tuple[tuple[str, Vector, str], ...]
+    words: tuple[tuple[Text | str, Vector, str], ...]
 
 
 MOST_NAMES = 4  # of a body's parts
