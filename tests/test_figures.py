@@ -116,6 +116,14 @@ def test_an_axis_is_a_finite_range_whatever_the_data(series: list[list[float]], 
     assert not log or low >= LOG_AXIS_FLOOR / 10
 
 
+def test_an_axis_ends_at_the_most_that_a_figure_shows_and_keeps_its_window() -> None:
+    figure = time_figure([-100.0, 50.0])
+    assert axis_range(replace(figure, most=(-15.0, 15.0))) == (-20.0, 20.0)
+    assert axis_range(replace(figure, most=(-500.0, 500.0))) == axis_range(figure)
+    low, high = axis_range(replace(figure, most=(-1.0, 1.0), window=(-10.0, 10.0)))
+    assert low <= -10 and 10 <= high < 50
+
+
 def test_the_window_is_always_inside() -> None:
     low, high = axis_range(time_figure([0.1, 0.2], window=(-3.0, 4.0)))
     assert low <= -3 and high >= 4

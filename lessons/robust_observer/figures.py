@@ -30,6 +30,7 @@ POLE_GRID = np.linspace(-12.0, -0.2, 48)
 NORM_WEIGHTS = np.linspace(0.0, 3.0, 31)
 LARGE_N = 20.0
 SIGNAL_LIMIT = 200.0  # signals beyond are drawn at the edge
+SHOWN_INPUT, SHOWN_OVER_LATE = 10.0, 3.0  # the least end of the axis of inputs, and times the largest input of the second half
 NO_VALUE = same("–")
 
 
@@ -68,12 +69,15 @@ def _error(outcome: Outcome[Story]) -> LineFigure:
 def _input(outcome: Outcome[Story]) -> LineFigure:
     run = outcome.study.true
     given = run.u[:, 0]
-    peak = min(float(np.max(np.abs(given))), DISPLAY_LIMIT)
+    peak, late = float(np.max(np.abs(given))), float(np.max(np.abs(given[len(given) // 2:])))
+    shown = round_up_nicely(max(SHOWN_OVER_LATE * late, SHOWN_INPUT))
+    caption = text("v = −4 sin(5t + π/2). Largest input given: {peak:.3g}.", peak=min(peak, DISPLAY_LIMIT))
     return LineFigure("input", text("input wanted and given"), run.t,
                       (Curve(text("wanted, −Kx + v"), _edge(given - run.e), "plant"),
                        Curve(text("given"), _edge(given), "estimate", "dash"),
-                       Curve(same("v"), run.v, "muted", "dot", 1.4)), "u", window=(-10.0, 10.0),
-                      caption=text("v = −4 sin(5t + π/2). Largest input given: {peak:.3g}.", peak=peak), tab=TIME_TAB)
+                       Curve(same("v"), run.v, "muted", "dot", 1.4)), "u", window=(-SHOWN_INPUT, SHOWN_INPUT),
+                      caption=joined(caption, text("The start is outside the axis.")) if peak > shown else caption, tab=TIME_TAB,
+                      most=(-shown, shown))
 
 
 def _output(outcome: Outcome[Story]) -> LineFigure:

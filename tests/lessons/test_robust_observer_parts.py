@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from observer_lab.course.figures.records import LineFigure
 from observer_lab.course.lesson import Outcome
 from observer_lab.lessons.robust_observer.lesson import LESSON
 from observer_lab.lessons.robust_observer.study import Story
@@ -60,6 +61,38 @@ def test_each_bar_is_what_one_error_of_the_model_adds_by_the_papers_equations(s:
         expected = np.clip(np.append(parts, missed) / 3.0, -1, 1)
         rows = rows_drawn(plant, t)
         np.testing.assert_allclose(rows, np.where(np.abs(expected) < 0.004, np.copysign(0.004, rows), expected), atol=2e-6)
+
+
+@pytest.mark.parametrize("example", ["1", "4"])
+def test_bars_beads_and_lines_lie_on_the_sloping_panel_one_row_below_the_other(example: str) -> None:
+    """The panel rises 0.195 for 0.165 away from the viewer: a bar's axis is its radius and a line's thickness off it."""
+    stage = outcome(example=example, input=0.1).stage
+    assert stage is not None
+    poses, parts = stage.body.pose(stage.x[40].tolist(), 1.0), {part.name: part for part in stage.body.parts}
+    normal = np.array([0.0, -0.195, 0.165]) / np.hypot(0.195, 0.165)
+    face = np.array(poses["panel"].position) + 0.035 * normal
+
+    def off(name: str) -> float:
+        return float((np.array(poses[name].position) - face) @ normal)
+
+    shape = [parts[f"part {k}"].shape for k in range(6)]
+    assert [off(f"part {k}") for k in range(6)] == pytest.approx([each.radius + 0.012 for each in shape if isinstance(each, Rod)])
+    assert [off(f"bead {k}") for k in range(4)] == pytest.approx([0.095] * 4)
+    heights = np.array([poses[f"part {k}"].position[2] for k in range(5)])
+    np.testing.assert_allclose(np.diff(heights), -0.195, atol=1e-9)
+    ends = [poses[f"line {name}"].position[0] - poses["line 0"].position[0] for name in ("-1", "1")]
+    assert ends == pytest.approx([-HALF, HALF]) and poses["part 5"].position[0] == pytest.approx(poses["line 0"].position[0])
+
+
+def test_the_axis_of_the_input_is_three_times_the_late_input_and_the_caption_says_what_is_outside() -> None:
+    for pole in (-10.0, -5 / 3):
+        o = outcome(pole=(pole,))
+        u = np.abs(o.study.true.u[:, 0])
+        figure = next(f for f in LESSON.figures(o) if f.id == "input")
+        assert isinstance(figure, LineFigure) and figure.most is not None
+        wanted = max(3 * u[len(u) // 2:].max(), 10.0)
+        assert figure.most[0] == -figure.most[1] and wanted <= figure.most[1] <= 2.5 * wanted
+        assert ("outside the axis" in figure.caption("en")) == (u.max() > figure.most[1])
 
 
 @pytest.mark.parametrize("example", ["1", "2", "3", "4"])

@@ -42,6 +42,8 @@ def axis_range(figure: LineFigure) -> tuple[float, float]:
         return min(low, high / 10), high
     low = min((float(np.min(y)) for y in data), default=-1.0)
     high = max((float(np.max(y)) for y in data), default=1.0)
+    if figure.most is not None:
+        low, high = max(low, figure.most[0]), min(high, figure.most[1])
     if figure.window is not None:
         low, high = min(low, figure.window[0]), max(high, figure.window[1])
     low, high = (-round_up_nicely(-low * 1.02, FINE_STEPS) if low < 0 else 0.0,

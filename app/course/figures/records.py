@@ -44,6 +44,7 @@ class LineFigure(FigureRecord):
     caption: Text = NO_WORDS
     tab: Text = TIME
     window: tuple[float, float] | None = None  # the least range that the y axis shows
+    most: tuple[float, float] | None = None  # the largest range that it shows; curves may leave it
 
     @property
     def x_label(self) -> str:

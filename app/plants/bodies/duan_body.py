@@ -125,6 +125,6 @@ def rack_body(n: int, q: int, full: Sequence[float], rows: CauseRows, most: floa
         labels, marks=None if tower is None else marks, names=(
         PartName(text("input wanted"), "u level", (-0.75, -0.4, -0.4)),
         PartName(GHOST_NAME, "u level", (0.75, -0.4, 0.6), True),
-        PartName(text("error of the model"), "bead 2", (0.2, -0.3, -0.2)),
+        PartName(text("error of the model"), "bead 2", (0.34, -0.2, 0.14)),
         PartName(text("adds to the error"), "part 2", (0.5, -0.3, 0.5)),
     ))
