@@ -76,7 +76,7 @@ class Case:
     @cached_property
     def tested(self) -> Body:
         """The body behind the bars of NEES per state and of NIS per reading, both 1 for a consistent filter."""
-        bars = (Bar(text("mean NEES per state"), COLOURS["error"]), Bar(text("mean NIS per reading"), COLOURS["muted"]))
+        bars = (Bar(text("mean NEES per state"), COLOURS["muted"]), Bar(text("mean NIS per reading"), COLOURS["error"]))
         marks = decade_marks(*TEST_DECADES, 2)
         return with_bars(self.body, self.drawn, bars, marks if self.body.gain == 1 else marks[:-1], self.by, decades=TEST_DECADES)
 

@@ -280,12 +280,40 @@ def test_the_line_of_the_true_altitude_is_in_the_band_of_the_ghost_exactly_where
         error, reach = study.means[who][at, 0] - study.x[at, 0], 3 * study.sigmas[who][at, 0]
         true = body["true altitude"].position[2]
         foot, top = (ghost[f"band {end}"].position[2] for end in ("foot", "top"))
-        away = ghost["capsule"].position[0] - body["capsule"].position[0]
-        assert true == body["capsule"].position[2] and body["true altitude"].scale[2] > away
+        begin, band = min(body["true altitude"].position[0], body["true altitude"].position[0] + body["true altitude"].scale[2] * turned(
+            body["true altitude"])[0]), ghost["band"].position[0]
+        assert true == body["capsule"].position[2] and begin == pytest.approx(body["capsule"].position[0])
+        assert begin + body["true altitude"].scale[2] > band + 0.4 and ghost["capsule"].position[0] > band + 0.4 + 0.75 * 0.33
         assert (foot < true < top) == (abs(error) < reach), at
         assert foot <= ghost["capsule"].position[2] <= top
         beside += abs(error) >= reach
     assert (beside > 25) == (who == KF)  # the linear filter states a small error and makes a large one
+
+
+@pytest.mark.parametrize("who", FILTERS)
+def test_the_curves_have_their_names_at_their_ends_and_the_estimate_is_a_line_from_its_band_to_its_ghost(who: str) -> None:
+    """±3σ above its band, equal distances at the upper end of the curve, the tangent's name past its right end, none for the UKF."""
+    o = LESSON.compute(LESSON.apply(LESSON.start(), {"filter": who}))
+    for at in (60, 200):
+        x, xhat = o.stage.x[at].tolist(), o.stage.xhat[at].tolist()
+        body, ghost = (o.stage.body.pose(each, 1.0) for each in (x, xhat))
+        named = {words("en"): place for words, place, _ in o.stage.body.marks(x, xhat, 1.0).words if not isinstance(words, str)}
+        assert named["±3σ × 100"][2] == pytest.approx(ghost["band top"].position[2] + 0.07)
+        assert named["±3σ × 100"][0] == ghost["band"].position[0]
+        last = body["arc 11"]
+        end = np.array(last.position)[[0, 2]] + last.scale[2] * turned(last)
+        np.testing.assert_allclose(np.array(named["equal distances"])[[0, 2]], end + np.array([0.0, 0.07]))
+        tangent = ghost["tangent"]
+        begin = np.array(tangent.position)[[0, 2]]
+        right = max([begin, begin + tangent.scale[2] * turned(tangent)], key=lambda point: point[0])
+        if who == UKF:
+            assert named["tangent"][2] < -5
+        else:
+            np.testing.assert_allclose(np.array(named["tangent"])[[0, 2]], right + np.array([0.07, 0.0]))
+        line = ghost["estimated altitude"]
+        np.testing.assert_allclose(line.position[2], ghost["capsule"].position[2])
+        assert line.position[0] + line.scale[2] == pytest.approx(ghost["capsule"].position[0])
+        assert line.position[0] == pytest.approx(ghost["band"].position[0] - 0.4)
 
 
 def test_a_small_error_of_the_ghost_is_drawn_a_hundred_times_to_scale_and_a_large_one_stays_on_the_stage() -> None:

@@ -19,6 +19,7 @@ from ...text import text
 from .body import (
     BENCH,
     DARK_GREY,
+    GHOST_NAME,
     METAL,
     PLANT_COLOUR,
     STEEL,
@@ -26,12 +27,14 @@ from .body import (
     Body,
     Box,
     Cylinder,
+    ErrorMarks,
     Part,
     PartName,
     Pose,
     Rod,
     Vector,
     pose_between,
+    turned,
 )
 
 FOOT_M = 0.3048  # m
@@ -87,18 +90,19 @@ def plant(parameters: Parameters = PARAMETERS) -> NonlinearPlant:
 
 STAGE_SCALE = 0.026 / 1000  # stage units per metre of the fall, the same across and upwards
 CAPSULE = 0.22  # radius of the body, which alone is not to scale
-GROUND_LEVEL, TRACK, LANE = 0.16, -0.7, 1.2  # the ground; across: where the body falls, and where its ghost does
+GROUND_LEVEL, TRACK, LANE, GHOST_LANE = 0.16, -0.8, 1.22, 1.95  # the ground; across: where the body falls, the band, the ghost beside it
 LEVEL = GROUND_LEVEL + 1.3 * CAPSULE  # of the body's middle on the ground
 DISH = (TRACK - 100_000 * FOOT_M * STAGE_SCALE, LEVEL + 100_000 * FOOT_M * STAGE_SCALE)
-RULER_AT, TICKS_KM, TOP = 0.0, range(30, 91, 30), LEVEL + 108_000 * STAGE_SCALE  # across; altitudes with a mark; the ruler's upper end
+RULER_AT, TICKS_KM, TOP = 0.27, range(30, 91, 30), LEVEL + 108_000 * STAGE_SCALE  # across; altitudes with a mark; the ruler's upper end
 GHOST_SIZE = 0.75  # of the body: what counts is where it is in its band
 CEILING = TOP - 2 * GHOST_SIZE * CAPSULE  # of the ghost's middle
 ARC_Y, TANGENT_Y = -0.34, -0.38  # before the body, which would else hide them: the line of equal distances and the tangent
 HOT = 900.0  # m/s² at which the shield glows brightest
 GLOW = tuple(rgb(COLOURS[role]) for role in ("steel", "warm-steel", "white-hot"))
 ARC_PIECES, ARC_STEP = 12, 0.13  # of the line of equal distances, and radians from one end of a piece to the other
-TANGENT = 0.8  # stage units to either side
-BAND, BAND_Y = 0.52, 0.06  # half the width of the band of ±3σ; stage units before it: the line of the true altitude
+TANGENT = 0.6  # stage units to either side
+NAME_OFF, NOWHERE = 0.07, -9.0  # from the end of a line to its name; out of sight
+BAND, BAND_Y = 0.4, 0.06  # half the width of the band of ±3σ; stage units before it: the line of the true altitude
 ERROR_GAIN, SOFT = 100.0, 0.3  # times that a small error is exaggerated; stage units from which on a larger one is less
 
 
@@ -120,7 +124,7 @@ def glow(slowing: float) -> tuple[int, int, int]:
 def _parts() -> tuple[Part, ...]:
     estimate = COLOURS["estimate"]
     return (
-        Part("ground", Box((4.4, 1.5, GROUND_LEVEL)), BENCH),
+        Part("ground", Box((4.5, 1.5, GROUND_LEVEL)), BENCH),
         Part("mast", Rod(0.05), STEEL),
         Part("turret", Cylinder(0.1, 0.1), STEEL),
         Part("dish", Cylinder(0.22, 0.05), METAL),
@@ -129,9 +133,10 @@ def _parts() -> tuple[Part, ...]:
         *(Part(f"tick {each}", Box((0.2, 0.04, 0.025)), DARK_GREY) for each in TICKS_KM),
         Part("true altitude", Rod(0.024), PLANT_COLOUR),
         *(Part(f"arc {i}", Rod(0.02), COLOURS["muted"]) for i in range(ARC_PIECES)),
-        Part("tangent", Rod(0.028), estimate, twin=True, unseen=True, edged=False),
+        Part("tangent", Rod(0.034), estimate, twin=True, unseen=True, edged=False),
         Part("band", Box((2 * BAND, 0.04, 1.0)), estimate, twin=True, unseen=True, edged=False),
         *(Part(f"band {end}", Box((2 * BAND, 0.08, 0.035)), estimate, twin=True, unseen=True, edged=False) for end in ("top", "foot")),
+        Part("estimated altitude", Rod(0.02), estimate, twin=True, unseen=True, edged=False),
         Part("capsule", Cylinder(CAPSULE, 2 * CAPSULE), PLANT_COLOUR, twin=True, edged=False),
         Part("nose", Ball(CAPSULE), PLANT_COLOUR, twin=True, edged=False),
         Part("shield", Cylinder(1.5 * CAPSULE, 0.4 * CAPSULE), STEEL, twin=True, edged=False),
@@ -172,8 +177,9 @@ def body(parameters: Parameters = PARAMETERS) -> Body:
         poses["tangent"] = pose_between((TRACK - steep[0], TANGENT_Y, true - steep[1]), (TRACK + steep[0], TANGENT_Y, true + steep[1]))
         foot, middle, top = (_shown(true, each) for each in (error - reach, error, error + reach))
         poses["band"] = Pose((LANE, 0.0, (top + foot) / 2), scale=(1.0, 1.0, max(top - foot, 1e-3)))
-        poses |= {"band top": Pose((LANE, 0.0, top)), "band foot": Pose((LANE, 0.0, foot))}
-        at, z, size = (LANE, middle, GHOST_SIZE) if ghostly else (TRACK, true, 1.0)
+        poses |= {"band top": Pose((LANE, 0.0, top)), "band foot": Pose((LANE, 0.0, foot)),
+                  "estimated altitude": pose_between((LANE - BAND, -BAND_Y, middle), (GHOST_LANE, -BAND_Y, middle))}
+        at, z, size = (GHOST_LANE, middle, GHOST_SIZE) if ghostly else (TRACK, true, 1.0)
         slowing = exp(min(-k.density * float(x[0]), 50.0)) * float(x[1])**2 * float(x[2])
         poses["capsule"] = Pose((at, 0.0, z), scale=(size, size, size))
         poses["nose"] = Pose((at, 0.0, z + size * CAPSULE), scale=(size, size, size))
@@ -182,19 +188,34 @@ def body(parameters: Parameters = PARAMETERS) -> Body:
 
     def anchors(x: Sequence[float], gain: float) -> tuple[Vector, ...]:
         true = _level(float(x[0]))
-        return ((LANE, -BAND_Y, _shown(true, float(x[3])) if len(x) > 6 and x[6] else true),)
+        return ((LANE, -2 * BAND_Y, _shown(true, float(x[3])) if len(x) > 6 and x[6] else true),)
+
+    def marks(x: Sequence[float], xhat: Sequence[float], gain: float) -> ErrorMarks:
+        now = pose(x, gain)
+        far, tangent, top = now[f"arc {ARC_PIECES - 1}"], now["tangent"], pose(xhat, gain)["band top"].position[2]
+        across, _, up = _end_of(far)
+        right, _, level = max(tangent.position, _end_of(tangent))
+        drawn = tangent.scale[2] > TANGENT
+        return ErrorMarks((), (
+            (text("equal distances"), (across, ARC_Y, up + NAME_OFF), "bottom-center"),
+            (text("tangent"), (right + NAME_OFF, TANGENT_Y, level if drawn else NOWHERE), "center-left"),
+            (text("±3σ × 100"), (LANE, -BAND_Y, top + NAME_OFF), "bottom-center")))
 
     return Body(_parts(), pose, lambda x, u, gain: (), anchors, 1.0, text(
-        "A falling body and the radar that measures its distance; a ruler with a mark every 30 km. The ghost falls beside it in its "
+        "A falling body and the radar that measures its distance; a ruler with a mark every 30 km. The ghost falls beside its "
         "band of ±3σ. Errors are drawn 100 times larger, large ones less. Blue line: the true altitude. Grey: equal distances from "
-        "the radar. Orange: the tangent that the filter uses"),
-        (*((f"{each} km", (RULER_AT - 0.24, 0.0, _level(1000.0 * each) + 0.06)) for each in TICKS_KM),
-         (text("estimate ± 3σ, error × 100"), (LANE, 0.0, TOP + 0.19))), names=(
+        "the radar. Orange: the estimate and the tangent that the filter uses"),
+        tuple((f"{each} km", (RULER_AT + 0.24, 0.0, _level(1000.0 * each) + 0.06)) for each in TICKS_KM), marks=marks, names=(
         PartName(text("radar"), "dish", (-0.5, 0.0, 0.35)),
         PartName(text("falling body"), "capsule", (-0.35, 0.0, 0.75)),
-        PartName(text("equal distances"), f"arc {ARC_PIECES - 2}", (-0.6, 0.0, 0.4)),
-        PartName(text("true altitude"), "true altitude", (-0.05, 0.0, -0.75)),
+        PartName(text("true altitude"), "true altitude", (-0.15, 0.0, -0.75)),
+        PartName(GHOST_NAME, "nose", (0.0, 0.0, 0.5), True),
     ))
+
+
+def _end_of(rod: Pose) -> Vector:
+    x, y, z = turned((0.0, 0.0, rod.scale[2]), rod.wxyz)
+    return rod.position[0] + x, rod.position[1] + y, rod.position[2] + z
 
 
 def _shown(true: float, error: float) -> float:
