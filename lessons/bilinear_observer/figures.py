@@ -7,6 +7,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from observer_lab.course.figures.curves import UNDER
 from observer_lab.course.figures.records import Curve, Dash, LineFigure, PlaneFigure, Point, TableFigure
 from observer_lab.course.lazy import FigureSet, TabFigures, tab_figures
 from observer_lab.course.lesson import Check, Outcome
@@ -220,7 +221,7 @@ def _forms(study: Study) -> LineFigure:
     worst = np.max(np.abs(run.errors) / s.size(run), axis=2)
     late = np.max(worst[len(run.t) // 2:], axis=0)
     told = {"late": late[0], "late2": late[1], "late3": late[2]}
-    styles: tuple[tuple[str, Dash], ...] = (("error", "solid"), ("second", "dot"), ("disturbance", "dash"))
+    styles: tuple[tuple[str, Dash, float], ...] = (("error", "solid", UNDER), ("second", "dash", 2.0), ("disturbance", "dash", 2.4))
     curves = tuple(Curve(name, part, *style) for name, part, style in zip(FORM_NAMES, worst.T, styles, strict=True))
     title, caption = ((text("|ε| of the three ways to run it, over the largest g"),
                        text("Largest error in the second half, relative to g: {late:.2g} without ẏ, {late2:.2g} with the true ẏ, "

@@ -25,12 +25,12 @@ def terms_left(problem: str) -> np.ndarray:
 
 @lru_cache(maxsize=8)
 def terms_figure(problem: str) -> PlaneFigure:
-    """A grey bar for each term without L; beside it what L leaves of it, a circle where nothing is left."""
+    """A blue bar for each term without L; beside it what L leaves of it, a circle where nothing is left."""
     sizes = terms_left(problem)
     least, top = NOTHING * float(sizes.max()), round_up_nicely(1.1 * float(sizes.max()))
     curves, points = list[Curve](), list[Point]()
     for k, (alone, left) in enumerate(sizes.T):
-        curves.append(Curve(text("without L"), np.array([0.0, alone]), "muted", "solid", BAR_PX, np.full(2, k - BESIDE)))
+        curves.append(Curve(text("without L"), np.array([0.0, alone]), "plant", "solid", BAR_PX, np.full(2, k - BESIDE)))
         if left > least:
             curves.append(Curve(text("with L"), np.array([0.0, left]), "error", "solid", BAR_PX, np.full(2, k + BESIDE)))
         else:
@@ -40,5 +40,5 @@ def terms_figure(problem: str) -> PlaneFigure:
                        text("‖V₂ · term‖, ‖(V₂ − LV₁) · term‖"),
                        (-0.6, len(TERMS) - 0.4), (0.0, top), tab=TERMS_TAB,
                        names=tuple((float(k), same(name)) for k, name in enumerate(TERMS)),
-                       caption=text("Grey: without L. Circles: L leaves nothing. Terms removed: {gone} of {count}.",
+                       caption=text("Blue: without L. Circles: L leaves nothing. Terms removed: {gone} of {count}.",
                                     gone=gone, count=len(TERMS)))

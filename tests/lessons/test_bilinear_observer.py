@@ -259,6 +259,18 @@ def test_a_pipe_is_as_thick_as_its_unknown_term_and_empty_behind_the_plate_where
     assert (max(left for _, left in sizes) < 1e-6) == gone == all(poses[f"left {k}"].scale[0] < 0.01 for k in range(3))
 
 
+@pytest.mark.parametrize("form", ["plain", "filtered"])
+def test_the_block_of_the_gain_stands_on_the_table_and_bears_its_name_on_its_front(form):
+    o = outcome(step=7, form=form)
+    poses, parts = o.stage.body.pose(o.stage.x[50].tolist(), 1.0), {part.name: part for part in o.stage.body.parts}
+    (across, y, z), (_, deep, high) = poses["gain plate"].position, parts["gain plate"].shape.size
+    table = poses["table"].position[2] + parts["table"].shape.size[2] / 2
+    assert poses["gain post"].position == pytest.approx((across, y, table))
+    assert poses["gain post"].scale[2] == pytest.approx(z - high / 2 - table)
+    (at,) = [place for name, place in o.stage.body.labels if name == "L"]
+    assert at[0] == across and at[1] < y - deep / 2 and abs(at[2] - z) < high / 4
+
+
 def missed_by_hand(run, plant, tau: float) -> np.ndarray:
     """ẏ (m,) less (y − y_f)/τ with y_f = y/(τs + 1), by fine steps of a filter of our own, from ẏ = C (A x + B u + u F x)."""
     y = run.x @ plant.C.T

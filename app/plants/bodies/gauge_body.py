@@ -9,6 +9,7 @@ from ...text import subscript, text
 from .body import (
     BENCH,
     DARK_GREY,
+    METAL,
     PLANT_COLOUR,
     STEEL,
     Arrow,
@@ -126,7 +127,7 @@ def _names(states: int, lit: frozenset[int], places: Sequence[float]) -> tuple[P
 
 def _parts(states: int, lit: frozenset[int], thick: float, large: float) -> tuple[Part, ...]:
     small = tuple(part for i in range(states) for part in (
-        Part(f"back {i}", Box((2 * PLATE_HALF * thick, 0.05, 2.2)), COLOURS["tube"] if i in lit else STEEL),
+        Part(f"back {i}", Box((2 * PLATE_HALF * thick, 0.05, 2.2)), COLOURS["tube"] if i in lit else METAL),
         Part(f"socket {i}", Cylinder(0.12 * thick, 0.16), STEEL),
         Part(f"zero {i}", Box((0.28 * thick, 0.03, 0.02)), STEEL),
         Part(f"column {i}", Rod(0.06 * thick), PLANT_COLOUR if i in lit else UNLIT),
