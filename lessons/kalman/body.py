@@ -24,22 +24,22 @@ from .knobs import ERRORS, GAIN, MODEL, STEP
 STATE_COUNT = 6
 VELOCITY_INDEX = (3, 5, 4)  # v_x to the right, ω away from the viewer, v_z up
 NUMBERS = 7  # of one ellipsoid
-HUNG_AT: Vector = (0.0, 0.0, 2.8)  # stage units: where the ellipsoids hang
+HUNG_AT: Vector = (0.0, 0.0, 2.95)  # stage units: where the ellipsoids hang
 LONGEST, LEAST = 0.7, 0.02  # stage units: half axes are drawn no longer and no shorter
 SETTLED = 0.36  # stage units: half axes of the settled prediction of a filter with the right Q and R
-ARM = 0.74  # stage units: half length of an axis
+ARM, FAR_ARM = 0.78, 2.2  # stage units: half length of an axis; the far half of the axis that points away
 DOTS, FARTHEST = 42, 0.76  # errors that are drawn as dots; stage units: how far from the middle a dot is drawn at most
-FOOT_Z, HIGH, MOST_HIGH, WIDE = 2.12, 0.32, 1.44, 0.42  # stage units: foot of the gains, height of a gain of 1, the highest, their width
-POST_Y = 0.82  # behind the deck
+FOOT_Z, HIGH, MOST_HIGH, WIDE = 2.4, 0.32, 1.44, 0.42  # stage units: foot of the gains, height of a gain of 1, the highest, their width
+SHELF, SHELF_Y, SHELF_DEEP, POST_X = 1.5, 1.2, 0.56, 0.6  # stage units: width of the shelf, how far behind the deck, its depth, its posts
 GAIN_AT = (-0.36, 0.36)  # across: the gain of the right Q and R, and that of this filter
-UPPER_NAME, LOWER_NAME = (-1.3, 0.0, 3.5), (-1.35, 0.0, 2.5)  # where names of shells stand
+LEFT_NAME, RIGHT_NAME = (-1.2, 0.0, 2.62), (1.2, 0.0, 2.62)  # where names of shells hang, so that a line ends above each
 HIDDEN: Vector = (0.0, 0.0, -9.0)
 
 WAYS = ("right", "away", "up")
 LAST = Part("last", Ball(1.0), COLOURS["muted"])
 ESTIMATE = Part("estimate", Ball(1.0), COLOURS["estimate"])
 PREDICTION = Part("prediction", Ball(1.0), COLOURS["disturbance"], opacity=0.4)
-STATED = Part("estimate", Ball(1.0), COLOURS["estimate"], opacity=0.7)
+STATED = Part("estimate", Ball(1.0), COLOURS["estimate"], opacity=0.4)
 ACTUAL = Part("actual", Ball(1.0), COLOURS["error"], opacity=0.25)
 SHELLS = (LAST, PREDICTION, ESTIMATE)  # of one sample, in the order of the record
 
@@ -91,15 +91,16 @@ def error_record(e: np.ndarray, stated: np.ndarray, settled: np.ndarray, first: 
     return np.hstack([shells.reshape(n_t, -1), shown.reshape(n_t, -1), np.where(begun >= DOTS // 2, ratio, 0.0)[:, None]])
 
 
-
-
-def _axis(way: Vector) -> Pose:
-    low, high = (tuple(at + sign * ARM * d for at, d in zip(HUNG_AT, way, strict=True)) for sign in (-1, 1))
+def _axis(way: Vector, far: float) -> Pose:
+    low, high = (tuple(at + long * d for at, d in zip(HUNG_AT, way, strict=True)) for long in (-ARM, far))
     return pose_between(low, high)  # type: ignore[arg-type]
 
 
-AXES = MappingProxyType(
-    {"axis right": _axis((1.0, 0.0, 0.0)), "axis away": _axis((0.0, 1.0, 0.0)), "axis up": _axis((0.0, 0.0, 1.0))})
+AXES = MappingProxyType({
+    "axis right": _axis((1.0, 0.0, 0.0), ARM), "axis away": _axis((0.0, 1.0, 0.0), FAR_ARM), "axis up": _axis((0.0, 0.0, 1.0), ARM)})
+AXIS_NAMES: tuple[tuple[Text | str, Vector], ...] = (
+    ("vx", (ARM + 0.13, 0.0, HUNG_AT[2] + 0.08)), ("vz", (0.15, 0.0, HUNG_AT[2] + ARM + 0.04)),
+    ("ω", (0.0, FAR_ARM, HUNG_AT[2] + 0.2)))
 
 
 def _ellipsoid(numbers: Sequence[float]) -> Pose:
@@ -134,8 +135,8 @@ def _above(parts: tuple[Part, ...], shown: Shown, labels: tuple[tuple[Text, Vect
 
 
 CROSS = tuple(Part(f"axis {way}", Rod(0.01), STEEL) for way in WAYS)
-LINES = (Part("upper line", Rod(0.008), DARK_GREY), Part("lower line", Rod(0.008), DARK_GREY))
-EXPECTED = PartName(text("expected errors"), "estimate", (1.1, -0.2, 0.2))
+LINES = (Part("left line", Rod(0.008), DARK_GREY), Part("right line", Rod(0.008), DARK_GREY))
+EXPECTED = PartName(text("expected errors"), "estimate", (-0.95, 0.0, 0.45))
 
 
 def _step_body(updated: bool) -> Body:
@@ -144,11 +145,11 @@ def _step_body(updated: bool) -> Body:
     def shown(tail: Sequence[float]) -> Mapping[str, Pose]:
         each = [tail[NUMBERS * i:NUMBERS * (i + 1)] for i in range(len(SHELLS))]
         return {**AXES, **{part.name: _ellipsoid(numbers) for part, numbers in zip(SHELLS, each, strict=True)},
-                "upper line": _leader(UPPER_NAME, each[1]), "lower line": _leader(LOWER_NAME, each[inner])}
+                "left line": _leader(LEFT_NAME, each[1]), "right line": _leader(RIGHT_NAME, each[inner])}
 
     return _above(
         (LAST, ESTIMATE, PREDICTION, *CROSS, *LINES), shown,
-        ((text("prediction"), UPPER_NAME), (text("estimate") if updated else text("last estimate"), LOWER_NAME)),
+        ((text("prediction"), LEFT_NAME), (text("estimate") if updated else text("last estimate"), RIGHT_NAME), *AXIS_NAMES),
         text("Above the deck: expected errors (2σ) of the velocities at sample k; vx right, vz up, ω away"), EXPECTED)
 
 
@@ -161,39 +162,41 @@ def _errors_body() -> Body:
         for k in range(DOTS):
             away = [float(v) for v in tail[first + 3 * k:first + 3 * k + 3]]
             dots[f"error {k}"] = Pose((HUNG_AT[0] + away[0], HUNG_AT[1] + away[1], HUNG_AT[2] + away[2]) if any(away) else HIDDEN)
-        return {**dots, "estimate": _ellipsoid(stated), "actual": _ellipsoid(actual),
-                "upper line": _leader(UPPER_NAME, actual), "lower line": _leader(LOWER_NAME, stated)}
+        return {**dots, **AXES, "estimate": _ellipsoid(stated), "actual": _ellipsoid(actual),
+                "left line": _leader(LEFT_NAME, actual), "right line": _leader(RIGHT_NAME, stated)}
 
     def marks(tail: Sequence[float]) -> ErrorMarks:
         ratio = float(tail[first + size])
-        return ErrorMarks((), ((f"RMS = {format_number(ratio, '.2g')} σ", (0.9, 0.0, 3.1) if ratio > 0 else HIDDEN, "center-left"),))
+        return ErrorMarks((), ((f"RMS = {format_number(ratio, '.2g')} σ", (0.95, 0.0, 3.4) if ratio > 0 else HIDDEN, "center-left"),))
 
     return _above(
-        (STATED, ACTUAL, *LINES, *(Part(f"error {k}", Ball(0.045), COLOURS["error"]) for k in range(DOTS))), shown,
-        ((text("actual errors (2σ)"), UPPER_NAME), (text("stated (2σ)"), LOWER_NAME)),
+        (STATED, ACTUAL, *CROSS, *LINES, *(Part(f"error {k}", Ball(0.045), COLOURS["error"]) for k in range(DOTS))), shown,
+        ((text("actual errors (2σ)"), LEFT_NAME), (text("stated (2σ)"), RIGHT_NAME), *AXIS_NAMES),
         text("Above the deck: stated and actual errors of the velocities; vx right, vz up, ω away"), EXPECTED, marks)
 
 
 def _gain_body() -> Body:
     def bar(across: float, size: float) -> Pose:
         high = min(max(HIGH * size, LEAST), MOST_HIGH)
-        return Pose((across, 0.0, FOOT_Z + high / 2), scale=(1.0, 1.0, high))
+        return Pose((across, SHELF_Y, FOOT_Z + high / 2), scale=(1.0, 1.0, high))
 
     def shown(tail: Sequence[float]) -> Mapping[str, Pose]:
-        return {"gain foot": Pose((0.0, 0.32, FOOT_Z - 0.03)), "gain post": Pose((0.0, POST_Y, FOOT_Z / 2)),
+        return {"gain foot": Pose((0.0, SHELF_Y, FOOT_Z - 0.03)), "gain base": Pose((0.0, SHELF_Y, 0.03)),
+                **{f"gain post {side}": Pose((sign * POST_X, SHELF_Y, FOOT_Z / 2)) for side, sign in (("left", -1.0), ("right", 1.0))},
                 "right gain": bar(GAIN_AT[0], 1.0), "gain": bar(GAIN_AT[1], float(tail[0])),
-                "gain mark": Pose((GAIN_AT[1], 0.0, FOOT_Z + HIGH))}
+                "gain mark": Pose((0.0, SHELF_Y + 0.2, FOOT_Z + HIGH))}
 
     def marks(tail: Sequence[float]) -> ErrorMarks:
         size = float(tail[0])
-        return ErrorMarks((), ((f"× {format_number(size, '.3g')}", (GAIN_AT[1], 0.0, FOOT_Z + 0.06 + min(HIGH * size, MOST_HIGH)),
+        return ErrorMarks((), ((f"× {format_number(size, '.3g')}", (GAIN_AT[1], SHELF_Y, FOOT_Z + 0.06 + min(HIGH * size, MOST_HIGH)),
                                 "bottom-center"),))
 
     return _above(
-        (Part("gain foot", Box((1.4, 1.14, 0.06)), STEEL), Part("gain post", Box((0.12, 0.08, FOOT_Z)), STEEL),
-         Part("right gain", Box((WIDE, 0.3, 1.0)), COLOURS["muted"]),
-         Part("gain", Box((WIDE, 0.3, 1.0)), COLOURS["second"]), Part("gain mark", Box((WIDE + 0.1, 0.34, 0.02)), DARK_GREY)), shown,
-        ((text("steady gain, right Q and R"), (-1.35, 0.0, FOOT_Z + 0.5)), (text("gain now"), (1.15, 0.0, FOOT_Z + 0.3))),
+        (Part("gain foot", Box((SHELF, SHELF_DEEP, 0.06)), STEEL), Part("gain base", Box((SHELF, SHELF_DEEP, 0.06)), DARK_GREY),
+         *(Part(f"gain post {side}", Box((0.1, 0.1, FOOT_Z)), STEEL) for side in ("left", "right")),
+         Part("right gain", Box((WIDE, 0.3, 1.0)), COLOURS["muted"]), Part("gain", Box((WIDE, 0.3, 1.0)), COLOURS["second"]),
+         Part("gain mark", Box((SHELF, 0.03, 0.02)), DARK_GREY)), shown,
+        ((text("steady gain, right Q and R"), (-1.6, SHELF_Y, FOOT_Z + 0.4)), (text("gain now"), (1.15, SHELF_Y, FOOT_Z + 0.3))),
         text("Above the deck: the size of the gain, over that of the steady gain for the right Q and R"),
         PartName(text("gain now"), "gain", (0.9, -0.2, 0.4)), marks)
 
