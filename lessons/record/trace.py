@@ -10,6 +10,7 @@ import numpy as np
 from observer_lab.colours import COLOURS, rgb
 from observer_lab.course.figures.scene import StagePicture
 from observer_lab.plants.bodies.body import (
+    BENCH,
     DARK_GREY,
     GHOST_NAME,
     METAL,
@@ -26,7 +27,7 @@ from observer_lab.plants.bodies.body import (
     force_arrow,
 )
 from observer_lab.plants.bodies.own_body import GLASS_COLOUR, MOST_ARROWS
-from observer_lab.text import text
+from observer_lab.text import Text, text
 
 from .below import COLUMNS, FREE, NOTHING_BELOW, ROWS, Below, band_colour, paint, paint_below, row_of, ruled
 
@@ -34,12 +35,12 @@ PANEL_WIDTH, PANEL_HIGH, PANEL_FOOT = 5.2, 2.5, 0.3  # stage units: of the panel
 PANEL_DEEP, FRAME = 0.78, 0.07  # stage units: how far behind the middle of the stage it stands; of its frame
 ABOVE_TUBES = 1.36  # stage units: its foot where more tubes stand before it
 BEFORE, GLASS, COLLAR, THICK = 0.36, 0.12, 0.22, 0.1  # stage units: of the tube before the panel: its distance, radii and collar
-BASE, RAIL, BAR = (0.7, 0.4, 0.14), 0.06, 0.035  # stage units: of what the tube stands on; of the rail and of the line on the panel
+BASE, RAIL, BAR, NOW = (0.7, 0.4, 0.14), 0.06, 0.035, 0.02  # stage units: of the tube's base, of the rail, of lines
 NEARER = 1.3  # stage units that further tubes stand nearer to the eye than alone
 POST, COLUMN, LEAST_COLUMN = 0.025, 0.3, 0.01  # stage units: radius of what the tube stands on; side and least height of a column
-NAMED, BESIDE = 0.75, 0.7  # where the name of what is below stands: share of its height, and of the width beside columns
-TITLE, NOTE = 0.16, -0.1  # stage units above the panel: the names of its parts; above its foot: of what is marked
-LIES, LIFTED = 0.06, 0.17  # stage units: from the panel to what is written on it; from its foot to the upper edge of that
+BENCH_Y, BENCH_DEEP, BENCH_HIGH, BENCH_TOP = -0.1, 0.42, 0.12, -0.18  # stage units: of the bench of columns; top above the panel's foot
+NAMED, LIES = 0.75, 0.06  # where the name of what is below stands: share of its height; stage units from the panel to it
+TITLE, NOTES, LOWER, LOWEST = 0.3, (-0.3, -0.16), (-0.86, -0.3), (-1.15, -0.3)  # names above the panel; rows: y, z from its foot
 READINGS, OUTPUT = "grey", "plant"  # the roles of the colours of readings and of the output
 WIDTHS = 2.0  # standard deviations of the band of expected readings
 FAULT, ASIDE, EXACT = "error", "reference", "dark"  # roles of the colours of marked readings
@@ -125,19 +126,22 @@ def _near(at: Vector) -> Vector:
     return at[0], at[1] - NEARER, at[2]
 
 
-def _columns(below: Below, foot: float) -> tuple[tuple[Part, ...], dict[str, Pose]]:
-    """A column for each singular value, those of the model's states in the colour of estimates, and a bar at the edge."""
+def _columns(below: Below, foot: float) -> tuple[tuple[Part, ...], dict[str, Pose], list[tuple[Text | str, Vector]]]:
+    """A numbered column for each singular value on a bench, those of the model's states in the colour of estimates, a bar at the edge."""
     if not below.columns:
-        return (), {}
-    unit, pitch = PANEL_HIGH * below.share / below.ends[1], PANEL_WIDTH / len(below.columns)
-    parts, poses = [], {}
+        return (), {}, []
+    unit, pitch, low = PANEL_HIGH * below.share / below.ends[1], PANEL_WIDTH / len(below.columns), foot + BENCH_TOP
+    parts, poses, front = [Part("bench", Box((PANEL_WIDTH, BENCH_DEEP, BENCH_HIGH)), BENCH)], dict[str, Pose](), BENCH_Y - BENCH_DEEP / 2
+    poses["bench"] = Pose((0.0, BENCH_Y, low - BENCH_HIGH / 2))
+    numbers: list[tuple[Text | str, Vector]] = []
     for k, value in enumerate(below.columns):
-        high = max(unit * value, LEAST_COLUMN)
+        high, across = max(unit * value, LEAST_COLUMN), pitch * (k + 0.5) - PANEL_WIDTH / 2
         parts.append(Part(f"column {k}", Box((COLUMN, COLUMN, high)), COLOURS["estimate" if k < below.used else "muted"]))
-        poses[f"column {k}"] = Pose((pitch * (k + 0.5) - PANEL_WIDTH / 2, PANEL_DEEP - COLUMN, foot + high / 2))
+        poses[f"column {k}"] = Pose((across, BENCH_Y, low + high / 2))
+        numbers.append((str(k + 1), (across, front - 0.03, low - 0.02)))
     edge = Part("edge", Box((PANEL_WIDTH, BAR, BAR)), COLOURS["dark"])
-    poses["edge"] = Pose((0.0, PANEL_DEEP - 1.6 * COLUMN, foot + unit * below.edge))
-    return (*parts, edge), poses
+    poses["edge"] = Pose((0.0, BENCH_Y - 0.6 * COLUMN, low + unit * below.edge))
+    return (*parts, edge), poses, numbers
 
 
 def _frame(foot: float) -> tuple[tuple[Part, ...], dict[str, Pose]]:
@@ -161,7 +165,7 @@ def body_with_trace(trace: Trace, count: int, strongest: Sequence[float], others
     foot, deep = panel_foot(count), PANEL_DEEP - BEFORE
     split, part = trace.share(trace.first), 1 - below.share
     line, tall = foot + PANEL_HIGH * below.share, PANEL_HIGH * part  # where the record begins, and how high it is
-    columns, standing = _columns(below, foot)
+    columns, standing, numbers = _columns(below, foot)
     frame, around = _frame(foot)
 
     def up(y: float) -> float:
@@ -190,21 +194,23 @@ def body_with_trace(trace: Trace, count: int, strongest: Sequence[float], others
         return ((across(x), deep - COLLAR, up(float(x[0]))), *rest)
 
     parts = (Part("rail", Box((PANEL_WIDTH, RAIL, RAIL)), STEEL), Part("base", Box(BASE), DARK_GREY),
-             Part("now", Box((BAR, BAR, PANEL_HIGH)), COLOURS["dark"]), Part("cap", Cylinder(1.1 * GLASS, 0.06), METAL),
+             Part("now", Box((NOW, NOW, PANEL_HIGH)), COLOURS["dark"]), Part("cap", Cylinder(1.1 * GLASS, 0.06), METAL),
              Part("glass", Cylinder(GLASS, tall), GLASS_COLOUR, opacity=0.12),
              Part("reading", Cylinder(COLLAR, THICK), PLANT_COLOUR, twin=True), *frame, *columns)
     if below.share:
         parts = (*parts, Part("post", Cylinder(POST, PANEL_HIGH * below.share), METAL))
     top = foot + PANEL_HIGH + TITLE
-    labels = [(words, (PANEL_WIDTH * (middle - 0.5), PANEL_DEEP, top)) for words, middle in
-              ((text("used for the fit"), split / 2), (text("not used: judges the filter"), (1 + split) / 2))]
-    labels.append((text("band: readings expected, ±2σ"), (PANEL_WIDTH * split / 2, PANEL_DEEP - LIES, line + LIFTED)))
-    if below.share:
-        middle = BESIDE if below.columns else split / 2
-        labels.append((below.name, (PANEL_WIDTH * (middle - 0.5), PANEL_DEEP - LIES, foot + PANEL_HIGH * below.share * NAMED)))
+    row, lower, lowest = ((y, foot + up_by) for y, up_by in (NOTES, LOWER, LOWEST))
+    labels = [*((words, (PANEL_WIDTH * (middle - 0.5), PANEL_DEEP, top)) for words, middle in
+                ((text("used for the fit"), split / 2), (text("not used: judges the filter"), (1 + split) / 2))), *numbers,
+              (text("band: readings expected, ±2σ"), (PANEL_WIDTH * split / 2, *(lower if below.columns else row)))]
+    if below.columns:
+        labels.append((below.name, (PANEL_WIDTH * (split / 2 - 0.5), *lower)))
+    elif below.share:
+        labels.append((below.name, (PANEL_WIDTH * (split / 2 - 0.5), PANEL_DEEP - LIES, foot + PANEL_HIGH * below.share * NAMED)))
     marked = text("marked: jumps and bias") if len(trace.faulty) else text("dots: second sensor") if len(trace.exact) else None
     if marked is not None:
-        labels.append((marked, (PANEL_WIDTH * (split / 2 - 0.5), PANEL_DEEP, foot + NOTE)))
+        labels.append((marked, (PANEL_WIDTH * (split / 2 - 0.5), *(lowest if below.columns else row))))
     names = (PartName(text("output"), "reading", (-0.75, -0.1, 0.5)), PartName(GHOST_NAME, "reading", (-0.75, -0.1, -0.5), True))
     if others is not None:
         parts, labels = (*others.parts, *parts), [*((words, _near(at)) for words, at in others.labels), *labels]

@@ -361,3 +361,13 @@ def test_columns_above_the_bar_are_the_states_and_those_of_the_model_are_orange(
     asked = next(k for k, scene in enumerate(LESSON.path) if scene.id == "predict")
     before = LESSON.compute(LESSON.apply(LESSON.start(), entry_values(LESSON.path, asked, LESSON.start()))).stage
     assert before is not None and not [part for part in before.body.parts if part.name.startswith("column")]
+
+
+def test_the_carriage_goes_between_the_panel_and_the_columns() -> None:
+    """The bench and its columns begin before what the tube stands on and the tube itself, wherever these are."""
+    stage, *_ = shown_below(below="values")
+    parts, poses = {part.name: part.shape for part in stage.body.parts}, stage.body.pose(stage.x[0].tolist(), 1.0)
+    front = min(poses["base"].position[1] - parts["base"].size[1] / 2, poses["reading"].position[1] - parts["reading"].radius)
+    backs = [poses[name].position[1] + parts[name].size[1] / 2 for name in parts if name == "bench" or name.startswith("column")]
+    assert len(backs) > 1 and max(backs) < front
+    assert [str(words) for words, _ in stage.body.labels if str(words).isdigit()] == [str(k) for k in range(1, len(backs))]
