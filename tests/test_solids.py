@@ -17,7 +17,8 @@ from observer_lab.page.stage.meshes import Mesh, bevelled_box, bevelled_cylinder
 ORANGES, LEAST_SATURATION = (5 / 360, 42 / 360), 0.5  # hues from vermillion to amber; below it a colour reads as grey or brown
 ESTIMATES = {"cloud", "estimate", "prediction", "z1 level"}  # parts that show an estimate, as the ghost does
 STATED = {  # parts of a lesson that show what its filter states of its estimate
-    "nonlinear": {"bar 0"}, "network": {"gate left", "gate right", "gate top"}}
+    "nonlinear": {"bar 0"}, "network": {"gate left", "gate right", "gate top"},
+    "noise": {"estimate bar", "estimated position", "estimate low", "estimate high"}}
 MOMENTS = 8
 
 

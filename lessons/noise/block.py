@@ -18,7 +18,7 @@ from observer_lab.course.lesson import Design, Formula, Outcome, Stage
 from observer_lab.engine import Plant, observer_gain
 from observer_lab.engine.design import Optimal
 from observer_lab.plants import Signal
-from observer_lab.plants.bodies.body import Ball, Body, Box, Part, PartName, Pose, Rod, bound_displacement, pose_between
+from observer_lab.plants.bodies.body import Ball, Body, Box, ErrorMarks, Part, PartName, Pose, Rod, bound_displacement, pose_between
 from observer_lab.plants.model import Window
 from observer_lab.plants.spring_damper import BLOCK_EDGE, MAX_DRAWN_DISPLACEMENT, RAIL_TOP, REST_POSITION, STAGE_SCALE
 from observer_lab.text import Text, text
@@ -34,43 +34,64 @@ LOWEST, STEP, FRONT = RAIL_TOP + BLOCK_EDGE + 0.08, 0.042, -0.1  # z of the late
 BAND_HIGH = READINGS * STEP
 ASIDE = (0.85, -0.4, 0.3)  # from the block to its name: above it are the readings
 LEAST_HALF = 0.01  # stage units: a band is no narrower
+EXPECTED_Z, CAP, BAR, MIDDLE = LOWEST + BAND_HIGH + 0.08, 0.16, 0.028, 0.055  # of the bar of ŷ ± 3σ: its z, height of its ends, radii
+ENDS = ("low", "high")
+NAME_GAP, SPEED_NAME = 0.1, 0.08  # stage units from what is drawn to its letter, from the bar of the velocity up to it
 SPEED_LONG, SPEED_MOST, SPEED_THICK = 0.2, 1.4, 0.055  # stage units: a bar of 1 m/s, the longest, its radius
 SPEED_AT = -0.62, RAIL_TOP + 0.3 * BLOCK_EDGE  # y and z of the bars of the velocity
 READING_PARTS = (
     *(Part(f"reading {k}", Ball(0.034), COLOURS["second"]) for k in range(READINGS)),
     Part("noise band", Box((2.0, 0.02, BAND_HIGH)), COLOURS["second"], opacity=0.22),
-    Part("true position", Box((0.014, 0.03, BAND_HIGH)), COLOURS["plant"]),
+    Part("true position", Box((0.014, 0.03, EXPECTED_Z + CAP / 2 - LOWEST)), COLOURS["plant"]),
+    Part("estimate bar", Rod(BAR), COLOURS["estimate"]), Part("estimated position", Ball(MIDDLE), COLOURS["estimate"]),
+    *(Part(f"estimate {end}", Box((0.03, 0.1, CAP)), COLOURS["estimate"]) for end in ENDS),
     Part("velocity", Rod(SPEED_THICK), COLOURS["plant"], twin=True),
 )
 
 
 def with_readings(body: Body) -> Body:
-    """The block under its readings, with a bar for its velocity. After the two states a record holds σ of one reading in m, then the last
-    readings in m."""
+    """The block under its readings and the bar of its estimate ± 3σ, with a bar for its velocity.
+
+    After the two states a record holds σ of one reading, the estimate of the position, three times its σ, and the last readings, all
+    in m.
+    """
     def across(metres: float, gain: float) -> float:
         return REST_POSITION + bound_displacement(metres * STAGE_SCALE * gain, MAX_DRAWN_DISPLACEMENT)
 
     def pose(x: Sequence[float], gain: float) -> Mapping[str, Pose]:
-        true, sigma = float(x[0]), float(x[2])
+        true, sigma, believed, wide = float(x[0]), *map(float, x[2:5])
         ends = across(true - sigma, gain), across(true + sigma, gain)
+        expected = [(across(believed + sign * wide, gain), FRONT, EXPECTED_Z) for sign in (-1, 1)]
         middle = LOWEST - STEP / 2 + BAND_HIGH / 2
-        poses = {f"reading {k}": Pose((across(float(y), gain), FRONT, LOWEST + k * STEP)) for k, y in enumerate(x[3:])}
+        poses = {f"reading {k}": Pose((across(float(y), gain), FRONT, LOWEST + k * STEP)) for k, y in enumerate(x[5:])}
+        poses |= {f"estimate {end}": Pose(at) for end, at in zip(ENDS, expected, strict=True)}
         half = max((ends[1] - ends[0]) / 2, LEAST_HALF)
         here, long = across(true, gain), bound_displacement(SPEED_LONG * float(x[1]), SPEED_MOST)
         poses["velocity"] = pose_between((here, *SPEED_AT), (here + long, *SPEED_AT))
-        return {**body.pose(x, gain), **poses, "true position": Pose((across(true, gain), FRONT + 0.03, middle)),
+        line = (across(true, gain), FRONT + 0.03, (LOWEST + EXPECTED_Z + CAP / 2) / 2)
+        return {**body.pose(x, gain), **poses, "true position": Pose(line),
+                "estimate bar": pose_between(*expected), "estimated position": Pose((across(believed, gain), FRONT, EXPECTED_Z)),
                 "noise band": Pose(((ends[0] + ends[1]) / 2, FRONT + 0.06, middle), scale=(half, 1.0, 1.0))}
+
+    def marks(x: Sequence[float], xhat: Sequence[float], gain: float) -> ErrorMarks:
+        own = ErrorMarks((), ()) if body.marks is None else body.marks(x, xhat, gain)
+        left = min(across(float(y), gain) for y in x[5:])
+        return ErrorMarks(own.bars, (
+            *own.words, ("ŷ ± 3σ", (across(float(x[3]) + float(x[4]), gain) + NAME_GAP, FRONT, EXPECTED_Z), "center-left"),
+            ("y", (left - NAME_GAP, FRONT, LOWEST + 0.25 * BAND_HIGH), "center-right"),
+            ("v", (across(float(x[0]), gain), SPEED_AT[0], SPEED_AT[1] + SPEED_NAME), "bottom-center")))
+
     names = tuple(replace(name, away=name.away if name.ghost else ASIDE) for name in body.names if name.part != "spring")
-    return replace(body, parts=(*body.parts, *READING_PARTS), pose=pose, names=(
-        *names, PartName(text("the last 12 readings"), f"reading {READINGS - 1}", (0.75, -0.2, 0.35)),
+    return replace(body, parts=(*body.parts, *READING_PARTS), pose=pose, marks=marks, names=(
+        *names, PartName(text("the last 12 readings"), "reading 2", (0.8, -0.2, 0.15)),
         PartName(text("velocity"), "velocity", (0.3, -0.35, -0.4))))
 
 
-def stage_with_readings(stage: Stage, y: np.ndarray, sigma: float) -> Stage:
-    """The stage of a run with the readings y (n_t,) of the sensor; before the first one there is none."""
-    def with_them(states: np.ndarray) -> np.ndarray:
-        return np.column_stack([states, np.full(len(states), sigma), last_readings(y, READINGS)])
-    return replace(stage, x=with_them(stage.x), xhat=None if stage.xhat is None else with_them(stage.xhat), readings=READINGS)
+def stage_with_readings(stage: Stage, y: np.ndarray, sigma: float, expected: np.ndarray) -> Stage:
+    """The stage of a run with the readings y (n_t,) of the sensor, before the first one none; 3σ of the estimate is `expected` (n_t,)."""
+    assert stage.xhat is not None
+    more = np.column_stack([np.full(len(y), sigma), stage.xhat[:, 0], expected, last_readings(y, READINGS)])
+    return replace(stage, x=np.hstack([stage.x, more]), xhat=np.hstack([stage.xhat, more]), readings=READINGS)
 
 
 OBSERVER_SPEEDS = np.logspace(-0.5, 2.5, 61)  # rad/s
@@ -120,9 +141,8 @@ def _tried(s: Study, trials: Trials) -> dict[str, float]:
 
 def _stage(s: Study) -> Stage:
     """The block under its last readings; one reading, held for a step, has the variance V/dt."""
-    spread = 3 * STAGE_SCALE * MOTION_GAIN * np.sqrt(np.maximum(s.grown[:, 0, 0], 0.0))
-    plain = Stage(BLOCK.body, s.run.t, s.run.x, s.run.xhat, s.run.u_applied, spread, held=held(s.design, MODEL))
-    return stage_with_readings(plain, s.run.y[:, 0], float(np.sqrt(s.design["v"] / DT)))
+    plain = Stage(BLOCK.body, s.run.t, s.run.x, s.run.xhat, s.run.u_applied, held=held(s.design, MODEL))
+    return stage_with_readings(plain, s.run.y[:, 0], float(np.sqrt(s.design["v"] / DT)), 3 * np.sqrt(np.maximum(s.grown[:, 0, 0], 0.0)))
 
 
 def _formulas(s: Study) -> tuple[Formula, ...]:

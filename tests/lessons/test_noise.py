@@ -6,7 +6,7 @@ import control
 import numpy as np
 import pytest
 from lesson_checks import carried
-from scipy.linalg import expm
+from scipy.linalg import expm, solve_continuous_lyapunov
 from scipy.optimize import minimize
 from scipy.stats import chi2
 
@@ -172,3 +172,20 @@ def test_the_bars_on_the_stage_are_the_velocities_of_block_and_ghost(speed: floa
             bar = poses["velocity"]
             assert bar.scale[2] == pytest.approx(max(1.4 * abs(np.tanh(0.2 * velocity / 1.4)), 1e-6), abs=1e-6)
             assert bar.position[0] == pytest.approx(poses["block"].position[0], abs=1e-9)
+
+
+@pytest.mark.parametrize("speed, v", [(1.0, 4e-4), (5.0, 4e-4), (10.0, 1e-4)])
+def test_the_bar_above_the_readings_is_the_estimate_and_three_standard_deviations_to_either_side(speed: float, v: float) -> None:
+    """At the end of a run P has settled: FP + PFᵀ + BWBᵀ + LVLᵀ = 0 with F = A − LC. Its ends stand where the block would."""
+    o = outcome(method="speed", speed=speed, v=v)
+    stage, L, w = o.stage, o.gains["L"], o.design["w"]
+    A, B, C = np.array([[0.0, 1.0], [-1.0, -0.5]]), np.array([[0.0], [1.0]]), np.array([[1.0, 0.0]])
+    P = solve_continuous_lyapunov(A - L @ C, -(w * B @ B.T + v * L @ L.T))
+    poses = stage.body.pose(stage.x[-1].tolist(), stage.body.gain)
+    assert stage.x[-1, 4] == pytest.approx(3 * np.sqrt(P[0, 0]), rel=2e-2)
+    for name, times in (("estimate low", -3), ("estimated position", 0), ("estimate high", 3)):
+        at = float(o.run.xhat[-1, 0]) + times * stage.x[-1, 4] / 3
+        block = stage.body.pose([at, *stage.x[-1, 1:].tolist()], stage.body.gain)["block"]
+        assert poses[name].position[0] == pytest.approx(block.position[0], abs=1e-9)
+    (_, name, _, _) = stage.body.marks(stage.x[-1].tolist(), stage.xhat[-1].tolist(), stage.body.gain).words
+    assert name[0] == "ŷ ± 3σ" and name[1][0] > poses["estimate high"].position[0]
