@@ -12,6 +12,7 @@ from ..viser_private.stage_frames import Frame
 from .meshes import Mesh, bevelled_box, bevelled_cylinder, box_edges, helix, rims
 
 EDGE, LARGE = 0.013, 0.33  # stage units: a line along an edge; a part so long or wide has them
+FINE, COARSE = 4, 3  # how often the triangles of a ball are parted in four: of a large one, of others
 
 
 class Solids:
@@ -36,7 +37,7 @@ class Solids:
         scene, opaque = self._scene, opacity is None  # these cast a shadow wherever the light does, see `light.js`
         look = {"color": rgb(colour), "opacity": opacity, "cast_shadow": opaque, "receive_shadow": opaque}
         if isinstance(shape, Ball):
-            return scene.add_icosphere(name, shape.radius, **look)
+            return scene.add_icosphere(name, shape.radius, subdivisions=FINE if shape.radius >= LARGE else COARSE, **look)
         return scene.add_mesh_simple(name, *_mesh(shape), **look)
 
     def place(self, poses: Mapping[str, Pose], frame: Frame) -> None:
