@@ -37,7 +37,7 @@ from observer_lab.text import Text, same, text
 
 CLOUD, MIDDLE = 0.3, (0.0, -0.1, 3.2)  # stage units per typical size, and where the cloud hangs
 MIN_HALF_AXIS = 0.025  # an ellipsoid is never drawn thinner
-MAX_DRAWN_DISTANCE, ARM = 3.4, 3.1  # typical sizes: nothing is drawn farther out; how long the axes and the needle are
+MAX_DRAWN_DISTANCE, ARM, FAR_ARM = 3.4, 3.1, 6.5  # typical sizes: of the cloud at most, of the axes and the needle, of the axis away
 SECOND_FROM = 24  # of a record of the deck: where the state of a second one begins
 OFF, ON = rgb(COLOURS["off"]), rgb(COLOURS["plant"])
 HALF_TURN = (0.0, 1.0, 0.0, 0.0)  # half a turn: a rod that hangs instead of standing
@@ -59,14 +59,19 @@ def _hung(point: Sequence[float]) -> Vector:
     return MIDDLE[0] + x, MIDDLE[1] + y, MIDDLE[2] + z
 
 
-def _axis(along: int) -> Pose:
+def _axis(along: int, far: float = ARM) -> Pose:
     step = [0.0, 0.0, 0.0]
-    step[along] = ARM * CLOUD
-    low, high = (tuple(m + sign * d for m, d in zip(MIDDLE, step, strict=True)) for sign in (-1, 1))
+    step[along] = CLOUD
+    low, high = (tuple(m + long * d for m, d in zip(MIDDLE, step, strict=True)) for long in (-ARM, far))
     return pose_between(low, high)  # type: ignore[arg-type]
 
 
-AXES = MappingProxyType({"axis right": _axis(0), "axis away": _axis(1), "axis up": _axis(2)})
+AXES = MappingProxyType({"axis right": _axis(0), "axis away": _axis(1, FAR_ARM), "axis up": _axis(2)})
+
+
+AXIS_NAMES = ((same("x"), (MIDDLE[0] + CLOUD * ARM + 0.14, MIDDLE[1], MIDDLE[2] + 0.08)),  # of the deck
+              (same("z"), (MIDDLE[0] + 0.14, MIDDLE[1], MIDDLE[2] + CLOUD * ARM + 0.05)),
+              (same("θ"), (MIDDLE[0], MIDDLE[1] + CLOUD * FAR_ARM, MIDDLE[2] + 0.2)))
 
 
 def cloud_poses(c: Sequence[float]) -> dict[str, Pose]:
@@ -119,8 +124,9 @@ def _deck() -> Body:
          *CLOUD_PARTS),
         _deck_pose, lambda x, u, gain: base.arrows(x[:6], u, gain), lambda x, gain: base.anchors(x[:6], gain), base.gain,
         text("Sensors that are on are blue; above, the states (x right, z up, θ away) that the data so far allow"),
-        names=(PartName(text("states that the data allow"), "cloud", (1.0, -0.2, 0.2)),
-               PartName(text("sensor that is on"), "sensor left", (-0.9, -0.3, 0.35)), PartName(text("deck"), "deck", (-0.95, -0.7, -0.4))))
+        labels=AXIS_NAMES, names=(
+            PartName(text("states that the data allow"), "cloud", (-0.95, -0.2, 0.45)),
+            PartName(text("sensor that is on"), "sensor left", (-0.9, -0.3, 0.35)), PartName(text("deck"), "deck", (-0.95, -0.7, -0.4))))
 
 
 def columns_body(count: int, label: Text) -> Body:
@@ -163,7 +169,7 @@ def columns_body(count: int, label: Text) -> Body:
                   Part(f"stem {i}", Rod(0.2 * width), METAL),
                   Part(f"head {i}", Box((width, 0.4, 0.12)), PLANT_COLOUR, twin=True)]
     named = tuple((same(f"x{SMALL[i]}"), (place(i), -0.45, 0.2)) for i in range(count if count <= MOST_NAMED else 0))
-    ends = ((ARM + 0.4, 0, 0), (0, 0, ARM + 0.15), (0, ARM + 0.4, 0))[:count]
+    ends = ((ARM + 0.4, 0, 0), (0, 0, ARM + 0.15), (0, FAR_ARM + 0.2, 0))[:count]
     axes = tuple((same(f"x{SMALL[i]}"), tuple(m + CLOUD * d for m, d in zip(MIDDLE, end, strict=True))) for i, end in enumerate(ends))
     return Body(tuple(parts), pose, arrows, anchors, 1.0, label, (*named, *axes),  # type: ignore[arg-type]
                 names=(PartName(text("what the sensor reads"), "needle", (0.9, -0.2, 0.25)),))

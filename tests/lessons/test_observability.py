@@ -333,3 +333,12 @@ def test_the_second_deck_moves_from_the_second_start_and_the_reading_does_not_te
         poses = stage.body.pose(stage.x[k].tolist(), stage.body.gain)
         alone = stage.body.pose([*stage.x[k, 24:], *stage.x[k, 6:]], stage.body.gain)["deck"]
         assert poses["second deck"].position == alone.position and poses["second deck"].wxyz == alone.wxyz
+
+
+def test_the_axes_of_the_cloud_of_the_deck_bear_the_names_of_its_states_at_their_far_ends() -> None:
+    """x to the right, z up, θ away from the viewer, as the record of the cloud has them; the cloud hangs at (0, −0.1, 3.2)."""
+    stage = stage_of(plant="deck")
+    places = {str(words): np.array(at) - (0.0, -0.1, 3.2) for words, at in stage.body.labels}
+    assert set(places) == {"x", "z", "θ"}
+    for words, along in (("x", 0), ("θ", 1), ("z", 2)):
+        assert int(np.argmax(places[words])) == along and places[words][along] > 0.9
