@@ -91,7 +91,7 @@ def peak_words(db: float) -> str:
 
 
 MOTION_GAIN = 6000.0  # times that motion is drawn larger: micrometres and microradians here
-ARROW_NAMES = ((text("force of the side spring"), (-1.9, -0.8, 1.14)), (text("coil forces"), (1.95, -0.8, 1.14)),
+ARROW_NAMES = ((text("force of the side spring"), (-2.0, -0.3, 2.02)), (text("coil forces"), (2.15, -0.3, 2.02)),
                (text("ground motion"), (0.0, -1.05, 0.0)))
 DECK = replace(with_force_lines(with_longer_arrows(MODEL.body, FORCE_ARROWS, 3), FORCE_ARROWS), gain=MOTION_GAIN,
                names=called(MODEL.body, UNCONTROLLED), ghost="dimmed", labels=ARROW_NAMES,

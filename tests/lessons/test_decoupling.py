@@ -480,3 +480,10 @@ def test_an_unstable_loop_has_no_bars() -> None:
     assert o.metrics["rightmost"] > 0
     x = o.stage.x[0].tolist()
     assert [said for said, _, _ in o.stage.body.marks(x, x, 1.0).words][-3:] == ["\N{EM DASH}"] * 3
+
+
+def test_the_names_of_the_arrows_stand_above_the_posts_and_hide_no_arrow() -> None:
+    """A name hangs from its place by less than 0.2; the posts end 1.62 high, and the deck rests between −1.66 and 1.66."""
+    body = outcome().stage.body
+    places = [at for words, at in body.labels if str(words) in ("force of the side spring", "coil forces")]
+    assert len(places) == 2 and all(abs(across) > 1.66 and up - 0.2 > 1.62 for across, _, up in places)

@@ -9,7 +9,7 @@ from ...colours import COLOURS
 from ...text import Text
 from .body import PLANT_COLOUR, STEEL, Body, Box, ErrorMarks, Part, Pose, Rod, Vector, pose_between
 
-LEFT, RIGHT, BEGIN, LONG = -2.1, 2.1, -0.85, 2.0  # x of the board's ends, of where bars begin; how long a bar of 1 is
+LEFT, RIGHT, BEGIN, LONG = -2.15, 2.15, -1.05, 2.0  # x of the board's ends, of where bars begin; how long a bar of 1 is
 BEHIND, IN_FRONT, BEFORE, LETTER = 0.85, -1.55, 0.06, 0.1  # y of a board; how far before it bars and words are; half a letter
 ROW, FRONT_ROW = 0.26, 0.36  # from one row to the next, behind and in front
 EDGE, TITLE, THICK = 0.07, 0.24, 0.17  # above and below all rows, of the title; height of a bar
