@@ -305,7 +305,7 @@ def test_the_limits_beside_the_blue_lane_are_those_of_doyle_and_of_the_regulator
         assert stage.body.marks(x, x, 1.0).words[0][0] == words
         poses = stage.body.pose(x, 1.0)
         near, far, pale = (poses.get(f"{name} lane") for name in ("near", "far", "pale"))
-        octaves = 0.88 * np.log2(6.0 / (2 / f) if lane == "state" else (1 + 1 / (d * f)) / low)
+        octaves = 0.82 * np.log2(6.0 / (2 / f) if lane == "state" else (1 + 1 / (d * f)) / low)
         assert near.scale[0] == pytest.approx(max(octaves, 0.014) if lane == "estimate" else far.scale[0], rel=1e-6)
         assert pale is None if lane == "state" else pale.scale == far.scale
         assert poses["pin"].position[0] == poses["true gain"].position[0] == pytest.approx(-0.25)

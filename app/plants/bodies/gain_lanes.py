@@ -11,10 +11,11 @@ from ...text import Text, format_number, same, text
 from .body import DARK_GREY, METAL, PLANT_COLOUR, Arrow, Ball, Body, Box, ErrorMarks, Part, Pose, Rod, Vector, pose_between
 
 LEAST_GAIN, MOST_GAIN, MOST_WRITTEN = 0.25, 6.0, 100.0  # at the ends of a lane; beyond which a limit is written as ∞
-OCTAVE, ONE_AT = 0.88, -0.25  # stage units for twice the gain, and where a gain of one is
-TICKS = ((same("¼"), 0.25), (same("½"), 0.5), (text("input gain 1 (model)"), 1.0), (same("2"), 2.0), (same("4"), 4.0))
+OCTAVE, ONE_AT = 0.82, -0.25  # stage units for twice the gain, and where a gain of one is
+TICKS = ((same("¼"), 0.25), (same("½"), 0.5), (same("1"), 1.0), (same("2"), 2.0), (same("4"), 4.0))
 NEAR, FAR, WIDE, BEHIND = -0.88, -0.42, 0.38, 0.4  # y of both lanes, their width, and how far the body moves back
 FLOOR, LANE = 0.1, 0.26  # stage units: top of the trough, thickness of a lane
+APRON, TICK_AT = 0.42, (0.05, 0.12)  # stage units: of the trough before the near lane; from its edge to the numbers, and their upper edge
 THINNEST = 0.014  # stage units of a lane that tolerates next to nothing
 BALL, SUNK, PIN = 0.13, 0.03, 0.34  # the ball, how deep it lies in the trough, the pin that carries it above the lane
 NEAR_ONE = 0.5  # limits nearer to 1 than this are written in percent
@@ -52,8 +53,9 @@ def with_gain_lanes(body: Body, states: int, names: tuple[Text, Text], pale: boo
     stand beside it; with `pale` it lies in a pale one as long as the far one. `names` are those of the lanes.
     """
     middle, long = (gain_place(LEAST_GAIN) + gain_place(MOST_GAIN)) / 2, gain_place(MOST_GAIN) - gain_place(LEAST_GAIN)
-    trough = Pose((middle, (NEAR + FAR) / 2, FLOOR / 2))
-    marks = {f"gain mark {k}": Pose((gain_place(gain), (NEAR + FAR) / 2, FLOOR)) for k, (_, gain) in enumerate(TICKS)}
+    back, front = FAR + WIDE / 2 + 0.08, NEAR - WIDE / 2 - 0.08
+    trough = Pose((middle, (back + front - APRON) / 2, FLOOR / 2))
+    marks = {f"gain mark {k}": Pose((gain_place(gain), (back + front) / 2, FLOOR)) for k, (_, gain) in enumerate(TICKS)}
 
     def pose(x: Sequence[float], gain: float) -> Mapping[str, Pose]:
         low, high, far_low, far_high, true = map(float, x[states:states + 5])
@@ -73,18 +75,18 @@ def with_gain_lanes(body: Body, states: int, names: tuple[Text, Text], pale: boo
 
     def limits(x: Sequence[float], xhat: Sequence[float], gain: float) -> ErrorMarks:
         low, high = map(float, x[states:states + 2])
-        at = (gain_place(min(high, SIZE_AT)) + BESIDE, NEAR - WIDE / 2 - 0.02, FLOOR + LANE / 2)
+        at = (gain_place(min(high, SIZE_AT)) + BESIDE, NEAR - WIDE / 2 - 0.02, FLOOR + 0.68 * LANE)
         return ErrorMarks((), ((limits_words(low, high), at, "center-left"),))
 
-    parts = (*body.parts, Part("trough", Box((long + 0.3, FAR - NEAR + WIDE + 0.16, FLOOR)), DARK_GREY),
-             *(Part(name, Box((0.03, FAR - NEAR + WIDE, 0.03)), METAL) for name in marks),
+    parts = (*body.parts, Part("trough", Box((long + 0.3, back - front + APRON, FLOOR)), DARK_GREY),
+             *(Part(name, Box((0.03, back - front, 0.03)), METAL) for name in marks),
              Part("near lane", Box((1.0, WIDE, LANE)), PLANT_COLOUR),
              Part("far lane", Box((1.0, WIDE, LANE)), METAL),
              *((Part("pale lane", Box((1.0, WIDE + 0.02, LANE + 0.02)), METAL, opacity=0.3),) if pale else ()),
              Part("pin", Rod(0.025), METAL),
              Part("true gain", Ball(BALL), COLOURS["force"]))
-    at = NEAR - WIDE / 2 - 0.12
-    said = tuple((word, (gain_place(gain), at, 0.0)) for word, gain in TICKS)
-    lanes = ((names[0], (NAMES_AT, NEAR - WIDE / 2, 2.2 * FLOOR)), (names[1], (NAMES_AT, FAR, 6.2 * FLOOR)))
+    said = (*((word, (gain_place(gain), front - APRON + TICK_AT[0], FLOOR + TICK_AT[1])) for word, gain in TICKS),
+            (text("input gain (model: 1)"), (gain_place(1.0), front - APRON - 0.06, 0.0)))
+    lanes = ((names[0], (NAMES_AT, NEAR - WIDE / 2 - 0.08, 3.6 * FLOOR)), (names[1], (NAMES_AT, FAR, 6.2 * FLOOR)))
     before = tuple((name, moved_back(place)) for name, place in body.labels)
     return replace(body, parts=parts, pose=pose, arrows=arrows, anchors=anchors, labels=(*before, *said, *lanes), marks=limits)
