@@ -139,9 +139,13 @@ def _columns(below: Below, foot: float) -> tuple[tuple[Part, ...], dict[str, Pos
         parts.append(Part(f"column {k}", Box((COLUMN, COLUMN, high)), COLOURS["estimate" if k < below.used else "muted"]))
         poses[f"column {k}"] = Pose((across, BENCH_Y, low + high / 2))
         numbers.append((str(k + 1), (across, front - 0.03, low - 0.02)))
-    edge = Part("edge", Box((PANEL_WIDTH, BAR, BAR)), COLOURS["dark"])
-    poses["edge"] = Pose((0.0, BENCH_Y - 0.6 * COLUMN, low + unit * below.edge))
-    return (*parts, edge), poses, numbers
+    before, high = BENCH_Y - 0.6 * COLUMN, max(unit * below.edge, LEAST_COLUMN)
+    parts.append(Part("edge", Box((PANEL_WIDTH, BAR, BAR)), COLOURS["dark"]))
+    poses["edge"] = Pose((0.0, before, low + unit * below.edge))
+    for side, sign in (("left", -1), ("right", 1)):
+        parts.append(Part(f"edge {side}", Box((BAR, BAR, high)), COLOURS["dark"]))
+        poses[f"edge {side}"] = Pose((sign * (PANEL_WIDTH - BAR) / 2, before, low + high / 2))
+    return tuple(parts), poses, numbers
 
 
 def _frame(foot: float) -> tuple[tuple[Part, ...], dict[str, Pose]]:
