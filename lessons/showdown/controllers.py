@@ -21,6 +21,7 @@ CONTROLLER_NAMES = (
     text("no control"), text("two SISO loops"), text("LQG, steady LQE"),
     text("LQG, recursive filter"), text("decoupled LQG"),
 )
+CONTROLLER_ROLES = ("muted", "second", "plant", "reference", "error")  # of their colours, on the stage and in figures
 OWN_PAIR, PUBLISHED_PAIR = "own", "published"
 SCALES = ((V_MAG, 2), (V_MAG, 2), (H_MAG, 1))  # of each channel: its unit of velocity, and coils that share its force
 Steps = tuple[np.ndarray, np.ndarray, np.ndarray]  # A, G, H of a filter's step in its covariance, stacks

@@ -14,6 +14,7 @@ from observer_lab.engine.sampled import ResponseMeasures
 from observer_lab.text import Text, format_number, joined, listed, same, text, text_in
 
 from .controllers import CONTROLLER_NAMES, ORDER, SHORT_NAMES, gain_gap
+from .deck_bars import run_rms, velocity_of
 from .rankings import EFFORT_TAB, RACE_TAB, equal, race_figures
 from .report_levels import REPORT_TAB, report_tables
 from .score_tables import SCORE_TAB, TRIAL_TAB, friction, sizes, times, tried
@@ -69,7 +70,7 @@ def _measured(outcome: Outcome[Study], column: int, scale: float = 1.0) -> list[
 
 def _noise(m: Study, share: float) -> Curve:
     level = 2 * m.world.sensor * share * 1e12
-    return Curve(text("sensor noise"), np.full(len(m.f), max(level, LOG_AXIS_FLOOR)), "second", "dot", 1.6)
+    return Curve(text("sensor noise"), np.full(len(m.f), max(level, LOG_AXIS_FLOOR)), "disturbance", "dot", 1.6)
 
 
 def _window(curves: list[Curve]) -> tuple[float, float]:
@@ -187,13 +188,14 @@ def _held(outcome: Outcome[Study]) -> bool:
 def _stage_velocity(outcome: Outcome[Study]) -> LineFigure:
     m = outcome.study
     t, x, _ = m.run
-    v, rival, ghost = (np.clip(1e6 * states[:, 6], -2e3, 2e3) for states in (x, m.rival[0], m.ghost))
-    sizes = [float(np.std(each[t > 1.0])) for each in (v, rival, ghost)]
+    v, rival, ghost = (velocity_of(states) for states in (x, m.rival[0], m.ghost))
+    sizes = [run_rms(t, each) for each in (x, m.rival[0], m.ghost)]
     upper = outcome.design["play"]
-    above, below = (CONTROLLER_NAMES[ORDER.index(each)] for each in (upper, rival_of(upper)))
+    who = [ORDER.index(each) for each in (upper, rival_of(upper))]
+    (above, below), roles = (CONTROLLER_NAMES[i] for i in who), [CURVE_STYLES[i][0] for i in who]
     return LineFigure("stage_velocity", text("vertical velocity of the run on the stage"), t,
-                      (Curve(below, rival, "second", "solid", 0.8), Curve(text("without control"), ghost, "muted", "dash", 2.4),
-                       Curve(above, v, width=2.4)), "v [µm/s]",
+                      (Curve(below, rival, roles[1], "solid", 0.8), Curve(text("without control"), ghost, "muted", "dash", 2.4),
+                       Curve(above, v, roles[0], width=2.4)), "v [µm/s]",
                       caption=UNSTABLE_CAPTION if not _held(outcome) else
                       text("RMS after 1 s: {sizes:.3g} µm/s, {sizes2:.3g} µm/s on the lower deck, {sizes3:.3g} µm/s without control.",
                            sizes=sizes[0], sizes2=sizes[1], sizes3=sizes[2]),

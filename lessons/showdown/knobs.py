@@ -10,7 +10,8 @@ from .controllers import CONTROLLER_NAMES, DT, LQE, ORDER, OWN_PAIR, PUBLISHED_P
 from .simulation import RUN_SAMPLES
 
 REAL = text("Real life")
-OF_RUN, IN_BAND, WHOLE, REDUCED = "run", "band", "whole", "reduction"  # what bars on the stage show
+OF_RUN, IN_BAND, WHOLE, REDUCED, LATE = "run", "band", "whole", "reduction", "late"  # what bars on the stage show
+MOST_DELAY_MS = 10.0
 
 
 def _error(name: str, symbol: str, label: Text, unit: str, high: float, hint: Text) -> Number:
@@ -46,7 +47,7 @@ KNOBS = (
            hint=text("How the force follows the command.")),
     Number("bandwidth", "f_b", text("driver bandwidth"), "Hz", low=1.0, high=1000.0, default=100.0, scale="log",
            when=("driver", ("first", "second")), group=REAL, hint=text("The driver is 3 dB down there.")),
-    Number("delay", r"\tau", text("computing delay"), "ms", low=0.0, high=10.0, default=0.0, step=0.1, group=REAL,
+    Number("delay", r"\tau", text("computing delay"), "ms", low=0.0, high=MOST_DELAY_MS, default=0.0, step=0.1, group=REAL,
            hint=text("From reading the sensors to giving the command; fractions of a sample count.")),
     Number("adc", "q", text("converter step"), "µm/s", low=0.0, high=1000.0, default=0.0, step=5.0, group=REAL,
            hint=text("Readings are rounded to whole steps; the spectra count it as noise of q²/12.")),
@@ -63,8 +64,9 @@ KNOBS = (
     _error("placement", r"\varepsilon_s", text("sensor placement error"), "mm", 60.0,
            text("The sensors stand this much farther from the middle.")),
     Choice("bars", "", text("bars on the stage"), default=OF_RUN,
-           options=((OF_RUN, text("height in this run")), (IN_BAND, text("velocity, 0.5–3 Hz")),
-                    (WHOLE, text("velocity, all frequencies")), (REDUCED, text("reduction of the rotation"))),
+           options=((OF_RUN, text("velocity in this run")), (IN_BAND, text("velocity, 0.5–3 Hz")),
+                    (WHOLE, text("velocity, all frequencies")), (REDUCED, text("reduction of the rotation")),
+                    (LATE, text("velocity in this run, and the delay"))),
            hint=text("The measure that bars before the two decks show. Velocities and reductions are predicted by spectra.")),
     *run_knobs(RUN_SAMPLES * DT - DT),
 )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -17,9 +17,10 @@ from observer_lab.text import Text, listed, text
 from ..toolkit.latex import number
 from .contest_body import FULL_BAR_DB, FULL_BAR_SHAPED_UM_S, FULL_BAR_UM_S, body_of, rival_of
 from .controllers import LQE, OPEN_LOOP, ORDER, RECURSIVE, SHORT_NAMES, Player, players
+from .deck_bars import first_design, run_rms
 from .equal_effort import Equal
 from .friction import friction_of, rubbed
-from .knobs import IN_BAND, OF_RUN, REDUCED
+from .knobs import IN_BAND, LATE, OF_RUN, REDUCED
 from .race import Raced
 from .simulation import (
     BAND_HZ,
@@ -39,6 +40,7 @@ from .simulation import (
 )
 
 TOLERANCE = (5.0, 20.0, 5.0)  # %, %, mm where no error knob is turned
+LEAST_CHANGE, LOST_SHARE = 0.01, 2.0  # of a full bar: less is no change; a run that leaves every bound
 
 
 @dataclass(frozen=True, eq=False)
@@ -167,8 +169,8 @@ class Study:
         return tuple(None if r is None else measures(r, reference) for r in self.responses)
 
 
-def compute(design: Design) -> Outcome[Study]:
-    """All five players in the design's world: spectra by transfer function, the test without noise, one noisy run."""
+def _study(design: Design) -> Study:
+    """All five players in the design's world, with three runs: of the chosen one, of none, and of the rival."""
     world, step = world_of(design), design["test"] == "step"
     five = players(design["v"], design["pair"])
     seed, kick = int(design["seed"]), design["kick"]
@@ -177,34 +179,44 @@ def compute(design: Design) -> Outcome[Study]:
     most, other = friction_of(design), rival_of(chosen.id)
     run, ghost, rival = ((rubbed(*who, seed, step, kick, most) if most else shake(*who, seed, step, kick))
                          for who in ((world, chosen), bare, (world, five[ORDER.index(other)])))
-    match = Study(world, five, step, run, ghost[1], rival[1:])
-    metrics = LazyMap(lambda: _metrics(match))
-    return Outcome(design, {}, {}, metrics, LazySequence(lambda: _checks(match, metrics)), None, (),
-                   _stage(match, body_of(chosen.id, design["delay"], design["damping"], 1e3 * most, design["bars"]),
-                          barred(match, design["bars"], (chosen.id, other))),
+    return Study(world, five, step, run, ghost[1], rival[1:])
+
+
+@lru_cache(maxsize=8)
+def _first_bars(design: Design) -> tuple[float, float]:
+    """The shares of both bars with noise and hardware as at the start."""
+    upper, lower = barred(_study(design), design["bars"], (design["play"], rival_of(design["play"])))[0][:2].tolist()
+    return upper, lower
+
+
+def compute(design: Design) -> Outcome[Study]:
+    """All five players in the design's world: spectra by transfer function, the test without noise, one noisy run."""
+    match, who = _study(design), (design["play"], rival_of(design["play"]))
+    metrics, bars, first = LazyMap(lambda: _metrics(match)), barred(match, design["bars"], who), first_design(design)
+    rings = () if first == design or match.world.shaped else _first_bars(first)
+    moved = any(abs(share - before) > LEAST_CHANGE for share, before in zip(bars[0], rings, strict=False))
+    upper, lower = (not match.stable[ORDER.index(each)] for each in who)
+    body = body_of(design["play"], design["delay"], design["damping"], 1e3 * friction_of(design), design["bars"], rings if moved else (),
+                   (upper, lower))
+    return Outcome(design, {}, {}, metrics, LazySequence(lambda: _checks(match, metrics)), None, (), _stage(match, body, bars),
                    LazySequence(lambda: _formulas(design, match)),
                    LazyValue(lambda: as_predicted(design, _ranking(match))), match)
 
 
-def moved_share(x: np.ndarray, ghost: np.ndarray) -> float:
-    """The RMS of a deck's vertical displacement over the run, over that of the deck without control."""
-    return float(np.sqrt(np.mean(x[:, 1] ** 2) / np.mean(ghost[:, 1] ** 2)))
-
-
 def barred(m: Study, bars: str, who: tuple[str, str]) -> tuple[np.ndarray, np.ndarray]:
     """Shares and numbers (4,) of the bars of the upper and the lower deck, and the same without control; NaN where a loop is unstable."""
-    if bars == OF_RUN:
-        size = 1e6 * float(np.sqrt(np.mean(m.ghost[:, 1] ** 2)))
-        shares = np.array([moved_share(m.run[1], m.ghost), moved_share(m.rival[0], m.ghost)])
-        return np.concatenate([shares, size * shares]), np.array([1.0, 1.0, size, size])
     places = [ORDER.index(each) for each in who]
     stable = np.array([m.stable[i] for i in places])
+    full, least = FULL_BAR_SHAPED_UM_S if m.world.shaped else FULL_BAR_UM_S, 0.0
     if bars == REDUCED:
         values, bare, full = m.band_db[places, 1], 0.0, FULL_BAR_DB
+    elif bars in (OF_RUN, LATE):
+        t = m.run[0]
+        values, bare, least = np.array([run_rms(t, m.run[1]), run_rms(t, m.rival[0])]), run_rms(t, m.ghost), LOST_SHARE
     else:
-        found, full = m.band_rms(*BAND_HZ) if bars == IN_BAND else m.rms, FULL_BAR_SHAPED_UM_S if m.world.shaped else FULL_BAR_UM_S
+        found = m.band_rms(*BAND_HZ) if bars == IN_BAND else m.rms
         values, bare = found[places, 0], float(found[0, 0])
-    return (np.concatenate([np.where(stable, np.maximum(values, 0.0) / full, 0.0), np.where(stable, values, np.nan)]),
+    return (np.concatenate([np.where(stable, np.maximum(values, 0.0) / full, least), np.where(stable, values, np.nan)]),
             np.array([bare / full, bare / full, bare, bare]))
 
 

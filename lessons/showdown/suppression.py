@@ -11,7 +11,7 @@ from observer_lab.course.figures.records import Curve, Dash, LineFigure, PlaneFi
 from observer_lab.course.lesson import Outcome
 from observer_lab.text import NO_WORDS, Text, joined, listed, text, text_in
 
-from .controllers import CONTROLLER_NAMES, ORDER, SHORT_NAMES
+from .controllers import CONTROLLER_NAMES, CONTROLLER_ROLES, ORDER, SHORT_NAMES
 from .race import leaders
 from .score_tables import HEADS, SCORE_TAB
 from .simulation import analyse
@@ -20,9 +20,8 @@ from .study import Study, as_predicted
 WANTED_SUPPRESSION_DB = 20.0  # dB in every channel
 TIED = 0.05  # dB: less is no lead
 BAR_WIDTH_PX, BAR_STEP = 17.0, 0.2  # px; from one bar of a channel to the next, in channels
-CURVE_STYLES: tuple[tuple[str, Dash], ...] = (
-    ("muted", "solid"), ("disturbance", "solid"), ("plant", "solid"), ("reference", "dash"), ("error", "dash"),
-)
+DASHES: tuple[Dash, ...] = ("solid", "solid", "solid", "dash", "dash")
+CURVE_STYLES: tuple[tuple[str, Dash], ...] = tuple(zip(CONTROLLER_ROLES, DASHES, strict=True))
 TRANSMISSIBILITY_TAB = text("Transmissibility")
 AXES = (("vertical", text_in("channel", "vertical")), ("horizontal", text_in("channel", "horizontal")))
 LAST_HZ = 100.0  # above it the samples fold the ground's noise back
@@ -101,7 +100,7 @@ def _drawn(outcome: Outcome[Study], name: str, title: Text, found: list[np.ndarr
     f = outcome.study.f[outcome.study.f <= LAST_HZ]
     curves = [Curve(CONTROLLER_NAMES[i], np.full(len(f), LOG_AXIS_FLOOR) if T is None else np.maximum(T, LOG_AXIS_FLOOR), role, dash,
                     width(outcome, i)) for i, (T, (role, dash)) in enumerate(zip(found, CURVE_STYLES, strict=True))]
-    curves.append(Curve(text("as the ground"), np.ones(len(f)), "second", "dot", 1.2))
+    curves.append(Curve(text("as the ground"), np.ones(len(f)), "disturbance", "dot", 1.6))
     most = listed(text("{name} {value}", name=SHORT_NAMES[i], value=text("unstable") if T is None else f"{T.max():.3g}")
                   for i, T in enumerate(found))
     return over_frequency(f"transmissibility_{name}", text("{title} transmissibility, deck over ground", title=title), f, tuple(curves),

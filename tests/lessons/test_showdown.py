@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from lesson_checks import carried
 
+from observer_lab.colours import COLOURS
 from observer_lab.course.lesson import Outcome
 from observer_lab.engine import noisy_loop, sampled_lqg
 from observer_lab.engine.sampled import loop_density, mechanics_response, simulate_trials, welch_expectation
@@ -279,17 +280,69 @@ def test_the_optimum_is_not_beaten_by_the_quietest_sensor_of_all(sensor: float) 
     assert not _task("beaten").check(outcome(sensor=sensor)).solved
 
 
-def test_the_stage_has_the_deck_of_the_chosen_controller_above_its_rivals_each_with_the_share_of_motion_that_is_left() -> None:
+def test_the_stage_has_the_deck_of_the_chosen_controller_above_its_rival_each_with_the_velocity_that_the_figure_states() -> None:
+    """RMS of the vertical velocity after the first second, less its mean: on the bars, at their ends and in the figure's caption."""
     for chosen, rival in (("siso", "lqe"), ("lqe", "siso"), ("open", "lqe")):
         upper, lower = outcome(play=chosen), outcome(play=rival)
         stage, bare = upper.stage, upper.study.ghost
         assert stage is not None and stage.xhat is not None
         np.testing.assert_array_equal(stage.x[:, :20], np.hstack([upper.study.run[1], lower.study.run[1]]))
         np.testing.assert_array_equal(stage.xhat[:, :20], np.hstack([bare, bare]))
-        shares = [np.sqrt(np.sum(x[:, 1] ** 2) / np.sum(bare[:, 1] ** 2)) for x in (upper.study.run[1], lower.study.run[1])]
-        long = [stage.body.pose(stage.x[7].tolist(), 1.0)[f"{floor} bar"].scale[2] for floor in ("upper", "lower")]
-        whole = stage.body.pose(stage.xhat[7].tolist(), 1.0)["upper bar"].scale[2]
-        np.testing.assert_allclose(np.array(long) / whole, np.clip(shares, 0.01, 1.05))
+        late = upper.study.run[0] > 1.0
+        sizes = [1e6 * np.sqrt(np.mean((x[late, 6] - np.mean(x[late, 6])) ** 2)) for x in (upper.study.run[1], lower.study.run[1], bare)]
+        long = [stage.body.pose(stage.x[7].tolist(), 1.0)[f"{floor} bar"].scale[2] / 3.6 for floor in ("upper", "lower")]
+        whole = [stage.body.pose(stage.xhat[7].tolist(), 1.0)[f"{floor} bar"].scale[2] / 3.6 for floor in ("upper", "lower")]
+        np.testing.assert_allclose([*long, *whole], np.clip(np.array([*sizes, sizes[2]]) / 200, 0.01, 1.05))
+        assert stage.body.marks is not None
+        words = [said for said, _, _ in stage.body.marks(stage.x[7].tolist(), stage.xhat[7].tolist(), 1.0).words]
+        assert [float(said.removesuffix(" µm/s")) for said in words] == pytest.approx(sizes[:2], rel=5e-3)
+        caption = next(f.caption("en") for f in LESSON.figures(upper) if f.id == "stage_velocity")
+        assert all(said in caption for said in words)
+
+
+def test_one_colour_for_each_controller_on_the_stage_and_in_the_figures() -> None:
+    roles = {"two SISO loops": "second", "LQG, steady LQE": "plant", "LQG, recursive filter": "reference", "decoupled LQG": "error"}
+    for chosen, names in (("lqe", ("LQG, steady LQE", "two SISO loops")), ("siso", ("two SISO loops", "LQG, steady LQE")),
+                          ("decoupled", ("decoupled LQG", "LQG, steady LQE"))):
+        made = outcome(play=chosen)
+        assert made.stage is not None
+        parts = {part.name: part.colour for part in made.stage.body.parts}
+        assert [words("en") for words, _ in made.stage.body.labels[:2]] == list(names)
+        assert [parts[f"{floor} bar"] for floor in ("upper", "lower")] == [COLOURS[roles[name]] for name in names]
+        for figure in LESSON.figures(made):
+            if figure.id in ("stage_velocity", "suppression", "channel_rotation"):
+                found = {curve.name("en"): curve.role for curve in figure.curves if curve.name("en") in roles}
+                assert found and all(roles[name] == role for name, role in found.items()), figure.id
+
+
+def test_rings_stand_where_the_bars_ended_at_the_start_and_only_where_something_has_changed() -> None:
+    """Reductions in dB of a full bar of 60, with the noises of the start; the same ring for every change."""
+    first = band(outcome(), "lqe")[1], band(outcome(), "siso")[1]
+    for values in ({"sensor": 1e-14}, {"v": 1e-8}, {"damping": -90.0}):
+        stage = outcome(bars="reduction", **values).stage
+        assert stage is not None
+        poses = stage.body.pose(stage.x[3].tolist(), 1.0)
+        at = [(poses[f"{floor} ring"].position[0] + 2.45) / 3.6 for floor in ("upper", "lower")]
+        assert at == pytest.approx([each / 60 for each in first])
+        assert any("ring: at the start" in words("en") for words, _ in stage.body.labels)
+    for values in ({"bars": "reduction"}, {"bars": "run"}, {"bars": "whole", "play": "siso"}, {"ground": "shaped", "v": 1e-12}):
+        stage = outcome(**values).stage
+        assert stage is not None and not any(part.name.endswith(" ring") for part in stage.body.parts)
+        assert not any("ring" in words("en") for words, _ in stage.body.labels)
+
+
+def test_the_lane_of_the_delay_has_its_bead_at_the_delay_and_an_unstable_deck_says_so() -> None:
+    for delay, lost in ((0.0, False), (2.5, False), (6.0, True)):
+        stage = outcome(bars="late", delay=delay).stage
+        assert stage is not None
+        x = stage.x[3].tolist()
+        poses = stage.body.pose(x, 1.0)
+        begin, end = (poses[f"lane {name}"].position[0] for name in ("start", "end"))
+        assert (poses["lane bead"].position[0] - begin) / (end - begin) == pytest.approx(delay / 10)
+        assert stage.body.labels[1][0]("en") == ("two SISO loops: unstable" if lost else "two SISO loops")
+        assert (poses["lower bar"].scale[2] == pytest.approx(1.05 * 3.6)) == lost
+    plain = outcome().stage
+    assert plain is not None and not any(part.name.startswith("lane") for part in plain.body.parts)
 
 
 def bars_of(**values: object) -> tuple[dict[str, float], list[str], list[float]]:
@@ -333,7 +386,7 @@ def test_what_acts_on_the_decks_is_named_on_both_and_only_then() -> None:
     def tags(**values: object) -> list[str]:
         stage = LESSONS["showdown"].compute(LESSONS["showdown"].apply(LESSONS["showdown"].start(), values)).stage
         assert stage is not None
-        return [words("en") for words, _ in stage.body.labels[2:-1]]
+        return [words("en") for words, _ in stage.body.labels[2:-2]]
 
     assert tags() == [] == tags(friction=5.0)
     assert tags(delay=5.0) == 2 * ["delay 5 ms"]
@@ -342,7 +395,9 @@ def test_what_acts_on_the_decks_is_named_on_both_and_only_then() -> None:
 
 
 def test_a_filter_for_a_noise_a_hundred_times_too_large_reduces_the_rotation_less() -> None:
-    """What the recall shows on the rails: the full LQG below, the decoupled one above, both with shorter bars."""
+    """The full LQG below, the decoupled one above, both with shorter bars; the recall shows the full LQG above."""
+    right, wrong = (bars_of(play="lqe", v=v, bars="reduction")[0] for v in (1e-10, 1e-8))
+    assert wrong["upper"] < 0.3 * right["upper"] and wrong["lower"] == right["lower"]
     right, wrong = (bars_of(play="decoupled", sensor=1e-12, v=v, bars="reduction") for v in (1e-12, 1e-10))
     assert wrong[0]["lower"] < 0.75 * right[0]["lower"] and wrong[0]["upper"] < 0.95 * right[0]["upper"]
     assert [float(each.removesuffix(" dB")) for each in (right[1][1], wrong[1][1])] == pytest.approx([32.4, 22.1], abs=0.1)
