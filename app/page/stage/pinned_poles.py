@@ -88,7 +88,8 @@ class PinMarks:
         size = _fitting(said, em, self._room(board)) * em
         half, tall = text_width(said, size) / 2 + 0.25 * size, LINE_HEIGHT_EM * size / 2
         pairs = zip(board.poles, board.loop or board.began, strict=True)
-        spots = [self._place(pole + k / WAY_SPOTS * (other - pole)) for pole, other in pairs if pole != other for k in range(1, WAY_SPOTS + 1)]
+        spots = [self._place(pole + k / WAY_SPOTS * (other - pole))
+                 for pole, other in pairs if pole != other for k in range(1, WAY_SPOTS + 1)]
         return [Place(LEFT + half, -BOARD_HEIGHT / 2 + ABOVE + tall, half, tall)], [(x, z) for x, _, z in spots]
 
     def _room(self, board: Board) -> float:

@@ -19,7 +19,7 @@ from ..charts.axes import ticks
 from ..charts.text_layout import text_width
 from ..words import phrases
 from .board_face import board_colours, draw_board_texture
-from .board_labels import Frame, Place, best_place, leader_line, pole_name
+from .board_labels import Frame, best_place, leader_line, pole_name
 from .drag_handles import GRIPS, LOCKS, DragHandles, Vector
 from .meshes import bolt, cross, landscape
 from .pinned_poles import PinMarks
