@@ -45,6 +45,7 @@ from .loop_figures import (
 )
 from .study import LEAST_DISK, MOST_ERROR, NIS_SHARE, RECOVERY_LEVELS, Study, frequencies, times_the_least
 
+LEAST_SIZE = -3.0  # decades: the foot of the figure of singular values, where none and no tolerance lies below it
 LOST = 1e-10  # of the plant's size: the staircase takes a smaller coupling for rounding
 HEADS = (text("question"), text("value"), text("band"), text("verdict"))
 
@@ -135,7 +136,7 @@ def sizes_plane(found: Structure, rtol: float) -> PlaneFigure:
     """Singular values of O and of the controllability matrix against the tolerance."""
     title = text("singular values of O and [B, AB, …], σ/σ₁")
     points, said = [], []
-    for report, role, mark in ((found.seen, "estimate", "dot"), (found.reached, "plant", "cross")):
+    for report, role, mark in ((found.seen, "second", "dot"), (found.reached, "plant", "cross")):
         if isinstance(report, Refusal):
             return empty_plane("sizes", title, STRUCTURE_TAB, why(report))
         values = report.singular_values
@@ -144,9 +145,10 @@ def sizes_plane(found: Structure, rtol: float) -> PlaneFigure:
         rank = report.matrix_rank(rtol) if values[0] > 0 else 0
         said.append((rank, report.rank))
     n = len(said) and found.seen.matrix.shape[1]  # type: ignore[union-attr]
-    line = Curve(text("tolerance τ"), np.full(2, np.log10(rtol)), "reference", "dash", 1.6, np.array([0.5, n + 0.5]))
+    low = max(min(LEAST_SIZE, np.log10(rtol), *(point.y for point in points)), LOWEST) - 0.2
+    line = Curve(text("tolerance τ"), np.full(2, np.log10(rtol)), "force", "dash", 2.4, np.array([0.5, n + 0.5]))
     (o, o_true), (c, c_true) = said
-    return PlaneFigure("sizes", title, (line,), tuple(points), "k", "σ/σ₁", (0.5, n + 0.5), (LOWEST - 0.5, 0.5), tab=STRUCTURE_TAB,
+    return PlaneFigure("sizes", title, (line,), tuple(points), "k", "σ/σ₁", (0.5, n + 0.5), (low, 0.2), tab=STRUCTURE_TAB,
                        powers="y",
                        caption=text("At this tolerance rank(O) = {o} (dots) and rank[B, AB, …] = {c} (crosses) of "
                                     "{n}; the staircase finds {o_true} and {c_true}.",

@@ -17,7 +17,6 @@ from observer_lab.plants.bodies.body import (
     GHOST_NAME,
     METAL,
     PLANT_COLOUR,
-    STEEL,
     Ball,
     Body,
     Box,
@@ -36,16 +35,19 @@ from observer_lab.plants.bodies.own_body import LIT_COLOUR, rows_of
 from observer_lab.plants.examples import example
 from observer_lab.plants.own_plant import plant_of
 from observer_lab.plants.signal_names import signal_name
-from observer_lab.text import same, text
+from observer_lab.text import format_number, same, text
 
-from .analyses import Refusal, Trial, attempt, margins
+from .analyses import Refusal, Trial, attempt, margins, trial
 from .rank_columns import with_columns
 
-DECADES = -1, 1  # of the bars
-START = -DECADES[0] / (DECADES[1] - DECADES[0])  # the share of a bar of 1
-MARKS = ((same("0.1"), 0.0), (text("1: at the start, as expected"), START), (same("10"), 1.0))
+LEAST_DECADES, ROOM, MOST_MARKS = (-1, 2), 3.0, 4  # of the bars, at least; times the start that has room; marks below them at most
+RING = 0.05, 0.3  # along a bar and across it: the flat ring that shows where the bar ended at the start
+RINGS_SAID, RINGS_SAID_AT = text("ring: at the start"), (-2.12, 0.08)  # across, and before the steps
+FIRST_SENSOR, FIRST_BELIEF, FIRST_SEED = 0.01, 1.0, 1  # of the record of the start
 MARGIN_STATES = 6  # of a plant whose disk margin is drawn; that of a larger one takes too long for a hand on a knob
-BARS = (Bar(text("largest |L|"), STEEL), Bar(text("disk margin"), COLOURS["force"]), Bar(text("mean NIS"), COLOURS["error"]))
+BARS = (Bar(text("largest |L|"), COLOURS["second"]),
+        Bar(text("disk margin"), COLOURS["force"]),
+        Bar(text("NIS / expected"), COLOURS["error"]))
 BEHIND, UP, ALL_BACK = 0.62, 0.36, 0.4  # stage units that the plant moves back and up, and then all of it back
 NAMES_UP = 0.16, 0.1, 0.03  # stage units that the names of bars are lifted: on a phone there is room for all
 NAME_DROP = 0.2  # stage units that a name is lifted less than the lamp of the first row is high
@@ -59,13 +61,28 @@ ONE: Vector = (1.0, 1.0, 1.0)
 @lru_cache(maxsize=16)
 def body_of(model: Model) -> Body:
     """The plant's body behind the bars, its names high on the tubes, a plate behind them, the aircraft's above them."""
-    barred = with_bars(_plant(model), model.plant.n, BARS, MARKS, BEHIND, UP, decades=DECADES)
-    fixed = {f"start {k}": Pose((BEGIN + LONG * START / 2, FIRST_Y - PITCH * k, FLOOR + STEP * (len(BARS) - 1 - k) + THICK))
-             for k in range(len(BARS))}
+    low, high = decades_of(model)
+    step = -(-(high - low) // (MOST_MARKS - 1))
+    marks = tuple((same(format_number(10.0 ** k, ".3g")), (k - low) / (high - low)) for k in range(low, high + 1, step))
+    barred = with_bars(_plant(model), model.plant.n, BARS, marks, BEHIND, UP, decades=(low, high))
+    front = FIRST_Y - PITCH * (len(BARS) - 0.5)
+    rings = {f"start {k}": Pose((BEGIN + LONG * share, FIRST_Y - PITCH * k, FLOOR + STEP * (len(BARS) - 1 - k) + THICK))
+             for k, share in enumerate(share_of_decades(np.array(numbers_at_the_start(model)), low, high).tolist())}
+    states, words = model.plant.n, barred.marks
+    assert words is not None
+
+    def sizes(x: Sequence[float], xhat: Sequence[float], gain: float) -> ErrorMarks:
+        """The numbers with three digits, where a bar does not end at either end of the scale."""
+        found = words(x, xhat, gain).words
+        exact = (format_number(10.0 ** (low + share * (high - low)), ".3g") if 0.0 < share < 1.0 else "" for share in x[states:])
+        return ErrorMarks((), (*((size or word, at, side) for size, (word, at, side) in zip(exact, found, strict=False)),
+                               *found[len(BARS):]))
     higher = {bar.name: up for bar, up in zip(BARS, NAMES_UP, strict=True)}
-    barred = replace(barred, labels=tuple((name, moved_back(at, 0.0, higher.get(name, 0.0))) for name, at in barred.labels))
-    pale = tuple(Part(name, Box((LONG * START, 2.4 * THICK, 2.2 * THICK)), COLOURS["muted"], opacity=0.35) for name in fixed)
-    return _set_back(replace(barred, pose=lambda x, gain: {**barred.pose(x, gain), **fixed}, parts=(*barred.parts, *pale)), ALL_BACK)
+    barred = replace(barred, labels=(*((name, moved_back(at, 0.0, higher.get(name, 0.0))) for name, at in barred.labels),
+                                     (RINGS_SAID, (RINGS_SAID_AT[0], front - RINGS_SAID_AT[1], 0.0))))
+    pale = tuple(Part(name, Box((RING[0], RING[1], RING[1])), COLOURS["muted"], opacity=0.8) for name in rings)
+    return _set_back(replace(barred, pose=lambda x, gain: {**barred.pose(x, gain), **rings}, parts=(*barred.parts, *pale),
+                             marks=sizes), ALL_BACK)
 
 
 @lru_cache(maxsize=16)
@@ -128,7 +145,7 @@ def _with_plate(body: Body, top: float) -> Body:
     places = [pose.position for name, pose in poses.items() if name.startswith("tube ")]
     low, high, y = min(x for x, *_ in places) - AROUND, max(x for x, *_ in places) + AROUND, places[0][1] + PLATE_Y
     plate = Pose(((low + high) / 2, y, top / 2))
-    return replace(body, parts=(*body.parts, Part("plate", Box((high - low, PLATE, top)), DARK_GREY)),
+    return replace(body, parts=(*body.parts, Part("plate", Box((high - low, PLATE, top)), COLOURS["grey"])),
                    pose=lambda x, gain: {**body.pose(x, gain), "plate": plate})
 
 
@@ -195,11 +212,21 @@ def margin_of(model: Model, K: np.ndarray, L: np.ndarray) -> float:
         if model.plant.n <= MARGIN_STATES else 0.0
 
 
-def times_the_start(model: Model, K: np.ndarray, L: np.ndarray) -> tuple[float, float]:
-    """The largest entry of L and the disk margin, over those of the gains that the page has begun with; 0 where one is not known."""
+def numbers_at_the_start(model: Model) -> tuple[float, float, float]:
+    """The largest entry of the gain L that the page has begun with, the disk margin and the NIS over the expected one then."""
     assert model.controller is not None and model.observer is not None  # a person's own plant begins with both
-    first, margin = float(np.abs(model.observer.gain).max()), margin_of(model, model.controller.gain, model.observer.gain)
-    return (float(np.abs(L).max()) / first if first > 0 else 0.0, margin_of(model, K, L) / margin if margin > 0 else 0.0)
+    K, L = model.controller.gain, model.observer.gain
+    small = model.plant.n <= MARGIN_STATES
+    nis = nis_over_expected(attempt(lambda: trial(model, FIRST_SENSOR, FIRST_BELIEF, FIRST_SEED))) if small else 0.0
+    return float(np.abs(L).max()), margin_of(model, K, L), nis
+
+
+@lru_cache(maxsize=16)
+def decades_of(model: Model) -> tuple[int, int]:
+    """The powers of ten between which the bars of a plant lie: there is room about what it begins with."""
+    low, high = LEAST_DECADES
+    found = [size for size in numbers_at_the_start(model) if size > 0] or [1.0]
+    return min(low, math.floor(math.log10(min(found) / ROOM))), max(high, math.ceil(math.log10(max(found) * ROOM)))
 
 
 def nis_over_expected(found: Trial | Refusal) -> float:
@@ -213,8 +240,8 @@ def with_numbers(stage: Stage, model: Model, K: np.ndarray, L: np.ndarray, nis: 
         return stage
     if ranked is not None:
         return _before(stage, ranked_body_of(model), ranked)
-    numbers = (*times_the_start(model, K, L), nis)
-    return _before(stage, body_of(model), share_of_decades(np.array(numbers), *DECADES))
+    numbers = float(np.abs(L).max()), margin_of(model, K, L), nis
+    return _before(stage, body_of(model), share_of_decades(np.array(numbers), *decades_of(model)))
 
 
 def _before(stage: Stage, body: Body, shares: np.ndarray) -> Stage:

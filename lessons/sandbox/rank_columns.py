@@ -9,7 +9,7 @@ import numpy as np
 
 from observer_lab.colours import COLOURS, rgb
 from observer_lab.engine.structure import Observability
-from observer_lab.plants.bodies.body import BENCH, DARK_GREY, METAL, Body, Box, ErrorMarks, Part, Pose, Rod, Vector
+from observer_lab.plants.bodies.body import BENCH, DARK_GREY, Body, Box, ErrorMarks, Part, Pose, Rod, Vector
 from observer_lab.plants.bodies.gain_lanes import moved_back
 from observer_lab.plants.bodies.own_body import MOST_IN_ROW
 from observer_lab.text import format_number, same, text
@@ -73,10 +73,10 @@ def with_columns(body: Body, states: int, kept: Collection[str], up: float) -> B
         return ErrorMarks((), (*tops, (f"τ = {format_number(10.0 ** tolerance, '.2g')}", beside, "center-left")))
 
     parts = (*body.parts, Part("column step", Box((RIGHT - LEFT, DEEP, FLOOR)), BENCH),
-             Part("column wall", Box((RIGHT - LEFT, WALL, TOP)), DARK_GREY),
-             *(Part(f"column mark {k}", Box((long, 0.01, 0.012)), METAL) for k in range(len(MARKS))),
+             Part("column wall", Box((RIGHT - LEFT, WALL, TOP)), COLOURS["grey"]),
+             *(Part(f"column mark {k}", Box((long, 0.01, 0.012)), DARK_GREY) for k in range(len(MARKS))),
              *(Part(f"column {k}", Rod(thick), COUNTS) for k in range(states)),
-             Part("tolerance", Box((long, PLATE_DEEP, PLATE)), COLOURS["glass"], opacity=0.6))
+             Part("tolerance", Box((long, PLATE_DEEP, PLATE)), COLOURS["force"], opacity=0.6))
     labels = (*((name, (MARKS_AT, WALL_Y - WALL, FLOOR + high_of(decade) + LETTER)) for name, decade in MARKS),
               (text("singular values of O over the largest; plate: tolerance τ"), (middle, NEAR - DEEP / 2 - 0.08, 0.0)))
     return replace(body, parts=parts, pose=pose, labels=labels, marks=sizes, names=tuple(name for name in body.names if name.part in kept),

@@ -17,7 +17,8 @@ from observer_lab.engine.design import in_natural_units
 from observer_lab.engine.filters.linear.filter_trial import simulate_filter
 from observer_lab.lessons.sandbox.analyses import ASSUMED_NOISE_RATIOS, RECORD_SAMPLES, UNTESTED_SAMPLES, Refusal, noises, trial
 from observer_lab.lessons.sandbox.lesson import LESSON
-from observer_lab.lessons.sandbox.number_bars import body_of
+from observer_lab.lessons.sandbox.number_bars import body_of, decades_of
+from observer_lab.lessons.sandbox.questions import grouped
 from observer_lab.plants.examples import EXAMPLES, example
 from observer_lab.plants.own_plant import canonical_text, own_model, plant_of
 
@@ -183,23 +184,48 @@ def test_the_margin_is_spent_by_weights_and_by_poles_and_the_observer_keeps_to_i
         "Disk margin 1.47; 1.0 within 5 % is wanted."]
 
 
-def test_the_bars_before_the_plant_are_gain_and_margin_beside_those_at_the_start_and_nis_beside_the_expected() -> None:
-    """A bar is log₁₀ of its number, from a tenth to ten, 3.2 long; its words are that number."""
+def test_the_bars_before_the_plant_are_gain_disk_margin_and_nis_over_the_expected_with_rings_at_the_start() -> None:
+    """A bar is log₁₀ of its number, from a tenth to a hundred, 3.2 long; its words are that number, as in card and formula."""
     start = LESSON.start()
     first, fast, wrong = (LESSON.compute(design) for design in (
         start, LESSON.apply(start, {"observer_poles": (-7.18, -6.87, -5 - 2j, -5 + 2j)}), LESSON.apply(start, {"belief": 1000.0})))
     for outcome in (first, fast, wrong):
         stage, k = outcome.stage, 30
         assert stage is not None and stage.xhat is not None and stage.body.marks is not None
-        times = (np.abs(outcome.gains["L"]).max() / np.abs(first.gains["L"]).max(),
-                 outcome.metrics["disk_margin"] / first.metrics["disk_margin"], np.mean(outcome.study.trial.values[20:]) / 2)
+        numbers = np.abs(outcome.gains["L"]).max(), outcome.metrics["disk_margin"], np.mean(outcome.study.trial.values[20:]) / 2
+        begun = np.abs(first.gains["L"]).max(), first.metrics["disk_margin"], np.mean(first.study.trial.values[20:]) / 2
         poses = stage.body.pose(stage.x[k].tolist(), 1.0)
         long = [poses[f"bar {j}"].scale[2] for j in range(3)]
-        np.testing.assert_allclose(long, 3.2 * np.clip((np.log10(times) + 1) / 2, 0.004, 1), rtol=1e-6)
+        np.testing.assert_allclose(long, 3.2 * np.clip((np.log10(numbers) + 1) / 3, 0.004, 1), rtol=1e-6)
         said = [float(words) for words, *_ in stage.body.marks(stage.x[k].tolist(), stage.xhat[k].tolist(), 1.0).words]
-        np.testing.assert_allclose(said, times, rtol=0.05)
-        for j in range(3):  # the pale bars are those of 1
-            assert poses[f"start {j}"].position[0] == pytest.approx(poses[f"bar {j}"].position[0] + 0.8)
+        np.testing.assert_allclose(said, numbers, rtol=5e-3)
+        for j in range(3):  # the rings are where the bars end at the start
+            along = poses[f"start {j}"].position[0] - poses[f"bar {j}"].position[0]
+            assert along == pytest.approx(3.2 * (np.log10(begun[j]) + 1) / 3)
+        marks = [words("en") for words, _ in stage.body.labels if words("en") in ("0.1", "1", "10", "100")]
+        assert marks == ["0.1", "1", "10", "100"]
+
+
+def test_the_bars_of_every_plant_have_room_about_what_they_begin_with() -> None:
+    for name in EXAMPLES:
+        model = own_model(plant_of(example(name)))
+        low, high = decades_of(model)
+        assert model.observer is not None and low <= -1 and high >= 2, name
+        assert 10.0**low < np.abs(model.observer.gain).max() < 10.0**high, name
+
+
+def test_the_dots_of_the_question_are_means_of_seven_values_of_nis_over_the_two_expected() -> None:
+    """Without the first twenty samples; the filter that assumes 1000 times the noise lies far below as the record goes on."""
+    start = LESSON.start()
+    now, after = (LESSON.compute(LESSON.apply(start, {"belief": belief})) for belief in (1.0, 1000.0))
+    for outcome in (now, after):
+        t, means = grouped(outcome.study.trial)
+        values = outcome.study.trial.values
+        assert len(means) == (len(values) - 20) // 7 == 20
+        by_hand = [sum(values[20 + 7 * k:27 + 7 * k]) / 7 / 2 for k in range(20)]
+        np.testing.assert_allclose(means, by_hand)
+        assert t[0] == pytest.approx(np.mean(outcome.study.trial.t[20:27]))
+        assert np.mean(means) == pytest.approx(outcome.metrics["nis_share"], rel=0.05)
 
 
 def test_the_aircraft_banks_and_turns_its_nose_as_the_tubes_say_and_stands_on_no_other_plant() -> None:
