@@ -27,7 +27,7 @@ DECK = replace(with_longer_arrows(model.body(), FORCE_ARROWS, 3), gain=MOTION_GA
                             "Green: coil forces. Coloured bars: with control. Grey bars: without control"))
 FULL_BAR_UM_S, FULL_BAR_SHAPED_UM_S, FULL_BAR_DB = 200.0, 20.0, 60.0  # of a full bar: velocity on white and on shaped ground; reduction
 WANTED_DB = 20.0  # that has a mark on the rails
-DELAY_AT, DAMPING_AT, FRICTION_AT = (2.1, -0.7, 1.95), (-0.72, -0.7, 1.0), (1.5, -0.9, 0.46)  # at coil, dashpot and guide
+DELAY_AT, DAMPING_AT, FRICTION_AT = (2.1, -0.7, 1.95), (-0.72, -0.7, 1.0), (0.5, -0.9, 0.72)  # at coil, dashpot and guide
 OF_THIS_RUN = text("RMS velocity after 1 s; grey: without control"), "µm/s"
 BARS = MappingProxyType({
     OF_RUN: OF_THIS_RUN, LATE: OF_THIS_RUN, IN_BAND: (text("RMS velocity, 0.5–3 Hz; grey: without control"), "µm/s"),

@@ -197,6 +197,8 @@ def _stage_velocity(outcome: Outcome[Study]) -> LineFigure:
                       (Curve(below, rival, roles[1], "solid", 0.8), Curve(text("without control"), ghost, "muted", "dash", 2.4),
                        Curve(above, v, roles[0], width=2.4)), "v [µm/s]",
                       caption=UNSTABLE_CAPTION if not _held(outcome) else
+                      text("RMS after 1 s: {sizes:.3g} µm/s, {sizes3:.3g} µm/s without control. The loop of the lower deck is unstable.",
+                           sizes=sizes[0], sizes3=sizes[2]) if not m.stable[who[1]] else
                       text("RMS after 1 s: {sizes:.3g} µm/s, {sizes2:.3g} µm/s on the lower deck, {sizes3:.3g} µm/s without control.",
                            sizes=sizes[0], sizes2=sizes[1], sizes3=sizes[2]),
                       tab=RUN_TAB, window=(-500.0, 500.0))

@@ -341,6 +341,8 @@ def test_the_lane_of_the_delay_has_its_bead_at_the_delay_and_an_unstable_deck_sa
         assert (poses["lane bead"].position[0] - begin) / (end - begin) == pytest.approx(delay / 10)
         assert stage.body.labels[1][0]("en") == ("two SISO loops: unstable" if lost else "two SISO loops")
         assert (poses["lower bar"].scale[2] == pytest.approx(1.05 * 3.6)) == lost
+        caption = next(f.caption("en") for f in LESSON.figures(outcome(bars="late", delay=delay)) if f.id == "stage_velocity")
+        assert ("lower deck is unstable" in caption) == lost and ("on the lower deck" in caption) != lost
     plain = outcome().stage
     assert plain is not None and not any(part.name.startswith("lane") for part in plain.body.parts)
 

@@ -33,7 +33,7 @@ def two_decks(deck: Body, states: int, inputs: int, names: tuple[Text, Text],
     of the decks, `ticks` are shares with a mark on each rail. Where the ghost has a bar, it lies `beside`. Each deck and its bar have one
     of the `colours`. `rings` are the shares of both bars before, and a `lane` before the lower deck has a bead at a share, and words.
     """
-    heights = (STOREY, 0.0)
+    heights, titles_at = (STOREY, 0.0), TITLES_AT if lane is None else 2 * TITLES_AT[:1]
     rails = {f"{floor} rail": Pose((RAIL_AT[0], RAIL_AT[1], RAIL_AT[2] + height)) for floor, height in zip(FLOORS, heights, strict=True)}
     rails |= {f"{floor} tick {k}": Pose((BAR_FROM + BAR_LONG * share, RAIL_AT[1] - 0.06, RAIL_AT[2] + height))
               for floor, height in zip(FLOORS, heights, strict=True) for k, share in enumerate(ticks)}
@@ -86,7 +86,7 @@ def two_decks(deck: Body, states: int, inputs: int, names: tuple[Text, Text],
         deck, parts=parts, pose=pose, arrows=arrows, anchors=anchors, marks=marks,
         labels=(*((words, _raised(NAME_AT, height)) for words, height in zip(names, heights, strict=True)),
                 *((words, _raised(place, height)) for words, place in tags for height in heights),
-                *((words, _raised(at, height)) for words, at, height in zip(titles, TITLES_AT, heights, strict=True)),
+                *((words, _raised(at, height)) for words, at, height in zip(titles, titles_at, heights, strict=True)),
                 *(() if lane is None else ((lane[1], (BAR_FROM + LANE_LONG / 2, LANE_Y - 0.06, 0.0)),))),
         names=tuple(replace(name, part=f"upper {name.part}") for name in deck.names))
 
