@@ -195,3 +195,11 @@ def test_names_below_a_row_of_tubes_hang_in_rows_where_they_would_meet(em: float
     ]
     assert not any(a.meets(b) for a, b in itertools.combinations(boxes, 2))
     assert [words for words, _ in placed] == names and placed[0][1] == (0.0, 0.0, 0.13)
+
+
+@pytest.mark.parametrize("em", SIZES)
+def test_names_of_rows_nearer_than_a_letter_is_high_follow_each_other_without_a_gap(em: float) -> None:
+    """On a phone, where letters are large beside the plant: the fifth name is still next to its own row."""
+    tall = ROW_HEIGHT_EM * em
+    placed = stagger_names([("δ", (0.0, 0.0, -0.9 * tall * k)) for k in range(5)], em)
+    assert [z for _, (_, _, z) in placed] == pytest.approx([-tall * k for k in range(5)])

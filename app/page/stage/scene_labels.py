@@ -61,15 +61,15 @@ class SceneLabels:
 
 
 def stagger_names(names: Sequence[tuple[str, Vector]], em: float) -> tuple[tuple[str, Vector], ...]:
-    """Names that hang from places of the scene, in letters of a size: one that would lie on another hangs rows lower."""
+    """Names that hang from places of the scene, in letters of a size: one that would lie on another hangs just below it."""
     taken, out = list[Box](), list[tuple[str, Vector]]()
     for words, (x, y, z) in names:
-        half = em * (text_width(words, 1.0) + NAME_GAP_EM) / 2
-        low = z
-        while any(Box(x - half, -low, x + half, ROW_HEIGHT_EM * em - low).meets(other) for other in taken):
-            low -= ROW_HEIGHT_EM * em * 1.001
-        taken.append(Box(x - half, -low, x + half, ROW_HEIGHT_EM * em - low))
-        out.append((words, (x, y, low)))
+        half, tall = em * (text_width(words, 1.0) + NAME_GAP_EM) / 2, ROW_HEIGHT_EM * em
+        box = Box(x - half, -z, x + half, tall - z)
+        while met := [other.bottom for other in taken if box.meets(other)]:
+            box = Box(box.left, max(met), box.right, max(met) + tall)
+        taken.append(box)
+        out.append((words, (x, y, -box.top)))
     return tuple(out)
 
 

@@ -13,7 +13,7 @@ from .body import BENCH, DARK_GREY, PLANT_COLOUR, STEEL, Ball, Box, Part, Pose, 
 LEFT, RIGHT = -2.35, 2.35  # ends of the panel
 NAMES, TRACK, TRACK_HALF = -1.72, -0.76, 0.36  # x of the names, middle and half of a bead's track
 ZERO, HALF = 1.06, 1.08  # x of the value 0, and length of a bar of 1
-EDGE_Y, PITCH, STEP, FOOT = -0.45, 0.165, 0.195, 0.09  # y of the upper edge; to the next row, and down to it; height of the lower edge
+EDGE_Y, PITCH, STEP, FOOT = -0.45, 0.165, 0.215, 0.07  # y of the upper edge; to the next row, and down to it; height of the lower edge
 FIRST_ROW, AXIS_ROW, MARGIN = 0.6, 1.05, 0.45  # rows from the upper edge to the first row, from the last to the axis, from there to the end
 THIN, THICK, BEAD = 0.06, 0.1, 0.095  # radius of a part's bar, of the sum's, of a bead
 LEAST = 0.004  # the least share that is drawn
