@@ -36,62 +36,77 @@ ASIDE = (0.85, -0.4, 0.3)  # from the block to its name: above it are the readin
 LEAST_HALF = 0.01  # stage units: a band is no narrower
 EXPECTED_Z, CAP, BAR, MIDDLE = LOWEST + BAND_HIGH + 0.08, 0.16, 0.028, 0.055  # of the bar of ŷ ± 3σ: its z, height of its ends, radii
 ENDS = ("low", "high")
-NAME_GAP, SPEED_NAME = 0.1, 0.08  # stage units from what is drawn to its letter, from the bar of the velocity up to it
+NAME_GAP = 0.1  # stage units from what is drawn to its letter
 SPEED_LONG, SPEED_MOST, SPEED_THICK = 0.2, 1.4, 0.055  # stage units: a bar of 1 m/s, the longest, its radius
-SPEED_AT = -0.62, RAIL_TOP + 0.3 * BLOCK_EDGE  # y and z of the bars of the velocity
+SPEED_Z, SPEED_STEP = EXPECTED_Z + 0.26, 0.2  # z of the bar of the velocity, and up to that of its estimate
 READING_PARTS = (
     *(Part(f"reading {k}", Ball(0.034), COLOURS["second"]) for k in range(READINGS)),
     Part("noise band", Box((2.0, 0.02, BAND_HIGH)), COLOURS["second"], opacity=0.22),
     Part("true position", Box((0.014, 0.03, EXPECTED_Z + CAP / 2 - LOWEST)), COLOURS["plant"]),
-    Part("estimate bar", Rod(BAR), COLOURS["estimate"]), Part("estimated position", Ball(MIDDLE), COLOURS["estimate"]),
-    *(Part(f"estimate {end}", Box((0.03, 0.1, CAP)), COLOURS["estimate"]) for end in ENDS),
-    Part("velocity", Rod(SPEED_THICK), COLOURS["plant"], twin=True),
+    Part("estimate bar", Rod(BAR), COLOURS["estimate"], twin=True, unseen=True, edged=False),
+    Part("estimated position", Ball(MIDDLE), COLOURS["estimate"], twin=True, unseen=True, edged=False),
+    *(Part(f"estimate {end}", Box((0.03, 0.1, CAP)), COLOURS["estimate"], twin=True, unseen=True, edged=False) for end in ENDS),
+    Part("velocity", Rod(SPEED_THICK), COLOURS["plant"]),
+    Part("estimated velocity", Rod(SPEED_THICK), COLOURS["estimate"], twin=True, unseen=True, edged=False),
 )
 
 
-def with_readings(body: Body) -> Body:
-    """The block under its readings and the bar of its estimate ± 3σ, with a bar for its velocity.
+def _long(speed: float) -> float:
+    """How long the bar of a velocity in m/s is, to the left where it is negative."""
+    return bound_displacement(SPEED_LONG * float(speed), SPEED_MOST)
 
-    After the two states a record holds σ of one reading, the estimate of the position, three times its σ, and the last readings, all
-    in m.
+
+def with_readings(body: Body) -> Body:
+    """The block under its readings and the bar of its estimate ± 3σ, with a bar for its velocity and that of the estimate.
+
+    After the two states a record holds σ of one reading, three times σ of the estimate, and the last readings, all in m.
     """
     def across(metres: float, gain: float) -> float:
         return REST_POSITION + bound_displacement(metres * STAGE_SCALE * gain, MAX_DRAWN_DISPLACEMENT)
 
     def pose(x: Sequence[float], gain: float) -> Mapping[str, Pose]:
-        true, sigma, believed, wide = float(x[0]), *map(float, x[2:5])
+        true, sigma, wide = map(float, (x[0], *x[2:4]))
         ends = across(true - sigma, gain), across(true + sigma, gain)
-        expected = [(across(believed + sign * wide, gain), FRONT, EXPECTED_Z) for sign in (-1, 1)]
+        expected = [(across(true + sign * wide, gain), FRONT, EXPECTED_Z) for sign in (-1, 1)]
         middle = LOWEST - STEP / 2 + BAND_HIGH / 2
-        poses = {f"reading {k}": Pose((across(float(y), gain), FRONT, LOWEST + k * STEP)) for k, y in enumerate(x[5:])}
+        poses = {f"reading {k}": Pose((across(float(y), gain), FRONT, LOWEST + k * STEP)) for k, y in enumerate(x[4:])}
         poses |= {f"estimate {end}": Pose(at) for end, at in zip(ENDS, expected, strict=True)}
         half = max((ends[1] - ends[0]) / 2, LEAST_HALF)
-        here, long = across(true, gain), bound_displacement(SPEED_LONG * float(x[1]), SPEED_MOST)
-        poses["velocity"] = pose_between((here, *SPEED_AT), (here + long, *SPEED_AT))
+        here, long = across(true, gain), _long(x[1])
+        poses |= {name: pose_between((here, FRONT, z), (here + long, FRONT, z))
+                  for name, z in (("velocity", SPEED_Z), ("estimated velocity", SPEED_Z + SPEED_STEP))}
         line = (across(true, gain), FRONT + 0.03, (LOWEST + EXPECTED_Z + CAP / 2) / 2)
         return {**body.pose(x, gain), **poses, "true position": Pose(line),
-                "estimate bar": pose_between(*expected), "estimated position": Pose((across(believed, gain), FRONT, EXPECTED_Z)),
+                "estimate bar": pose_between(*expected), "estimated position": Pose((across(true, gain), FRONT, EXPECTED_Z)),
                 "noise band": Pose(((ends[0] + ends[1]) / 2, FRONT + 0.06, middle), scale=(half, 1.0, 1.0))}
 
     def marks(x: Sequence[float], xhat: Sequence[float], gain: float) -> ErrorMarks:
         own = ErrorMarks((), ()) if body.marks is None else body.marks(x, xhat, gain)
-        left = min(across(float(y), gain) for y in x[5:])
+        left = min(across(float(y), gain) for y in x[4:])
         return ErrorMarks(own.bars, (
-            *own.words, ("ŷ ± 3σ", (across(float(x[3]) + float(x[4]), gain) + NAME_GAP, FRONT, EXPECTED_Z), "center-left"),
+            *own.words, ("ŷ ± 3σ", (across(float(xhat[0]) + float(x[3]), gain) + NAME_GAP, FRONT, EXPECTED_Z), "center-left"),
             ("y", (left - NAME_GAP, FRONT, LOWEST + 0.25 * BAND_HIGH), "center-right"),
-            ("v", (across(float(x[0]), gain), SPEED_AT[0], SPEED_AT[1] + SPEED_NAME), "bottom-center")))
+            *((name, (across(float(at), gain) + long + (NAME_GAP if long > 0 else -NAME_GAP), FRONT, z),
+               "center-left" if long > 0 else "center-right") for name, at, long, z in (
+                ("v", x[0], _long(x[1]), SPEED_Z), ("v̂", xhat[0], _long(xhat[1]), SPEED_Z + SPEED_STEP)))))
 
     names = tuple(replace(name, away=name.away if name.ghost else ASIDE) for name in body.names if name.part != "spring")
     return replace(body, parts=(*body.parts, *READING_PARTS), pose=pose, marks=marks, names=(
         *names, PartName(text("the last 12 readings"), "reading 2", (0.8, -0.2, 0.15)),
-        PartName(text("velocity"), "velocity", (0.3, -0.35, -0.4))))
+        PartName(text("velocity"), "velocity", (-0.7, -0.1, 0.05))))
 
 
 def stage_with_readings(stage: Stage, y: np.ndarray, sigma: float, expected: np.ndarray) -> Stage:
-    """The stage of a run with the readings y (n_t,) of the sensor, before the first one none; 3σ of the estimate is `expected` (n_t,)."""
-    assert stage.xhat is not None
-    more = np.column_stack([np.full(len(y), sigma), stage.xhat[:, 0], expected, last_readings(y, READINGS)])
-    return replace(stage, x=np.hstack([stage.x, more]), xhat=np.hstack([stage.xhat, more]), readings=READINGS)
+    """The stage of a run with the readings y (n_t,) of the sensor, before the first one none; 3σ of the estimate is `expected` (n_t,).
+
+    Beside a running plant, whose start is not known, it is that at the end.
+    """
+    def with_bar(wide: np.ndarray) -> Stage:
+        more = np.column_stack([np.full(len(y), sigma), wide, last_readings(y, READINGS)])
+        return replace(stage, x=np.hstack([stage.x, more]), xhat=None if stage.xhat is None else np.hstack([stage.xhat, more]),
+                       readings=READINGS)
+
+    return replace(with_bar(expected), plain=with_bar(np.full(len(y), expected[-1])))
 
 
 OBSERVER_SPEEDS = np.logspace(-0.5, 2.5, 61)  # rad/s

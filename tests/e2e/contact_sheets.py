@@ -29,7 +29,7 @@ from tab import ANSWERED, DRAWN, FLAGS, UNDRAWN, eventually
 
 from observer_lab.course.guiding.predictions import prediction_of
 from observer_lab.course.lesson import Lesson
-from observer_lab.course.scenes import Choose, Press, Scene
+from observer_lab.course.scenes import Choose, Press, Scene, entry_values
 from observer_lab.lessons import LESSONS
 from observer_lab.page.guide.guide_panel import BUTTONS
 from observer_lab.session.state.saved_state import SavedState
@@ -91,7 +91,9 @@ def scenes(page: Page, address: str, lesson: Lesson, asked: argparse.Namespace) 
     """Every scene of a lesson in every size, entered and answered: the size, the breaches, which are printed, and the picture."""
     mode = "present" if asked.present else "guide"
     hall = asked.present or asked.hall
-    first = SavedState(lesson.start(), asked.lang, hall, mode=mode, scene=lesson.path[0].id)
+    start = lesson.start()
+    entered = lesson.apply(start, entry_values(lesson.path, 0, start))
+    first = SavedState(entered, asked.lang, hall, mode=mode, scene=lesson.path[0].id)
     page.goto(f"{address}#{write_token(lesson, first)}")
     for k, scene in enumerate(lesson.path):
         page.wait_for_selector(".ol-dot", timeout=PATIENCE)

@@ -181,11 +181,11 @@ def test_the_bar_above_the_readings_is_the_estimate_and_three_standard_deviation
     stage, L, w = o.stage, o.gains["L"], o.design["w"]
     A, B, C = np.array([[0.0, 1.0], [-1.0, -0.5]]), np.array([[0.0], [1.0]]), np.array([[1.0, 0.0]])
     P = solve_continuous_lyapunov(A - L @ C, -(w * B @ B.T + v * L @ L.T))
-    poses = stage.body.pose(stage.x[-1].tolist(), stage.body.gain)
-    assert stage.x[-1, 4] == pytest.approx(3 * np.sqrt(P[0, 0]), rel=2e-2)
+    poses = stage.body.pose(stage.xhat[-1].tolist(), stage.body.gain)
+    assert stage.x[-1, 3] == pytest.approx(3 * np.sqrt(P[0, 0]), rel=2e-2)
     for name, times in (("estimate low", -3), ("estimated position", 0), ("estimate high", 3)):
-        at = float(o.run.xhat[-1, 0]) + times * stage.x[-1, 4] / 3
+        at = float(o.run.xhat[-1, 0]) + times * stage.x[-1, 3] / 3
         block = stage.body.pose([at, *stage.x[-1, 1:].tolist()], stage.body.gain)["block"]
         assert poses[name].position[0] == pytest.approx(block.position[0], abs=1e-9)
-    (_, name, _, _) = stage.body.marks(stage.x[-1].tolist(), stage.xhat[-1].tolist(), stage.body.gain).words
+    _, name, *_ = stage.body.marks(stage.x[-1].tolist(), stage.xhat[-1].tolist(), stage.body.gain).words
     assert name[0] == "ŷ ± 3σ" and name[1][0] > poses["estimate high"].position[0]

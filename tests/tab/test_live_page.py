@@ -169,7 +169,9 @@ def test_ghost_alone_moves_with_a_line_between_two_pictures(tmp_path) -> None:
     stands = {name: screen.values[f"scene:/ghost/{name}", "@SetPositionMessage"]["position"] for name in moved}
     assert all(np.allclose(place, pose[name].position, rtol=0, atol=1e-9) for name, place in stands.items())
     nodes = {f"scene:/{root}/{part.name}" for root in ("ghost", "plant") for part in body.parts}
-    assert {name for name, _ in changed} <= nodes | {"scene:/errors", "scene:/forces", "scene:/error-bars", "scene:/error-words/0"}
+    ghost = [*xhat, *shown.outcome.stage.x[0, len(xhat):]]
+    words = {f"scene:/error-words/{k}" for k, _ in enumerate(body.marks(ghost, ghost, body.gain).words)}
+    assert {name for name, _ in changed} <= nodes | words | {"scene:/errors", "scene:/forces", "scene:/error-bars"}
     stage = desk.stage(shown.outcome)
     assert np.array_equal(stage.x[-1, -stage.readings:], [design.y[k, 0] for k in range(30, 18, -1)])
 
