@@ -25,6 +25,7 @@ from observer_lab.page.stage.body_extent import body_corners, reach
 from observer_lab.page.stage.map_board import NEARER, place, written
 from observer_lab.page.stage.part_names import WORDS_SIZE, PartNames, _anchor, _end_of_line
 from observer_lab.page.stage.pole_boards import BOARD_HEIGHT, BOARD_WIDTH, board_contains
+from observer_lab.page.stage.scene_labels import stagger_names
 from observer_lab.page.stage.stage import StageView, factors, factors_at
 from observer_lab.page.stage.viewpoint import BOARD_MARGIN, SIGHT, Viewpoint, board_place
 from observer_lab.plants import MODELS
@@ -324,6 +325,28 @@ def test_no_words_on_a_stage_lie_on_others() -> None:
                 common = np.minimum(a[2:], b[2:]) - np.maximum(a[:2], b[:2])
                 assert (common <= RIM).any(), f"{one} and {other}: {common[0]:.3f}, {common[1]:.3f}"
     holds_for_all(itertools.product(scenes_on_stage(), CANVASES), law, name)
+
+
+def test_a_sheet_hides_no_word_of_the_stage_on_a_phone_and_half_a_row_on_a_tablet() -> None:
+    """Names that meet hang below each other there, as the stage hangs them. On a tablet boards fill what the sheet leaves."""
+    def law(case: OnStage, size: tuple[int, int], most: float) -> None:
+        camera, (boards, body) = Camera(size), opened(case.lesson.id)
+        client: Any = SimpleNamespace(camera=camera, atomic=nullcontext)
+        view, charted = Viewpoint(client), case.map is not None
+        view.compose(boards or charted, charted, False, below=True, body=body)
+        view.camera(case.scene.view)
+        em = view.letters(False) * view.nearness()
+        hung = [word for word in case.named if word.anchor == "top-center" and word.size == 1.0]
+        for k, _ in enumerate(languages()):
+            names = stagger_names([(word.said[k], word.at) for word in hung], em)
+            for said, at in (*((said, (x, y, z - LINE * em)) for said, (x, y, z) in names),
+                             *((word.said[k], word.at) for word in case.named if word not in hung)):
+                (_, low), = seen(camera, np.array([at]))
+                assert low >= ABOVE_SHEET - most, f"{said}: {low:.2f}"
+    cases = [case for case in scenes_on_stage() if case.map is None]
+    holds_for_all(((case, size, most) for case in cases for size, most in (((390, 844), -0.03), ((820, 1180), 0.02))
+                   if size[0] < 400 or case.scene.view != "all"), law,
+                  lambda case, size, _: f"{case.lesson.id} {case.scene.id} {size}")
 
 
 def test_boards_and_their_plant_are_in_sight_above_a_sheet() -> None:

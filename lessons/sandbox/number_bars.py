@@ -42,7 +42,7 @@ from .rank_columns import with_columns
 
 LEAST_DECADES, ROOM, MOST_MARKS = (-1, 2), 3.0, 4  # of the bars, at least; times the start that has room; marks below them at most
 RING = 0.05, 0.3  # along a bar and across it: the flat ring that shows where the bar ended at the start
-RINGS_SAID, RINGS_SAID_AT = text("ring: at the start"), (-2.12, 0.08)  # across, and before the steps
+RINGS_SAID, RINGS_SAID_AT = text("grey: before"), (-2.12, 0.08)  # across, and before the steps
 FIRST_SENSOR, FIRST_BELIEF, FIRST_SEED = 0.01, 1.0, 1  # of the record of the start
 MARGIN_STATES = 6  # of a plant whose disk margin is drawn; that of a larger one takes too long for a hand on a knob
 BARS = (Bar(text("largest |L|"), COLOURS["second"]),

@@ -18,7 +18,11 @@ NARROW_PLANT = 1.15  # the same of a canvas that just shows the whole plant from
 SIGHT = 0.62  # radians of the field of view: the boards stay readable
 ABOVE = 1.78  # times farther away that shows the whole stage in what a sheet leaves of it, however wide that is
 ABOVE_BOARDS, BOARDS_AIM_SHARE = 2.25, 0.16  # the same two where boards stand, whose picture is full
-SHEET_AIM_SHARE, TABLE_AIM_SHARE = 0.14, 0.22  # of the way to what is looked at: aim so much lower where a sheet lies over the lower half
+SHEET_AIM_SHARE = 0.14  # of the way to what is looked at: aim so much lower where a sheet lies over the lower half
+SHEET_TOP = 0.26  # of half the canvas' height, above its middle: the upper edge of a sheet with the row of the run
+WORDS_LOW = (-1.8, -0.4)  # y and z of the lowest words before a plant
+MOST_STEPS_BACK, STEP_BACK = 20, 1.04  # times that it is looked at from farther off, and how much each time
+SKY_SHARE = 0.95  # of half the canvas' height: how high what stands above a sheet may reach
 LOWER = 0.02  # of the way to what is looked at: aim this much lower above the run in large print
 BOARDS_BEHIND = 0.9  # stage units from what the composed view looks at to the boards
 BOARD_WIDTH, BOARD_HEIGHT, BOARD_MARGIN, BOARD_ASIDE = 2.56, 2.0, 0.12, 1.58  # of the s-plane; glass around it; its middle from the stage's
@@ -148,6 +152,24 @@ def away(place: tuple[Sequence[float], Sequence[float]]) -> float:
     return abs(place[0][1] - place[1][1]) or 1.0
 
 
+def above_sheet(place: Place, back: float, drop: float, high: tuple[float, float]) -> tuple[float, float]:
+    """How many times farther off and how much lower a stage is looked at, so that a sheet hides none of it: at least `back` and `drop`.
+
+    `high` is the y and z of what reaches highest. The eye goes down by the drop; a point P is seen at u·(P − eye) / d·(P − eye), d the
+    way it looks, u upwards in the picture.
+    """
+    eye, target, slope = np.array(place[0]), np.array(place[1]), math.tan(SIGHT / 2)
+    d = (target - eye) / np.linalg.norm(target - eye)
+    u = ((0.0, 0.0, 1.0) - d[2] * d) / math.hypot(d[0], d[1])
+    for _ in range(MOST_STEPS_BACK):
+        low, top = (np.array((0.0, *at)) - target - back * (eye - target) for at in (WORDS_LOW, high))
+        drop = max(drop, float((SHEET_TOP * slope * (d @ low) - u @ low) / (u[2] - SHEET_TOP * slope * d[2])))
+        if u @ top + u[2] * drop <= SKY_SHARE * slope * (d @ top + d[2] * drop):
+            break
+        back *= STEP_BACK
+    return back, drop
+
+
 class Viewpoint:
     """From where one tab looks at its stage. A browser is told only where a place, a window or a lesson asks for another one."""
 
@@ -244,10 +266,11 @@ class Viewpoint:
         whole = place == composed.place
         if self._below:
             back = max(back, ABOVE_BOARDS if whole else ABOVE)
-            lower = BOARDS_AIM_SHARE if whole else TABLE_AIM_SHARE if place == self._plants["table"] else SHEET_AIM_SHARE
-        else:
-            lower = 0.0 if whole else self._lower
-        return back, lower * back * away(place)
+            lower = (BOARDS_AIM_SHARE if whole else SHEET_AIM_SHARE) * back * away(place)
+            title = composed.foot + BOARD_HEIGHT + BOARD_MARGIN + TITLE_HIGH[True]
+            return above_sheet(place, back, lower, (BOARDS_BEHIND, title) if whole else (0.0, self._body[1])) if (
+                whole or place in self._plants.values()) else (back, lower)
+        return back, (0.0 if whole else self._lower) * back * away(place)
 
     def _look(self) -> None:
         self._arrived = False
