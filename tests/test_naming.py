@@ -23,8 +23,9 @@ from observer_lab.page.stage.body_extent import reach
 from observer_lab.page.stage.map_board import NEARER, place, written
 from observer_lab.page.stage.pole_boards import BOARD_HEIGHT, BOARD_WIDTH, NAME_FRAME
 from observer_lab.page.stage.scene_labels import ROW_HEIGHT_EM, stagger_names
-from observer_lab.page.stage.stage import FACTORS_AT, factors
+from observer_lab.page.stage.stage import FACTORS_AT, factors, place_of_words
 from observer_lab.page.stage.viewpoint import CAMERAS, FAR, NARROW, SIGHT, Composition, away, composition, letters, retreat
+from observer_lab.plants import MODELS
 
 WINDOWS = {"laptop": (626, 768, False), "hall": (846, 1080, True), "small hall": (590, 720, True), "phone": (390, 844, False),
            "wide": (1400, 1080, True)}  # px of the stage across and up, and whether in large print
@@ -203,3 +204,25 @@ def test_names_of_rows_nearer_than_a_letter_is_high_follow_each_other_without_a_
     tall = ROW_HEIGHT_EM * em
     placed = stagger_names([("δ", (0.0, 0.0, -0.9 * tall * k)) for k in range(5)], em)
     assert [z for _, (_, _, z) in placed] == pytest.approx([-tall * k for k in range(5)])
+
+
+@pytest.mark.parametrize("em", SIZES)
+@pytest.mark.parametrize("force", [-3.0, 0.0, 2.0])
+def test_the_words_of_an_arrow_stand_past_its_head_and_nowhere_without_one(em: float, force: float) -> None:
+    """Of a cart whose motor is asked for twice as much: both forces have their words, which do not meet."""
+    body = MODELS["cart-pendulum"].body
+    arrows = body.arrows([0.0, 0.1, 0.0, 0.0], [force, 2 * force], body.gain)
+    assert [arrow.called[0]("en") for arrow in arrows if arrow.called is not None] == ["applied", "commanded"]
+    boxes = []
+    for arrow in arrows:
+        assert arrow.called is not None
+        words = arrow.called[0]("en")
+        x, _, z = place_of_words(arrow, words, em)
+        half = em * text_width(words, 1.0) / 2
+        if force == 0.0:
+            assert z < -1
+            continue
+        assert (x - arrow.head[0]) * force > 0 and abs(x - arrow.head[0]) > half
+        boxes.append(Box(x - half, -z, x + half, em - z))
+    assert not any(a.meets(b) for a, b in itertools.combinations(boxes, 2))
+    assert all(arrow.called is None for arrow in body.arrows([0.0, 0.1, 0.0, 0.0], [force], body.gain))

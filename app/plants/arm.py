@@ -205,11 +205,12 @@ def body() -> Body:
         1.0,
         text("A geared arm, to scale, and a dial of the load torque, which nothing measures. The arrow at the hand is the load, "
              "the green arrow the voltage"),
-        labels=((text("load torque [N m]"), (FACE[0], -0.5, 0.34)), (text("motor voltage"), (VOLTAGE_FOOT[0], -0.5, 0.34)),
+        labels=((text("load torque [N m]"), (FACE[0], -0.5, 0.34)), (text("motor voltage"), (VOLTAGE_FOOT[0], -0.5, 0.4)),
+                (text("thin: commanded"), (VOLTAGE_FOOT[0], -0.5, 0.22)),
                 *((same(f"{torque:g}"), on_dial(torque, NUMBER)) for torque in MARKS_NM[2:])),
         names=(
             PartName(text("motor"), "motor", (-0.5, 0.0, 0.7)),
-            PartName(text("arm: its angle is measured"), "hand", (0.5, -0.2, 0.3)),
+            PartName(text("arm: its angle is measured"), "hand", (0.5, -0.2, 0.16)),
             PartName(GHOST_NAME, "needle tip", (-0.2, -0.2, 0.5), True),
         ),
     )

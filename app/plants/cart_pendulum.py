@@ -54,6 +54,7 @@ STAGE_SCALE = 1.6  # stage units per metre
 RAIL_TOP, WHEEL = 0.36, 0.16  # top of the rail, radius of a wheel
 CART = (1.0, 0.66, 0.36)
 PIVOT = RAIL_TOP + 2 * WHEEL + CART[2] - 0.02
+WORDS_OFF = 0.08  # how far apart from these arrows' height their words are
 ASKED_ABOVE = 0.11  # of the arrow of the force that is asked for, over that of the force that acts
 MAX_DRAWN_POSITION = 0.9  # farthest drawn position of the cart
 FLAT = 1.5  # rad, farthest drawn angle of the pole
@@ -207,8 +208,11 @@ def body(parameters: Parameters = Parameters()) -> Body:
     def arrows(x: Sequence[float], u: Sequence[float], gain: float) -> tuple[Arrow, ...]:
         tail = (placed(x, gain)[0], -0.4, RAIL_TOP + 2 * WHEEL + CART[2] / 2 - 0.06)
         above = (tail[0], tail[1], tail[2] + ASKED_ABOVE)
-        return (force_arrow(tail, (1.0, 0.0, 0.0), float(u[0]), full),
-                *(force_arrow(above, (1.0, 0.0, 0.0), float(asked), full, ASKED) for asked in u[1:]))
+        acts = force_arrow(tail, (1.0, 0.0, 0.0), float(u[0]), full)
+        if len(u) == 1:
+            return (acts,)
+        asked = force_arrow(above, (1.0, 0.0, 0.0), float(u[1]), full, ASKED)
+        return replace(acts, called=(text("applied"), -WORDS_OFF)), replace(asked, called=(text("commanded"), WORDS_OFF))
 
     def anchors(x: Sequence[float], gain: float) -> tuple[Vector, ...]:
         at, _, ball = placed(x, gain)

@@ -35,7 +35,8 @@ LEAKAGE = 1.4  # W/K that makes the default chip run away
 STAGE_SCALE = 0.0125  # stage units per kelvin on the two columns
 CHIP_X, BOARD_TOP = -0.62, 0.30  # middle of the chip, top of the board
 CORE, CASE = 0.95, 1.42  # where the two columns stand
-FOOT_LABEL = -0.4, 0.24  # y and z of their names
+HEATING = CHIP_X + 0.95, -0.55, BOARD_TOP + 0.02  # the tail of the arrow of the heating power
+FOOT_LABEL = -0.2, 0.37  # y and z of their names
 SCALE_X, TICKS = 1.84, 5  # across: the numbers of the scale; its marks, 20 K from one to the next
 BAR_X, TICK = CORE - 0.31, 0.07  # where the bar of the core's error stands, half the width of its ends
 CORE_LABEL = CHIP_X, -0.42, BOARD_TOP + 0.18  # on the core: its temperature is not measured
@@ -163,7 +164,7 @@ def body(parameters: Parameters = Parameters()) -> Body:
         return poses
 
     def arrows(x: Sequence[float], u: Sequence[float], gain: float) -> tuple[Arrow, ...]:
-        return (arrow((CHIP_X, -0.72, BOARD_TOP + 0.04), (0.0, 0.0, 1.0), float(u[0]), 40.0),)
+        return (replace(arrow(HEATING, (0.0, 0.0, 1.0), float(u[0]), 40.0), called=(text("heating power"), 0.0)),)
 
     def anchors(x: Sequence[float], gain: float) -> tuple[Vector, ...]:
         return ((CORE, -0.18, level(float(x[0]), gain)), (CASE, -0.18, level(float(x[1]), gain)))

@@ -40,7 +40,7 @@ from .study import Study
 SPECTRA_TAB, CHANNEL_TAB = text("Spectra"), text("Channels")
 LOOP_TAB, TIME_TAB, FORCE_TAB = text("Controllers"), text("Time"), text("Forces")
 NANO = 1e9
-MIN_DENSITY, MAX_DENSITY = 1e-9, 1e7  # nm/s/√Hz
+MIN_DENSITY, MAX_DENSITY = 1e-9, 1e9  # nm/s/√Hz
 BARE, CLOSED, SENSOR_LABEL = text("no control"), text("closed"), text("sensor noise")
 VERTICAL_LABEL, ROTATION_LABEL = text_in("channel", "vertical"), text_in("channel", "rotation")
 HORIZONTAL_LABEL = text_in("channel", "horizontal")

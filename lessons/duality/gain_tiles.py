@@ -57,7 +57,7 @@ PAIR_DECADES = -2, 1  # of the bars of the pair
 BAR_AT, BAR_LONG, BAR_PITCH, THICK = -0.5, 1.9, 0.4, 0.09  # where bars begin, three decades of them, to the next row; radius
 BAR_TOP, NAME_AT, LEAST = 2.29, -0.62, 0.004  # z of the first bar; where the names of bars end; the least share that is drawn
 PAIR_BARS = ((text("error, forward"), COLOURS["error"]), (text("dual state, backward"), COLOURS["second"]),
-             (text("product"), COLOURS["muted"]))
+             (text("size of the product"), COLOURS["muted"]))
 AS_K, AS_L = rgb(PLANT_COLOUR), rgb(COLOURS["estimate"])
 
 

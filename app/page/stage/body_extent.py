@@ -54,9 +54,9 @@ def body_corners(stage: Stage, moments: int) -> np.ndarray:
 
 
 def reach(stage: Stage) -> tuple[float, float]:
-    """How far to either side and how high a body reaches in its run, in stage units."""
+    """How far to either side and how high a body reaches in its run with the words on it, in stage units."""
     points = body_corners(stage, MOMENTS)
-    return float(np.abs(points[:, 0]).max()), float(points[:, 2].max())
+    return float(np.abs(points[:, 0]).max()), max(float(points[:, 2].max()), *(at[2] for _, at in stage.body.labels), 0.0)
 
 
 def front_corner(stage: Stage) -> tuple[float, float]:

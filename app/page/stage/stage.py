@@ -12,9 +12,9 @@ from ...colours import COLOURS, palette, rgb
 from ...course.error_window import sample_at
 from ...course.lesson import Stage
 from ...course.pinned_designs import Ghost
-from ...plants.bodies.body import ASKED, BENCH, Body, Vector
+from ...plants.bodies.body import ASKED, BENCH, Arrow, Body, Vector
 from ...text import label_in_language
-from ..charts.text_layout import fold_lines
+from ..charts.text_layout import fold_lines, text_width
 from ..viser_private import viser_internals
 from ..viser_private.stage_frames import Frame, Value, changed_values, flatten_segments
 from ..words import phrases
@@ -39,6 +39,7 @@ BY_NIGHT = 0.66  # of the light of a picture, in the dark
 INSIDE = 0.985  # the ghost is drawn this much smaller: where it agrees, it vanishes into the body
 Place = tuple[int, tuple[int, ...]]  # the sample of the run that is shown, and of each pin's run
 BELOW: Vector = (0.0, 0.0, -9.0)
+WORDS_PAST_EM = 0.6  # letters from the head of an arrow to its words
 
 
 def factors(body: Body, language: str) -> str:
@@ -80,6 +81,7 @@ class StageView:
         self._errors: ErrorLines | None = None
         self._marks: ErrorMarkLines | None = None
         self._arrows: dict[str, str] = {}  # the node of the arrows of each role
+        self._called_arrows: dict[int, viser.LabelHandle] = {}  # the words of those that have some
         self._drawn: list[viser.SceneNodeHandle] = []  # these nodes
         self._picture: viser.ImageHandle | None = None
         self._stage: Stage | None = None
@@ -130,6 +132,9 @@ class StageView:
             shaft, head, point = THIN if role == ASKED else THICK
             self._drawn.append(self._scene.add_arrows(node, none, rgb(COLOURS["force" if role == ASKED else role]), shaft_radius=shaft,
                                                       head_radius=head, head_length=point))
+        self._called_arrows = {k: self._letters.write(f"/arrow-words/{k}", label_in_language(arrow.called[0], language), BELOW,
+                                                      "center-center") for k, arrow in enumerate(first) if arrow.called is not None}
+        self._drawn += self._called_arrows.values()
         self._errors = ErrorLines(self._scene, stage, self._trails, self._dark)
         self._clouds = [] if stage.spread is None or stage.xhat is None else [
             self._scene.add_icosphere(f"/spread/{i}", 1.0, rgb(ghostly), subdivisions=4, opacity=0.24, side="back", cast_shadow=False,
@@ -257,6 +262,8 @@ class StageView:
             for role, node in self._arrows.items():
                 drawn = [(a.tail, a.head) for a in arrows if a.role == role and math.dist(a.tail, a.head) > MIN_ARROW_LENGTH]
                 frame[node, "points"] = _segments(drawn)
+            for k, label in self._called_arrows.items():
+                frame[label.name, "position"] = place_of_words(arrows[k], label.text, self._letters.em)
         self._pins.place(samples, frame)
         self._part_names.place(poses, ghost, frame)
         return frame
@@ -267,6 +274,16 @@ class StageView:
         for handle, place in zip(self._clouds, believed, strict=True):
             frame[handle.name, "position"] = place
             frame[handle.name, "scale"] = (size, size, size)
+
+
+def place_of_words(arrow: Arrow, words: str, em: float) -> Vector:
+    """Where the middle of an arrow's words is, past its head: below the floor where the arrow is too short to be drawn."""
+    long = math.dist(arrow.tail, arrow.head)
+    if arrow.called is None or long <= MIN_ARROW_LENGTH:
+        return BELOW
+    across, ahead, up = ((head - tail) / long for tail, head in zip(arrow.tail, arrow.head, strict=True))
+    off = em * (0.5 * abs(up) + text_width(words, 0.5) * abs(across) + WORDS_PAST_EM)
+    return arrow.head[0] + off * across, arrow.head[1] + off * ahead, arrow.head[2] + off * up + arrow.called[1]
 
 
 def _segments(pairs: list[tuple[Vector, Vector]]) -> Value:

@@ -94,11 +94,15 @@ ASKED = "asked"  # the role of a force that the controller asks for
 
 @dataclass(frozen=True)
 class Arrow:
-    """A force or velocity drawn from `tail` to `head`; one that is only asked for is drawn thinner."""
+    """A force or velocity drawn from `tail` to `head`; one that is only asked for is drawn thinner.
+
+    It may be `called` by words past its head, which stand so far above it.
+    """
 
     tail: Vector
     head: Vector
     role: str = "force"
+    called: tuple[Text, float] | None = None
 
 
 @dataclass(frozen=True)

@@ -33,6 +33,7 @@ REST_POSITIONS = (-0.72, 0.72)  # middles of the blocks at rest
 BLOCK_EDGE = 0.56  # edge of a block
 MAX_DRAWN_DISPLACEMENT = 0.42  # farthest drawn displacement of a block
 MIDDLE = RAIL_TOP + BLOCK_EDGE / 2
+MAGNET_X, MAGNET_NAME = WALL - 0.13, MIDDLE + 0.5  # across: a magnet; how high its name is
 FULL_FORCE_N = 3.0  # N at which an arrow is about 0.6 long
 
 
@@ -61,8 +62,8 @@ def _fixed(left: float, right: float) -> dict[str, Pose]:
             continue
         poses[f"wall {side}"] = Pose((sign * (WALL + 0.1), 0.0, 0.12 + 0.525))
         if stiffness < 0:
-            poses[f"magnet {side} front"] = Pose((sign * (WALL - 0.13), -0.2, MIDDLE))
-            poses[f"magnet {side} back"] = Pose((sign * (WALL - 0.13), 0.2, MIDDLE))
+            poses[f"magnet {side} front"] = Pose((sign * MAGNET_X, -0.2, MIDDLE))
+            poses[f"magnet {side} back"] = Pose((sign * MAGNET_X, 0.2, MIDDLE))
         else:
             poses[f"housing {side}"] = Pose((sign * (WALL - 0.21), 0.18, RAIL_TOP + 0.14), LYING)
     return poses
@@ -129,4 +130,5 @@ def chain_body(left: float, right: float, forces: Sequence[tuple[float, float]])
         PartName(text("block 1"), "block 1", (0.0, -0.4, 0.8)),
         PartName(text("block 2"), "block 2", (0.0, -0.4, 0.8)),
         PartName(GHOST_NAME, "block 2", (0.9, -0.3, 0.62), True),
-    ))
+    ), labels=tuple((text("magnet"), (sign * MAGNET_X, -0.3, MAGNET_NAME)) for sign, stiffness in ((-1.0, left), (1.0, right))
+                    if stiffness < 0))
