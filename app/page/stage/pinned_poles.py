@@ -76,21 +76,35 @@ class PinMarks:
         said = ring_words(board)(language)
         room = self._room(board)
         self._said = self._letters.write(
-            f"{self._root}/rings", said, (LEFT, -0.06, -BOARD_HEIGHT / 2 + ABOVE), "bottom-left",
+            f"{self._root}/rings", said, (LEFT, -0.06, self._foot_of_words(board, said)), "bottom-left",
             lambda em: _fitting(said, em, room)) if said else None
         return True
 
+    def _size_of_words(self, board: Board, said: str) -> tuple[float, float]:
+        """Half the width and half the height of the words on the rings."""
+        size = _fitting(said, self._letters.em, self._room(board)) * self._letters.em
+        return text_width(said, size) / 2 + 0.25 * size, LINE_HEIGHT_EM * size / 2
+
+    def _foot_of_words(self, board: Board, said: str) -> float:
+        """How high the words on the rings stand: at the foot of the board, or below its real axis where rings or poles are at the foot."""
+        half, tall = self._size_of_words(board, said)
+        marks = [self._place(pole) for pole in (*board.poles, *(board.loop or board.began))]
+        foot = -BOARD_HEIGHT / 2 + ABOVE
+        for low in (foot, self._place(0j)[2] - 2 * tall - ABOVE):
+            if not any(x < LEFT + 2 * half + BEGAN and low - BEGAN < z < low + 2 * tall + BEGAN for x, _, z in marks):
+                return low
+        return foot
+
     def taken(self, board: Board, language: str) -> tuple[list[Place], list[tuple[float, float]]]:
         """What the words on the rings take of the board, and places on the lines from poles to their rings; nothing without rings."""
-        said, em = ring_words(board)(language), self._letters.em
+        said = ring_words(board)(language)
         if not said:
             return [], []
-        size = _fitting(said, em, self._room(board)) * em
-        half, tall = text_width(said, size) / 2 + 0.25 * size, LINE_HEIGHT_EM * size / 2
+        half, tall = self._size_of_words(board, said)
         pairs = zip(board.poles, board.loop or board.began, strict=True)
         spots = [self._place(pole + k / WAY_SPOTS * (other - pole))
                  for pole, other in pairs if pole != other for k in range(1, WAY_SPOTS + 1)]
-        return [Place(LEFT + half, -BOARD_HEIGHT / 2 + ABOVE + tall, half, tall)], [(x, z) for x, _, z in spots]
+        return [Place(LEFT + half, self._foot_of_words(board, said) + tall, half, tall)], [(x, z) for x, _, z in spots]
 
     def _room(self, board: Board) -> float:
         """How wide the words on the rings may be: to the imaginary axis, or across the board where that is at its left."""

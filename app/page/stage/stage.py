@@ -39,7 +39,7 @@ BY_NIGHT = 0.66  # of the light of a picture, in the dark
 INSIDE = 0.985  # the ghost is drawn this much smaller: where it agrees, it vanishes into the body
 Place = tuple[int, tuple[int, ...]]  # the sample of the run that is shown, and of each pin's run
 BELOW: Vector = (0.0, 0.0, -9.0)
-WORDS_PAST_EM = 0.6  # letters from the head of an arrow to its words
+WORDS_PAST_EM, LEAST_CALLED = 0.6, 0.15  # letters from the head of an arrow to its words; stage units: a shorter arrow has none
 
 
 def factors(body: Body, language: str) -> str:
@@ -277,9 +277,9 @@ class StageView:
 
 
 def place_of_words(arrow: Arrow, words: str, em: float) -> Vector:
-    """Where the middle of an arrow's words is, past its head: below the floor where the arrow is too short to be drawn."""
+    """Where the middle of an arrow's words is, past its head: below the floor where it is short."""
     long = math.dist(arrow.tail, arrow.head)
-    if arrow.called is None or long <= MIN_ARROW_LENGTH:
+    if arrow.called is None or long <= LEAST_CALLED:
         return BELOW
     across, ahead, up = ((head - tail) / long for tail, head in zip(arrow.tail, arrow.head, strict=True))
     off = em * (0.5 * abs(up) + text_width(words, 0.5) * abs(across) + WORDS_PAST_EM)
