@@ -40,6 +40,7 @@ MIN_HALF_AXIS = 0.025  # an ellipsoid is never drawn thinner
 MAX_DRAWN_DISTANCE, ARM, FAR_ARM = 3.4, 3.1, 6.5  # typical sizes: of the cloud at most, of the axes and the needle, of the axis away
 SECOND_FROM = 24  # of a record of the deck: where the state of a second one begins
 OFF, ON = rgb(COLOURS["off"]), rgb(COLOURS["plant"])
+TO_THE_FRONT = 0.38  # stage units: a vertical sensor before its usual place
 HALF_TURN = (0.0, 1.0, 0.0, 0.0)  # half a turn: a rod that hangs instead of standing
 DECK_PARAMETERS = Parameters()
 WIDEST, ROOM, POST_Y, MOST_NAMED = 1.3, 4.8, 0.28, 6  # columns: widest and whole room, how far behind their posts stand, named ones
@@ -94,13 +95,19 @@ def _carried(deck: Pose, across: float, up: float, y: float) -> Vector:
     return x + c * across - s * up, y, z + s * across + c * up
 
 
+def _before(pose: Pose) -> Pose:
+    """On the front edge of the deck, where the payload does not hide it."""
+    x, y, z = pose.position
+    return replace(pose, position=(x, y - TO_THE_FRONT, z))
+
+
 def _deck_pose(x: Sequence[float], gain: float) -> Mapping[str, Pose]:
     """State (6), places of both vertical sensors in m, which of the three are on (1 or 0), cloud (13)."""
     state, (left, right), on = x[:6], x[6:8], x[8:11]
     poses = dict(_deck_with(round(-float(left), 4)).pose(state, gain))
     other = _deck_with(round(float(right), 4)).pose(state, gain)
     for name in ("sensor", "servo", "test mass"):
-        poses[f"{name} right"] = other[f"{name} right"]
+        poses |= {f"{name} {side}": _before(placed[f"{name} {side}"]) for side, placed in (("left", poses), ("right", other))}
     across = Pose(_carried(poses["deck"], -1.45, 0.19, -0.45), poses["deck"].wxyz)
     poses["sensor across"] = across
     poses["needle across"] = pose_between(across.position, _carried(poses["deck"], -1.05, 0.19, -0.45))
@@ -126,7 +133,7 @@ def _deck() -> Body:
         text("Sensors that are on are blue; above, the states (x right, z up, θ away) that the data so far allow"),
         labels=AXIS_NAMES, names=(
             PartName(text("states that the data allow"), "cloud", (-0.95, -0.2, 0.45)),
-            PartName(text("sensor that is on"), "sensor left", (-0.9, -0.3, 0.35)), PartName(text("deck"), "deck", (-0.95, -0.7, -0.4))))
+            PartName(text("sensor that is on"), "sensor across", (-0.35, -0.1, 0.5)), PartName(text("deck"), "deck", (-0.95, -0.7, -0.4))))
 
 
 def columns_body(count: int, label: Text) -> Body:
