@@ -39,10 +39,11 @@ ENDS = ("low", "high")
 NAME_GAP = 0.1  # stage units from what is drawn to its letter
 SPEED_LONG, SPEED_MOST, SPEED_THICK = 0.2, 1.4, 0.055  # stage units: a bar of 1 m/s, the longest, its radius
 SPEED_Z, SPEED_STEP = EXPECTED_Z + 0.26, 0.2  # z of the bar of the velocity, and up to that of its estimate
+LINE_TOP = SPEED_Z + 0.12  # where the line of the true position ends, from which the bar of the velocity begins
 READING_PARTS = (
     *(Part(f"reading {k}", Ball(0.034), COLOURS["second"]) for k in range(READINGS)),
     Part("noise band", Box((2.0, 0.02, BAND_HIGH)), COLOURS["second"], opacity=0.22),
-    Part("true position", Box((0.014, 0.03, EXPECTED_Z + CAP / 2 - LOWEST)), COLOURS["plant"]),
+    Part("true position", Box((0.014, 0.03, LINE_TOP - LOWEST)), COLOURS["plant"]),
     Part("estimate bar", Rod(BAR), COLOURS["estimate"], twin=True, unseen=True, edged=False),
     Part("estimated position", Ball(MIDDLE), COLOURS["estimate"], twin=True, unseen=True, edged=False),
     *(Part(f"estimate {end}", Box((0.03, 0.1, CAP)), COLOURS["estimate"], twin=True, unseen=True, edged=False) for end in ENDS),
@@ -75,7 +76,7 @@ def with_readings(body: Body) -> Body:
         here, long = across(true, gain), _long(x[1])
         poses |= {name: pose_between((here, FRONT, z), (here + long, FRONT, z))
                   for name, z in (("velocity", SPEED_Z), ("estimated velocity", SPEED_Z + SPEED_STEP))}
-        line = (across(true, gain), FRONT + 0.03, (LOWEST + EXPECTED_Z + CAP / 2) / 2)
+        line = (across(true, gain), FRONT + 0.03, (LOWEST + LINE_TOP) / 2)
         return {**body.pose(x, gain), **poses, "true position": Pose(line),
                 "estimate bar": pose_between(*expected), "estimated position": Pose((across(true, gain), FRONT, EXPECTED_Z)),
                 "noise band": Pose(((ends[0] + ends[1]) / 2, FRONT + 0.06, middle), scale=(half, 1.0, 1.0))}
