@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from math import cos, sin
+from math import copysign, cos, sin
 from types import MappingProxyType
 from typing import Literal
 
@@ -206,13 +206,15 @@ def body(parameters: Parameters = Parameters()) -> Body:
         return poses
 
     def arrows(x: Sequence[float], u: Sequence[float], gain: float) -> tuple[Arrow, ...]:
-        tail = (placed(x, gain)[0], -0.4, RAIL_TOP + 2 * WHEEL + CART[2] / 2 - 0.06)
-        above = (tail[0], tail[1], tail[2] + ASKED_ABOVE)
-        acts = force_arrow(tail, (1.0, 0.0, 0.0), float(u[0]), full)
+        at, height = placed(x, gain)[0], RAIL_TOP + 2 * WHEEL + CART[2] / 2 - 0.06
+
+        def drawn(force: float, up: float, role: str = "force") -> Arrow:  # from the side of the cart to which it points
+            return force_arrow((at + copysign(CART[0] / 2, force), -0.4, height + up), (1.0, 0.0, 0.0), force, full, role)
+
         if len(u) == 1:
-            return (acts,)
-        asked = force_arrow(above, (1.0, 0.0, 0.0), float(u[1]), full, ASKED)
-        return replace(acts, called=(text("applied"), -WORDS_OFF)), replace(asked, called=(text("commanded"), WORDS_OFF))
+            return (drawn(float(u[0]), 0.0),)
+        return (replace(drawn(float(u[0]), 0.0), called=(text("applied"), -WORDS_OFF)),
+                replace(drawn(float(u[1]), ASKED_ABOVE, ASKED), called=(text("commanded"), WORDS_OFF)))
 
     def anchors(x: Sequence[float], gain: float) -> tuple[Vector, ...]:
         at, _, ball = placed(x, gain)
