@@ -286,7 +286,7 @@ def test_poses_that_wait_for_other_tabs_again_and_again_are_owned_up_to_once(mon
     assert tab.view.sentences() == [CROWDED] and tab.view.of("pose")
 
 
-RESTING = ("error-dynamics", "saturation", "virtual-sensor")
+RESTING = ("error-dynamics", "separation", "virtual-sensor")
 
 
 @pytest.mark.parametrize("id", RESTING)
