@@ -209,7 +209,7 @@ def test_names_of_rows_nearer_than_a_letter_is_high_follow_each_other_without_a_
 @pytest.mark.parametrize("em", SIZES)
 @pytest.mark.parametrize("force", [-3.0, 0.0, 2.0])
 def test_the_words_of_an_arrow_stand_past_its_head_and_nowhere_without_one(em: float, force: float) -> None:
-    """Of a cart whose motor is asked for twice as much: both forces have their words, which do not meet."""
+    """The motor of a cart is asked for twice the force that acts. Both arrows have their words, which do not meet."""
     body = MODELS["cart-pendulum"].body
     arrows = body.arrows([0.0, 0.1, 0.0, 0.0], [force, 2 * force], body.gain)
     assert [arrow.called[0]("en") for arrow in arrows if arrow.called is not None] == ["applied", "commanded"]

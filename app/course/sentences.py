@@ -60,6 +60,9 @@ def _stage(stage: Stage) -> Iterator[Part]:
     if stage.body.marks is not None and stage.xhat is not None:
         marks = stage.body.marks(stage.x[0].tolist(), stage.xhat[0].tolist(), stage.body.gain)
         yield from numbered("stage.mark", (words for words, *_ in marks.words if not isinstance(words, str)))
+    if stage.u is not None:
+        arrows = stage.body.arrows(stage.x[0].tolist(), stage.u[0].tolist(), stage.body.gain)
+        yield from numbered("stage.arrow", (arrow.called[0] for arrow in arrows if arrow.called is not None))
     yield from numbered("stage.note", stage.note)
 
 

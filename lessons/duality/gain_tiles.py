@@ -124,7 +124,7 @@ def _brackets(name: str, tiles: Sequence[Vector]) -> dict[str, tuple[Pose, Vecto
 
 
 def _turning(tail: Sequence[float]) -> tuple[Tile, ...]:
-    """The two entries of K_d and an angle in degrees: their copies go from the row to the column as it rises to a right angle."""
+    """The two entries of K_d and an angle in degrees. Their copies go from the row to the column as it grows to a right angle."""
     entries, turn = [float(v) for v in tail[:2]], math.radians(float(tail[2]))
     colour, gone = AS_L if float(tail[2]) >= HALF_TURN_DEG else AS_K, math.sin(turn)
     x, z = ROW_AT + (COLUMN_AT - ROW_AT) * gone, MIDDLE + (TOP - MIDDLE) * gone

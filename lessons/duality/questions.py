@@ -47,7 +47,7 @@ def predict(asked: Asked) -> DrawnQuestion:
 
 
 def surprise(asked: Asked) -> DrawnQuestion:
-    """The entries of both gains with the turned sensor, in the colours of their tiles: those of both change places, none, or those of L."""
+    """The entries of both gains with the turned sensor, in the colours of their tiles. Those of both change places, none, or those of L."""
     before, after = asked.entry.study, asked.after.study
     K, L = _entries(before.K), _entries(before.L)
     return question_of_bar_groups(text("both gains with the turned sensor"), text("gain"), (),

@@ -127,7 +127,7 @@ def _near(at: Vector) -> Vector:
 
 
 def _columns(below: Below, foot: float) -> tuple[tuple[Part, ...], dict[str, Pose], list[tuple[Text | str, Vector]]]:
-    """A numbered column for each singular value on a bench, those of the model's states in the colour of estimates, a bar at the edge."""
+    """A numbered column for each singular value on a bench, a bar at the edge. Those of the model's states have the colour of estimates."""
     if not below.columns:
         return (), {}, []
     unit, pitch, low = PANEL_HIGH * below.share / below.ends[1], PANEL_WIDTH / len(below.columns), foot + BENCH_TOP

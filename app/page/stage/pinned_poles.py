@@ -86,7 +86,7 @@ class PinMarks:
         return text_width(said, size) / 2 + 0.25 * size, LINE_HEIGHT_EM * size / 2
 
     def _foot_of_words(self, board: Board, said: str) -> float:
-        """How high the words on the rings stand: at the foot of the board, or below its real axis where rings or poles are at the foot."""
+        """How high the words on the rings stand: at the foot of the board. Where rings or poles are there, below its real axis."""
         half, tall = self._size_of_words(board, said)
         marks = [self._place(pole) for pole in (*board.poles, *(board.loop or board.began))]
         foot = -BOARD_HEIGHT / 2 + ABOVE

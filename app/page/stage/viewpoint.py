@@ -18,7 +18,7 @@ NARROW_PLANT = 1.15  # the same of a canvas that just shows the whole plant from
 SIGHT = 0.62  # radians of the field of view: the boards stay readable
 ABOVE = 1.78  # times farther away that shows the whole stage in what a sheet leaves of it, however wide that is
 ABOVE_BOARDS, BOARDS_AIM_SHARE = 2.25, 0.16  # the same two where boards stand, whose picture is full
-SHEET_AIM_SHARE = 0.14  # of the way to what is looked at: aim so much lower where a sheet lies over the lower half
+SHEET_AIM_SHARE = 0.14  # of the way to what is looked at: aim this much lower where a sheet lies over the lower half
 SHEET_TOP = 0.26  # of half the canvas' height, above its middle: the upper edge of a sheet with the row of the run
 WORDS_LOW = (-1.8, -0.4)  # y and z of the lowest words before a plant
 MOST_STEPS_BACK, STEP_BACK = 20, 1.04  # times that it is looked at from farther off, and how much each time
@@ -153,10 +153,10 @@ def away(place: tuple[Sequence[float], Sequence[float]]) -> float:
 
 
 def above_sheet(place: Place, back: float, drop: float, high: tuple[float, float]) -> tuple[float, float]:
-    """How many times farther off and how much lower a stage is looked at, so that a sheet hides none of it: at least `back` and `drop`.
+    """How many times farther off, and how much lower, a stage is looked at, so that a sheet hides none of it.
 
-    `high` is the y and z of what reaches highest. The eye goes down by the drop; a point P is seen at u·(P − eye) / d·(P − eye), d the
-    way it looks, u upwards in the picture.
+    At least `back` and `drop`. `high` is the y and z of what reaches highest. The eye goes down by the drop; a point P is seen at
+    u·(P − eye) / d·(P − eye), d the way it looks, u upwards in the picture.
     """
     eye, target, slope = np.array(place[0]), np.array(place[1]), math.tan(SIGHT / 2)
     d = (target - eye) / np.linalg.norm(target - eye)
